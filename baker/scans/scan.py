@@ -1,0 +1,53 @@
+"""The point clouds the baker works on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Scan:
+    """One point cloud with a time.
+
+    name:    what the user calls it: the file's name, without folders.
+    path:    where it was read from.
+    time:    days since the epoch of the series' time rule (only differences matter).
+    origin:  (3,) float64, the world position of the local coordinates' zero.
+    points:  (N, 3) float32, positions relative to `origin`, in the scan's own unit.
+    labels:  (N,) int64, the organ of each point, or None where the scan has no labels.
+    colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
+    date:    how the time is written for people: "2020-03-08", "day 5", "2".
+    notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
+    """
+
+    name: str
+    path: Path
+    time: float
+    origin: NDArray[np.float64]
+    points: NDArray[np.float32]
+    labels: NDArray[np.int64] | None = None
+    colors: NDArray[np.uint8] | None = None
+    date: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class Series:
+    """Scans of one plant in the order of time, at least two, all with the same `origin`.
+
+    rule:  how the times were found, one sentence for the user.
+    unit:  "days" where times are real, "scans" where they are only an order.
+    """
+
+    scans: tuple[Scan, ...]
+    rule: str
+    unit: str = "days"

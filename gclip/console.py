@@ -1,0 +1,48 @@
+"""What the commands `bake`, `play` and `grow` share: exit codes and one-sentence errors.
+
+Exit codes: 0 done, 1 our own fault, 2 wrong usage or bad input, 130 stopped with Ctrl-C.
+"""
+
+import os
+import sys
+from collections.abc import Callable
+
+from gclip.errors import UserError
+
+DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def run(command: str, work: Callable[[], None]) -> int:
+    """Do `work` and turn its outcome into an exit code, with one sentence on stderr.
+
+    Set the environment variable ``GCLIP_TRACEBACK=1`` to see the traceback of a fault of our own.
+    """
+    try:
+        work()
+    except UserError as error:
+        _say(command, str(error))
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        _say(command, "stopped; nothing was written.")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except MemoryError:
+        _say(command, "out of memory; try fewer points, for example with `bake --voxel SIZE`.")
+        return BAD_INPUT
+    except Exception as error:
+        if os.environ.get("GCLIP_TRACEBACK"):
+            raise
+        _say(
+            command,
+            f"internal error ({type(error).__name__}: {error}); this is a fault of the program, "
+            "please report it (set GCLIP_TRACEBACK=1 to see where).",
+        )
+        return OUR_FAULT
+    return DONE
+
+
+def _say(command: str, sentence: str) -> None:
+    print(f"{command}: {sentence}", file=sys.stderr)
