@@ -1,0 +1,294 @@
+"""The clip's JSON document: everything but the buffers, read field by field with clear refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, TypeVar
+
+from gclip.clip import UP_AXES, Box, Clip, Group, Interval, Motion, ScanMark, SegmentPair, Track
+from gclip.errors import ClipError
+
+VERSION = (1, 0)
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class IntervalHeader:
+    """What the document says of an interval before its buffers are looked at."""
+
+    start: float
+    end: float
+    degree: int
+    box: Box | None
+    groups: tuple[Group, ...]
+    segments: tuple[SegmentPair, ...]
+
+
+def to_json(clip: Clip) -> str:
+    """The document of a clip, byte for byte the same for the same clip."""
+    return json.dumps(
+        {
+            "version": f"{VERSION[0]}.{VERSION[1]}",
+            "up": clip.up,
+            "unit": clip.unit,
+            "time_unit": clip.time_unit,
+            "origin": list(clip.origin),
+            "floor": clip.floor,
+            "spacing": clip.spacing,
+            "scans": [
+                {"name": s.name, "time": s.time, "date": s.date, "points": s.points}
+                for s in clip.scans
+            ],
+            "tracks": [
+                {
+                    "name": t.name,
+                    "color": list(t.color),
+                    "parent": t.parent,
+                    "born": t.born,
+                    "lost": t.lost,
+                    "kind": t.kind,
+                }
+                for t in clip.track_table
+            ],
+            "intervals": [_interval_to_json(interval) for interval in clip.intervals],
+            "provenance": clip.provenance,
+        },
+        sort_keys=True,
+        separators=(",", ":"),
+        ensure_ascii=False,
+        allow_nan=False,
+    )
+
+
+def _interval_to_json(interval: Interval) -> dict[str, Any]:
+    box = interval.box
+    return {
+        "start": interval.start,
+        "end": interval.end,
+        "degree": interval.degree,
+        "box": None if box is None else {"low": list(box.low), "high": list(box.high)},
+        "groups": [
+            {"first": g.first, "count": g.count, "motion": str(g.motion)} for g in interval.groups
+        ],
+        "segments": [
+            {
+                "track": s.track,
+                "event": s.event,
+                "start_points": s.start_points,
+                "end_points": s.end_points,
+                "movers": s.movers,
+                "solver": s.solver,
+                "cost": s.cost,
+                "marginal_error": s.marginal_error,
+                "notes": list(s.notes),
+            }
+            for s in interval.segments
+        ],
+    }
+
+
+def from_json(text: str) -> tuple[Clip, list[IntervalHeader]]:
+    """A clip without intervals, and the headers of the intervals it announces.
+
+    Raises ClipError naming the field, what was found and what is allowed.
+    """
+    try:
+        root = Fields(json.loads(text), "the document")
+    except (ValueError, RecursionError) as error:
+        raise ClipError(f"its document is not valid JSON ({type(error).__name__})") from None
+    _check_version(root.text("version"))
+    scans = tuple(
+        ScanMark(f.text("name"), f.number("time"), f.text("date", ""), f.count("points"))
+        for f in root.objects("scans")
+    )
+    if len(scans) < 2:
+        raise ClipError(f"scans holds {len(scans)} entries; at least 2 are needed")
+    if any(a.time >= b.time for a, b in pairwise(scans)):
+        raise ClipError("the scans' times do not ascend")
+    fields = root.objects("tracks")
+    tracks = tuple(_track(f, i, len(fields)) for i, f in enumerate(fields))
+    if not tracks:
+        raise ClipError("tracks is empty; at least one is needed")
+    headers = [_interval_header(f, len(tracks)) for f in root.objects("intervals")]
+    _check_times(scans, headers)
+    clip = Clip(
+        scans=scans,
+        intervals=(),
+        track_table=tracks,
+        origin=root.vector("origin", (0.0, 0.0, 0.0)),
+        up=root.one_of("up", UP_AXES),
+        unit=root.text("unit", ""),
+        time_unit=root.one_of("time_unit", ("days", "scans"), "days"),
+        floor=root.number("floor", 0.0),
+        spacing=root.number("spacing", 0.0, lowest=0.0),
+        provenance=root.mapping("provenance"),
+    )
+    return clip, headers
+
+
+def _check_version(version: str) -> None:
+    major = version.split(".")[0]
+    if not (major.isascii() and major.isdigit()):
+        raise ClipError(f'its version is "{version[:20]}"; "{VERSION[0]}.0" is expected')
+    if len(major) > 6 or int(major) > VERSION[0]:
+        raise ClipError(
+            f"it was written in clip format {version[:20]}; this program reads up to "
+            f"{VERSION[0]}.x, so a newer version of it is needed"
+        )
+
+
+def _check_times(scans: tuple[ScanMark, ...], headers: list[IntervalHeader]) -> None:
+    ends = [header.end for header in headers]
+    starts = [header.start for header in headers]
+    if not headers or starts[0] != scans[0].time or ends[-1] != scans[-1].time:
+        raise ClipError("the intervals do not span the scans' times")
+    if starts[1:] != ends[:-1]:
+        raise ClipError("the intervals do not follow one another without a gap")
+    if not {scan.time for scan in scans} <= {*starts, ends[-1]}:
+        raise ClipError("a scan's time lies inside an interval")
+
+
+def _track(f: Fields, index: int, total: int) -> Track:
+    color = f.vector("color")
+    if not all(c == int(c) and 0 <= c <= 255 for c in color):
+        raise ClipError(f"{f.place}.color is {list(color)}; whole numbers from 0 to 255 are needed")
+    parent = f.optional_count("parent")
+    if parent is not None and (parent >= total or parent == index):
+        raise ClipError(f"{f.place}.parent is {parent}; another track's id below {total} is needed")
+    return Track(
+        id=index,
+        name=f.text("name"),
+        color=(int(color[0]), int(color[1]), int(color[2])),
+        parent=parent,
+        born=f.number("born", 0.0),
+        lost=f.optional_number("lost"),
+        kind=f.text("kind", "organ"),
+    )
+
+
+def _interval_header(f: Fields, tracks: int) -> IntervalHeader:
+    start, end = f.number("start"), f.number("end")
+    if start >= end:
+        raise ClipError(f"{f.place} starts at {start:g} and ends at {end:g}; it must end later")
+    degree = f.count("degree")
+    if degree not in (1, 2, 3):
+        raise ClipError(f"{f.place}.degree is {degree}; 1, 2 or 3 is allowed")
+    box = None
+    if f.present("box"):
+        corner = f.object("box")
+        box = Box(corner.vector("low"), corner.vector("high"))
+        if any(low > high for low, high in zip(box.low, box.high, strict=True)):
+            raise ClipError(f"{f.place}.box: its low corner lies above its high corner")
+    groups = tuple(
+        Group(g.count("first"), g.count("count"), Motion(g.one_of("motion", tuple(Motion))))
+        for g in f.objects("groups")
+    )
+    if not groups or any(a.stop != b.first for a, b in pairwise((Group(0, 0), *groups))):
+        raise ClipError(f"{f.place}.groups do not cover the movers one after the other")
+    segments = tuple(_segment(s, tracks) for s in f.objects("segments", optional=True))
+    return IntervalHeader(start, end, degree, box, groups, segments)
+
+
+def _segment(f: Fields, tracks: int) -> SegmentPair:
+    track = f.count("track")
+    if track >= tracks:
+        raise ClipError(f"{f.place}.track is {track}; only {tracks} tracks are named")
+    return SegmentPair(
+        track=track,
+        event=f.one_of("event", ("match", "birth", "loss")),
+        start_points=f.count("start_points"),
+        end_points=f.count("end_points"),
+        movers=f.count("movers"),
+        solver=f.text("solver", ""),
+        cost=f.number("cost", 0.0),
+        marginal_error=f.number("marginal_error", 0.0),
+        notes=tuple(str(note) for note in f.items("notes", optional=True)),
+    )
+
+
+@dataclass(frozen=True)
+class Fields:
+    """A JSON object whose fields are read by type; a wrong one is a ClipError naming its place."""
+
+    value: Any
+    place: str
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.value, dict):
+            raise ClipError(f"{self.place} is not an object")
+
+    def present(self, key: str) -> bool:
+        return self.value.get(key) is not None
+
+    def text(self, key: str, default: str | None = None) -> str:
+        return self._get(key, lambda v: isinstance(v, str), "text", default)
+
+    def number(self, key: str, default: float | None = None, lowest: float = -math.inf) -> float:
+        value = self._get(key, _is_number, "a finite number", default)
+        if value < lowest:
+            raise ClipError(f"{self.place}.{key} is {value:g}; at least {lowest:g} is needed")
+        return float(value)
+
+    def optional_number(self, key: str) -> float | None:
+        return self.number(key) if self.present(key) else None
+
+    def count(self, key: str) -> int:
+        return self._get(key, _is_count, "a whole number from 0", None)
+
+    def optional_count(self, key: str) -> int | None:
+        return self.count(key) if self.present(key) else None
+
+    def vector(
+        self, key: str, default: tuple[float, float, float] | None = None
+    ) -> tuple[float, float, float]:
+        value = self._get(
+            key,
+            lambda v: isinstance(v, list | tuple) and len(v) == 3 and all(map(_is_number, v)),
+            "three finite numbers",
+            default,
+        )
+        return float(value[0]), float(value[1]), float(value[2])
+
+    def one_of(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
+        value = self.text(key, default)
+        if value not in allowed:
+            raise ClipError(f'{self.place}.{key} is "{value[:30]}"; one of {", ".join(allowed)}')
+        return value
+
+    def items(self, key: str, optional: bool = False) -> list[Any]:
+        default: list[Any] | None = [] if optional else None
+        return self._get(key, lambda v: isinstance(v, list), "a list", default)
+
+    def object(self, key: str) -> Fields:
+        return Fields(self.value.get(key), f"{self.place}.{key}")
+
+    def objects(self, key: str, optional: bool = False) -> list[Fields]:
+        items = self.items(key, optional)
+        return [Fields(item, f"{key}[{i}]") for i, item in enumerate(items)]
+
+    def mapping(self, key: str) -> dict[str, Any]:
+        return self._get(key, lambda v: isinstance(v, dict), "an object", {})
+
+    def _get(self, key: str, accept: Callable[[Any], bool], what: str, default: T | None) -> Any:
+        value = self.value.get(key, default)
+        if value is None or not accept(value):
+            found = "missing" if key not in self.value else repr(value)[:40]
+            raise ClipError(f"{self.place}.{key} is {found}; {what} is needed")
+        return value
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _is_count(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**48

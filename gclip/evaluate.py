@@ -1,0 +1,152 @@
+"""A clip at a time, on the CPU: the truth that the shaders are tested against."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip.clip import Clip, Group, Interval, Motion
+from gclip.color import blend_srgb
+
+LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One run of movers that is visible at a time: all that a renderer needs to know.
+
+    parameter: u in [0, 1], where on their curves the movers are (motion's ease applied).
+    blend:     share of the end's colour, in [0, 1].
+    alpha:     opacity in (0, 1].
+    litter:    lying on the ground, no longer part of the plant.
+    """
+
+    interval: int
+    group: Group
+    parameter: float
+    blend: float
+    alpha: float
+    litter: bool = False
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The plant at one time.
+
+    positions: (N, 3) float32 in the frame of the input (`origin` added).
+    local:     (N, 3) float32 about `origin`: use it where world coordinates are large.
+    colors:    (N, 4) uint8 sRGB and alpha.
+    tracks:    (N,) track ids.
+    litter:    fallen organs on the ground that have not faded yet, no longer part of the plant.
+    """
+
+    day: float
+    local: NDArray[np.float32]
+    colors: NDArray[np.uint8]
+    tracks: NDArray[np.integer]
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    litter: Frame | None = None
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        return (self.local + np.asarray(self.origin)).astype(np.float32)
+
+    def __len__(self) -> int:
+        return len(self.local)
+
+
+def locate(clip: Clip, day: float) -> tuple[int, float]:
+    """The interval that a time falls into and the share of it that has passed, in [0, 1].
+
+    A scan's own time belongs to the interval that it starts (the last scan's to the last).
+    """
+    if math.isnan(day):
+        raise ValueError("the day is not a number")
+    index = bisect_right([interval.start for interval in clip.intervals], day) - 1
+    index = min(max(index, 0), len(clip.intervals) - 1)
+    interval = clip.intervals[index]
+    share = (day - interval.start) / (interval.end - interval.start)
+    return index, min(max(share, 0.0), 1.0)
+
+
+def layers_at(clip: Clip, day: float) -> list[Layer]:
+    """What is visible at a time, the plant first, then the litter."""
+    index, share = locate(clip, day)
+    plant, litter = [], []
+    for group in clip.intervals[index].groups:
+        if group.motion is Motion.MOVE:
+            plant.append(Layer(index, group, share, share, 1.0))
+        elif share == 0.0:
+            plant.append(Layer(index, group, 0.0, 0.0, 1.0))
+        elif group.motion is Motion.FALL and share < 1.0:
+            plant.append(Layer(index, group, share**2, share, 1.0))
+        elif group.motion is Motion.FALL:
+            litter.append(Layer(index, group, 1.0, 1.0, 1.0, litter=True))
+        elif group.motion is Motion.FADE and share < 1.0:
+            plant.append(Layer(index, group, share, share, 1.0 - share))
+    if index > 0 and share < LITTER_FADE:
+        litter += [
+            Layer(index - 1, group, 1.0, 1.0, 1.0 - share / LITTER_FADE, litter=True)
+            for group in clip.intervals[index - 1].groups
+            if group.motion is Motion.FALL
+        ]
+    return plant + litter
+
+
+def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
+    """(degree + 1,) weights of the Bézier points at u; they sum to 1."""
+    u = parameter
+    return np.array(
+        [math.comb(degree, i) * u**i * (1.0 - u) ** (degree - i) for i in range(degree + 1)]
+    )
+
+
+def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
+    """(n, 3) float32 positions about the clip's origin of a run of movers at u."""
+    weights = bernstein(interval.degree, parameter)
+    blended = np.zeros((len(interval.tracks[movers]), 3), np.float64)
+    for weight, points in zip(weights, interval.curve, strict=True):
+        if weight:
+            blended += weight * points[movers]
+    if interval.box is not None:
+        blended = np.asarray(interval.box.low) + interval.box.step * blended
+    return blended.astype(np.float32)
+
+
+def frame_at(clip: Clip, day: float) -> Frame:
+    """See `Clip.at`."""
+    layers = layers_at(clip, day)
+    litter = [layer for layer in layers if layer.litter]
+    return _frame(
+        clip,
+        day,
+        [layer for layer in layers if not layer.litter],
+        _frame(clip, day, litter, None) if litter else None,
+    )
+
+
+def _frame(clip: Clip, day: float, layers: list[Layer], litter: Frame | None) -> Frame:
+    nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
+    parts = [_evaluate(clip, layer) for layer in layers] or [nothing]
+    local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Frame(day, local, colors, tracks, clip.origin, litter)
+
+
+def _evaluate(
+    clip: Clip, layer: Layer
+) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
+    interval = clip.intervals[layer.interval]
+    movers = slice(layer.group.first, layer.group.stop)
+    tracks = np.asarray(interval.tracks[movers])
+    if interval.start_colors is not None and interval.end_colors is not None:
+        colors = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], layer.blend)
+    else:
+        colors = clip.palette[tracks]
+    if layer.alpha < 1.0:
+        colors = colors.copy()
+        colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
+    return positions_on_curve(interval, movers, layer.parameter), colors, tracks

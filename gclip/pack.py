@@ -1,0 +1,153 @@
+"""From float movers to an interval's buffers: grouped, ordered for the GPU, quantised."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip.clip import Box, Group, Interval, Motion, SegmentPair
+
+BLOCK = 128  # movers that stay neighbours when the blocks are shuffled
+LEVELS = 65535  # quantisation levels along each axis of the box
+FINE_ENOUGH = 0.01  # largest quantisation step, as a share of the point spacing
+
+
+@dataclass(frozen=True)
+class Movers:
+    """Movers of one motion before packing, positions in float about the clip's origin.
+
+    curve:  degree + 1 arrays of (N, 3): start, control points, end.
+    tracks: (N,) track ids.
+    start_colors, end_colors: (N, 4) uint8, or both None.
+    """
+
+    motion: Motion
+    curve: tuple[NDArray[np.floating], ...]
+    tracks: NDArray[np.integer]
+    start_colors: NDArray[np.uint8] | None = None
+    end_colors: NDArray[np.uint8] | None = None
+
+    def __len__(self) -> int:
+        return len(self.tracks)
+
+
+def pack_interval(
+    start: float,
+    end: float,
+    movers: Sequence[Movers],
+    *,
+    spacing: float,
+    precision: str = "auto",
+    segments: tuple[SegmentPair, ...] = (),
+) -> Interval:
+    """Pack an interval's movers, all of one degree.
+
+    Positions become 16-bit integers in the interval's box, unless `precision` is "float32" or a
+    quantisation step would be coarser than a hundredth of `spacing` (the point spacing).
+    Each group is sorted along a Morton curve, then shuffled in blocks of 128: the GPU reads near
+    where it just did, and a prefix of the group is a fair sample of it.
+    """
+    together = [_together([m for m in movers if m.motion is motion]) for motion in Motion]
+    present = [m for m in together if m is not None and len(m)]
+    low, high = _box([points for m in present for points in m.curve])
+    ordered = [_reordered(m, _gpu_order(m.curve[0] + m.curve[-1])) for m in present]
+    joined = _together(ordered)
+    assert joined is not None
+    box = None
+    curve: tuple[NDArray[Any], ...] = tuple(p.astype(np.float32) for p in joined.curve)
+    if precision != "float32" and (high - low).max() / LEVELS <= FINE_ENOUGH * spacing:
+        box = Box((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+        curve = tuple(_quantised(points, box) for points in joined.curve)
+    stops = np.cumsum([len(m) for m in ordered])
+    return Interval(
+        start=start,
+        end=end,
+        box=box,
+        groups=tuple(
+            Group(int(stop) - len(m), len(m), m.motion)
+            for m, stop in zip(ordered, stops, strict=True)
+        ),
+        start_positions=curve[0],
+        end_positions=curve[-1],
+        control_positions=curve[1:-1],
+        tracks=joined.tracks.astype(np.uint16 if joined.tracks.max() <= 0xFFFF else np.uint32),
+        start_colors=joined.start_colors,
+        end_colors=joined.end_colors,
+        segments=segments,
+    )
+
+
+def _together(movers: Sequence[Movers]) -> Movers | None:
+    if not movers:
+        return None
+    colored = all(m.start_colors is not None for m in movers)
+    return Movers(
+        motion=movers[0].motion,
+        curve=tuple(
+            np.concatenate(points) for points in zip(*(m.curve for m in movers), strict=True)
+        ),
+        tracks=np.concatenate([m.tracks for m in movers]),
+        start_colors=np.concatenate([m.start_colors for m in movers]) if colored else None,
+        end_colors=np.concatenate([m.end_colors for m in movers]) if colored else None,
+    )
+
+
+def _reordered(movers: Movers, order: NDArray[np.intp]) -> Movers:
+    start, end = movers.start_colors, movers.end_colors
+    return Movers(
+        motion=movers.motion,
+        curve=tuple(points[order] for points in movers.curve),
+        tracks=movers.tracks[order],
+        start_colors=None if start is None else start[order],
+        end_colors=None if end is None else end[order],
+    )
+
+
+def _box(points: Sequence[NDArray[np.floating]]) -> tuple[list[float], list[float]] | tuple:
+    low = np.min([p.min(axis=0) for p in points], axis=0).astype(float)
+    high = np.max([p.max(axis=0) for p in points], axis=0).astype(float)
+    return low, high
+
+
+def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
+    step = np.where(box.step > 0, box.step, 1.0)
+    return np.round((points - np.asarray(box.low)) / step).astype(np.uint16)
+
+
+def _gpu_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
+    order = np.argsort(morton_codes(points), kind="stable")
+    blocks = -(-len(order) // BLOCK)
+    shuffled = np.random.default_rng(0).permutation(blocks)
+    padded = np.full(blocks * BLOCK, -1, np.intp)
+    padded[: len(order)] = order
+    order = padded.reshape(blocks, BLOCK)[shuffled].ravel()
+    return order[order >= 0]
+
+
+def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
+    """(N,) Morton codes of (N, 3) positions: 21 bits an axis of the positions' box, interleaved."""
+    low = points.min(axis=0)
+    extent = float(max((points.max(axis=0) - low).max(), np.finfo(np.float32).tiny))
+    cells = ((points - low) * ((2**21 - 1) / extent)).astype(np.uint64)
+    return (
+        _spread(cells[:, 0])
+        | _spread(cells[:, 1]) << np.uint64(1)
+        | _spread(cells[:, 2]) << np.uint64(2)
+    )
+
+
+def _spread(cells: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Move the 21 low bits of each number three places apart, by doubling (Morton 1966)."""
+    for shift, mask in (
+        (32, 0x1F00000000FFFF),
+        (16, 0x1F0000FF0000FF),
+        (8, 0x100F00F00F00F00F),
+        (4, 0x10C30C30C30C30C3),
+        (2, 0x1249249249249249),
+    ):
+        cells = (cells | cells << np.uint64(shift)) & np.uint64(mask)
+    return cells
