@@ -1,0 +1,171 @@
+"""The camera: turns about a target, with the plant's own up axis kept upright."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+Vector = NDArray[np.float64]
+
+STEEPEST = math.radians(89.0)  # pitch beyond which the view would tip over
+MARGIN = 0.86  # share of the picture that a fitted plant fills
+FIELD_OF_VIEW = math.radians(28.0)
+YAW, PITCH = math.radians(-60.0), math.radians(14.0)
+
+
+def axes(up: str) -> Vector:
+    """(3, 3) rows: two horizontal axes and the up axis ("x" to "-z"), right-handed."""
+    index, sign = "xyz".index(up[-1]), -1.0 if up.startswith("-") else 1.0
+    unit = np.eye(3)
+    return np.array([unit[(index + 1) % 3], sign * unit[(index + 2) % 3], sign * unit[index]])
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A perspective camera on a sphere about its target; every move gives a new one.
+
+    target:        the point looked at, in the clip's local coordinates.
+    distance:      from the eye to the target, in the clip's length unit.
+    yaw, pitch:    the eye's direction seen from the target, in radians; pitch 0 is level.
+    field_of_view: the picture's height as an angle, in radians.
+    up:            x, y, z, -x, -y or -z.
+    radius:        of the scene, from which near and far plane follow.
+    """
+
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    distance: float = 5.0
+    yaw: float = YAW
+    pitch: float = PITCH
+    field_of_view: float = FIELD_OF_VIEW
+    up: str = "z"
+    radius: float = 1.0
+
+    @classmethod
+    def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Camera:
+        """A camera that sees the box from `bounds[0]` to `bounds[1]` whole, from every yaw.
+
+        aspect: width by height of the picture.
+        """
+        low, high = (np.asarray(corner, float) for corner in bounds)
+        middle = (low + high) / 2
+        half = np.abs(axes(up) @ (high - low)) / 2
+        around = math.hypot(half[0], half[1])
+        return cls._fit_profile(middle, [(around, -half[2]), (around, half[2])], up, aspect)
+
+    @classmethod
+    def home(cls, clip: Clip, aspect: float = 16 / 9) -> Camera:
+        """The view that a clip opens with: all of its movers in the picture, from every yaw."""
+        frame = axes(clip.up)
+        samples = [np.asarray(frame_points, float) for frame_points in _samples(clip)]
+        points = np.concatenate(samples) @ frame.T
+        low, high = points.min(axis=0), points.max(axis=0)
+        middle = (low + high) / 2
+        reach = np.hypot(*(points[:, :2] - middle[:2]).T)
+        level = points[:, 2] - middle[2]
+        profile = list(zip(reach.tolist(), level.tolist(), strict=True))
+        return cls._fit_profile(frame.T @ middle, profile, clip.up, aspect)
+
+    @classmethod
+    def _fit_profile(
+        cls, target: Vector, profile: Sequence[tuple[float, float]], up: str, aspect: float
+    ) -> Camera:
+        """Fit a solid of revolution, given as (reach, level) about the target, into the picture.
+
+        A point (right, above, towards) of it is inside where |right| and |above| are at most
+        tan × (distance - towards): the farthest distance that any point asks for is the answer.
+        """
+        reach, level = np.maximum(np.asarray(profile, float), -np.inf).T
+        angle = np.linspace(0.0, 2.0 * math.pi, 32, endpoint=False)[:, None]
+        right, near = reach * np.sin(angle), reach * np.cos(angle)
+        above = level * math.cos(PITCH) - near * math.sin(PITCH)
+        towards = near * math.cos(PITCH) + level * math.sin(PITCH)
+        slope = math.tan(FIELD_OF_VIEW / 2) * MARGIN
+        distance = np.max(towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope)
+        radius = float(np.max(np.hypot(reach, level)))
+        return cls(
+            target=_triple(target),
+            distance=max(float(distance), 1e-6),
+            up=up,
+            radius=max(radius, 1e-6),
+        )
+
+    def orbit(self, dyaw: float, dpitch: float) -> Camera:
+        """Turn about the target, in radians; the pitch stops short of straight up and down."""
+        pitch = min(max(self.pitch + dpitch, -STEEPEST), STEEPEST)
+        return replace(self, yaw=math.remainder(self.yaw + dyaw, 2 * math.pi), pitch=pitch)
+
+    def pan(self, dx: float, dy: float) -> Camera:
+        """Shift the picture right and up by shares of its height, at the target's depth."""
+        height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
+        right, above, _ = self._frame()
+        return replace(
+            self, target=_triple(np.asarray(self.target) - height * (dx * right + dy * above))
+        )
+
+    def zoom(self, factor: float) -> Camera:
+        """Come nearer by a factor above 1, go away by one below."""
+        closest, farthest = 0.02 * self.radius, 50.0 * self.radius
+        return replace(self, distance=min(max(self.distance / factor, closest), farthest))
+
+    @property
+    def near(self) -> float:
+        return max(self.distance - 4.0 * self.radius, 0.02 * self.distance)
+
+    @property
+    def far(self) -> float:
+        return self.distance + 4.0 * self.radius
+
+    @property
+    def eye(self) -> Vector:
+        """(3,) the eye's position, local coordinates."""
+        return np.asarray(self.target) + self.distance * self._frame()[2]
+
+    def view(self) -> Vector:
+        """(4, 4) from local coordinates to the eye's (right, up, backwards): M @ column."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self._frame()
+        matrix[:3, 3] = -matrix[:3, :3] @ self.eye
+        return matrix
+
+    def projection(self, aspect: float) -> Vector:
+        """(4, 4) from the eye's coordinates to OpenGL's clip coordinates: M @ column."""
+        near, far, slope = self.near, self.far, math.tan(self.field_of_view / 2)
+        return np.array(
+            [
+                [1.0 / (slope * aspect), 0.0, 0.0, 0.0],
+                [0.0, 1.0 / slope, 0.0, 0.0],
+                [0.0, 0.0, (near + far) / (near - far), 2.0 * near * far / (near - far)],
+                [0.0, 0.0, -1.0, 0.0],
+            ]
+        )
+
+    def _frame(self) -> Vector:
+        """(3, 3) rows: right, above, and from the target to the eye."""
+        first, second, upward = axes(self.up)
+        outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
+        backward = math.cos(self.pitch) * outward + math.sin(self.pitch) * upward
+        right = np.cross(upward, outward)
+        return np.array([right, np.cross(backward, right), backward])
+
+
+def _samples(clip: Clip) -> list[NDArray[np.float32]]:
+    """Some thousand positions of every interval's start and end."""
+    from gclip.evaluate import positions_on_curve
+
+    return [
+        positions_on_curve(interval, slice(None, None, max(1, len(interval) // 5000)), share)
+        for interval in clip.intervals
+        for share in (0.0, 0.5, 1.0)
+    ]
+
+
+def _triple(vector: Vector) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), float(vector[2])
