@@ -1,0 +1,134 @@
+"""The clock of the player: where in the series it stands and how it goes on. No graphics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+SECONDS_PER_INTERVAL = 2.0  # at speed 1, on average over the series
+SHORTEST, LONGEST = 4.0, 24.0  # seconds that a whole series takes at speed 1
+REST = 0.8  # seconds to look at an end before the clock goes on
+
+
+class AtEnd(StrEnum):
+    """What the clock does at the end of the series."""
+
+    LOOP = "loop"
+    PING_PONG = "back and forth"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """A clock over a series of scans; every move gives a new one.
+
+    times:     the scans' times, ascending, at least two, in the clip's unit.
+    day:       where the clock stands, from times[0] to times[-1].
+    speed:     factor on the natural speed, one of SPEEDS.
+    backwards: on its way back (PING_PONG).
+    rest:      seconds that the clock still waits at an end.
+    """
+
+    times: tuple[float, ...]
+    day: float
+    playing: bool = False
+    speed: float = 1.0
+    at_end: AtEnd = AtEnd.LOOP
+    backwards: bool = False
+    rest: float = field(default=0.0, compare=False)
+
+    @classmethod
+    def of(cls, times: list[float] | tuple[float, ...]) -> Timeline:
+        """A clock that stands at the first scan."""
+        return cls(tuple(times), times[0])
+
+    @property
+    def first(self) -> float:
+        return self.times[0]
+
+    @property
+    def last(self) -> float:
+        return self.times[-1]
+
+    @property
+    def days_per_second(self) -> float:
+        """How fast the clock goes, in the clip's unit of time."""
+        seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), SHORTEST), LONGEST)
+        return self.speed * (self.last - self.first) / seconds
+
+    @property
+    def share(self) -> float:
+        """How much of the series has passed, in [0, 1]."""
+        return (self.day - self.first) / (self.last - self.first)
+
+    @property
+    def scan(self) -> int | None:
+        """The scan that the clock stands at exactly, None in between."""
+        return self.times.index(self.day) if self.day in self.times else None
+
+    def tick(self, seconds: float) -> Timeline:
+        """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
+        clock = self
+        while clock.playing and seconds > 0.0:
+            clock, seconds = clock._to_next_turn(seconds)
+        return clock
+
+    def _to_next_turn(self, seconds: float) -> tuple[Timeline, float]:
+        """Rest, or go on to the end at most; returns the clock and the seconds left over."""
+        if self.rest > 0.0:
+            if seconds < self.rest:
+                return replace(self, rest=self.rest - seconds), 0.0
+            return self._turned(), seconds - self.rest
+        goal, sign = (self.first, -1.0) if self.backwards else (self.last, 1.0)
+        needed = abs(goal - self.day) / self.days_per_second
+        if seconds < needed:
+            day = self.day + sign * seconds * self.days_per_second
+            return replace(self, day=min(max(day, self.first), self.last)), 0.0
+        if self.at_end is AtEnd.STOP:
+            return replace(self, day=goal, playing=False, backwards=False), 0.0
+        return replace(self, day=goal, rest=REST), seconds - needed
+
+    def _turned(self) -> Timeline:
+        if self.at_end is AtEnd.PING_PONG:
+            return replace(self, rest=0.0, backwards=self.day == self.last)
+        return replace(self, rest=0.0, day=self.first, backwards=False)
+
+    def played(self) -> Timeline:
+        """Start the clock; at the end of the series it starts over, or goes back."""
+        at_goal = self.day == (self.first if self.backwards else self.last)
+        return replace(self._turned() if at_goal else self, playing=True)
+
+    def paused(self) -> Timeline:
+        return replace(self, playing=False, rest=0.0)
+
+    def toggled(self) -> Timeline:
+        return self.paused() if self.playing else self.played()
+
+    def at(self, day: float) -> Timeline:
+        """Go to a day; days outside the series give its first or last one."""
+        return replace(self, day=min(max(day, self.first), self.last), rest=0.0)
+
+    def nudged(self, share: float) -> Timeline:
+        """Pause and go on by a share of the whole series, negative for back."""
+        return self.paused().at(self.day + share * (self.last - self.first))
+
+    def stepped(self, direction: int) -> Timeline:
+        """Pause at the next scan (direction 1) or the one before (-1)."""
+        if direction > 0:
+            ahead = [time for time in self.times if time > self.day]
+            return self.paused().at(ahead[0] if ahead else self.last)
+        behind = [time for time in self.times if time < self.day]
+        return self.paused().at(behind[-1] if behind else self.first)
+
+    def faster(self) -> Timeline:
+        return replace(self, speed=min((s for s in SPEEDS if s > self.speed), default=SPEEDS[-1]))
+
+    def slower(self) -> Timeline:
+        return replace(self, speed=max((s for s in SPEEDS if s < self.speed), default=SPEEDS[0]))
+
+    def with_next_end(self) -> Timeline:
+        """Change what happens at the end: loop, back and forth, stop."""
+        choices = list(AtEnd)
+        chosen = choices[(choices.index(self.at_end) + 1) % len(choices)]
+        return replace(self, at_end=chosen, backwards=False)
