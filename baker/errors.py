@@ -4,4 +4,4 @@ from gclip.errors import UserError
 
 
 class InputError(UserError):
-    """Scans or options that can't be baked; the message names the file, the fault and the remedy."""
+    """Scans or options that can't be baked; the message names the file and the remedy."""

@@ -3,11 +3,17 @@
 Exit codes: 0 done, 1 our own fault, 2 wrong usage or bad input, 130 stopped with Ctrl-C.
 """
 
+from __future__ import annotations
+
 import os
 import sys
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
+
+if TYPE_CHECKING:
+    from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -42,6 +48,24 @@ def run(command: str, work: Callable[[], None]) -> int:
         )
         return OUR_FAULT
     return DONE
+
+
+def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
+    """Run a typer app with `argv` (the process's own by default); returns the exit code."""
+    from typer import Abort
+    from typer.exceptions import TyperException
+    from typer.main import get_command
+
+    def work() -> None:
+        try:
+            get_command(app).main(args=argv, prog_name=command, standalone_mode=False)
+        except TyperException as error:
+            message = getattr(error, "format_message", error.__str__)()
+            raise UserError(f"{message.rstrip('.')}; see `{command} --help`.") from None
+        except Abort:
+            raise KeyboardInterrupt from None
+
+    return run(command, work)
 
 
 def _say(command: str, sentence: str) -> None:

@@ -1,0 +1,183 @@
+"""The command `bake`: scans in, a growth clip out."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gclip.console import run_app
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from baker.options import Options
+    from gclip.clip import Clip
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+
+class Align(StrEnum):
+    auto = "auto"
+    icp = "icp"
+    none = "none"
+
+
+class Labels(StrEnum):
+    auto = "auto"
+    consistent = "consistent"
+    independent = "independent"
+    ignore = "ignore"
+
+
+class Up(StrEnum):
+    auto = "auto"
+    x = "x"
+    y = "y"
+    z = "z"
+    minus_x = "-x"
+    minus_y = "-y"
+    minus_z = "-z"
+
+
+class Transport(StrEnum):
+    auto = "auto"
+    exact = "exact"
+    sinkhorn = "sinkhorn"
+
+
+class Decay(StrEnum):
+    fall = "fall"
+    fade = "fade"
+    remove = "remove"
+
+
+class Precision(StrEnum):
+    auto = "auto"
+    float32 = "float32"
+
+
+@app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+def bake_command(
+    inputs: Annotated[
+        list[Path],
+        typer.Argument(metavar="INPUT...", help="A folder of scans, or the files in order."),
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The clip to write, OUT.gclip.")],
+    align: Annotated[
+        Align, typer.Option(help="Bring the scans into one frame; auto searches the turn.")
+    ] = Align.auto,
+    labels: Annotated[
+        Labels, typer.Option(help="Do labels name the same organs in all scans?")
+    ] = Labels.auto,
+    up: Annotated[Up, typer.Option(help="The axis along which the plant grows.")] = Up.auto,
+    root: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Where the stem leaves the ground.")
+    ] = None,
+    times: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Lines of: scan's name, day or date.")
+    ] = None,
+    transport: Annotated[
+        Transport, typer.Option(help="How the transport problems are solved.")
+    ] = Transport.auto,
+    decay: Annotated[
+        Decay, typer.Option(help="What organs do that a later scan no longer has.")
+    ] = Decay.fall,
+    label_field: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The scans' field that holds the labels.")
+    ] = None,
+    voxel: Annotated[
+        float | None,
+        typer.Option(metavar="SIZE", help="Keep one point per organ and cube of this size."),
+    ] = None,
+    outliers: Annotated[
+        bool, typer.Option("--remove-outliers", help="Drop points that lie far from all others.")
+    ] = False,
+    neighbors: Annotated[
+        int, typer.Option(min=1, help="Neighbours in the transport's support (k).")
+    ] = 15,
+    precision: Annotated[
+        Precision, typer.Option(help="auto stores 16 bits a coordinate where that is fine enough.")
+    ] = Precision.auto,
+    unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
+    workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Say what was found in each scan.")
+    ] = False,
+) -> None:
+    """Bake 3D scans of a growing plant into a growth clip."""
+    from baker.options import Options
+
+    options = Options(
+        align=align,
+        labels=labels,
+        up=up,
+        root=_vector(root),
+        times=times,
+        label_field=label_field,
+        voxel=voxel,
+        outliers=outliers,
+        transport=transport,
+        neighbors=neighbors,
+        decay=decay,
+        precision=precision,
+        unit=unit,
+        workers=workers,
+    )
+    _check_output(output)
+    _bake(inputs, output, options, quiet, verbose)
+
+
+def _bake(inputs: list[Path], output: Path, options: Options, quiet: bool, verbose: bool) -> None:
+    from rich.console import Console
+
+    from baker.pipeline import bake
+    from baker.progress import StageProgress
+    from baker.summary import print_summary
+
+    console = Console(stderr=True, quiet=quiet, soft_wrap=True)
+    with StageProgress(quiet) as progress:
+        clip = bake(inputs, options, progress)
+        progress("writing", 0, 1)
+        clip.save(output)
+        progress("writing", 1, 1)
+    _print_notes(console, clip, verbose)
+    print_summary(console, clip, output, progress.seconds)
+
+
+def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
+    notes = clip.provenance["notes"]
+    for note in notes if verbose else notes[:2]:
+        console.print(note, markup=False, highlight=False)
+
+
+def _vector(text: str | None) -> tuple[float, float, float] | None:
+    from baker.errors import InputError
+
+    if text is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f'--root is "{text}"; three numbers are needed, like 0,0,-12.5.') from None
+    return x, y, z
+
+
+def _check_output(output: Path) -> None:
+    """Refuse before the work, not after it."""
+    from baker.errors import InputError
+
+    if output.suffix != ".gclip":
+        raise InputError(f"{output}: a clip's name ends in .gclip.")
+    if output.is_dir():
+        raise InputError(f"{output} is a folder; a file's name is needed.")
+    if not output.parent.is_dir():
+        raise InputError(f"{output}: the folder {output.parent} does not exist.")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `bake` with arguments (the process's own by default); returns the exit code."""
+    return run_app(app, "bake", argv)

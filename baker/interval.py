@@ -1,0 +1,123 @@
+"""One interval's movers: each task's transport plan turned into start and end positions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.tasks import Task
+from baker.transport.solve import TransportOptions
+from baker.vertical import Vertical
+from gclip.clip import Motion, SegmentPair
+from gclip.pack import Movers
+
+
+@dataclass(frozen=True)
+class Keyframe:
+    """An aligned scan, all that the movers need of it.
+
+    positions: (N, 3) float32 about the clip's origin; colors: (N, 4) uint8 sRGB, or None.
+    """
+
+    positions: NDArray[np.float32]
+    colors: NDArray[np.uint8] | None
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A solved task: the movers and what is to be told of them."""
+
+    movers: Movers
+    pair: SegmentPair
+
+
+def solve_task(
+    task: Task,
+    start: Keyframe,
+    end: Keyframe,
+    *,
+    transport: TransportOptions,
+    decay: Motion,
+    vertical: Vertical,
+    floor: float,
+) -> Moved:
+    """Transport one segment through the interval from `start` to `end`.
+
+    A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
+    are until they have faded or are removed (section 3.3.1, decay).
+    """
+    if task.event == "loss":
+        origin = start.positions[task.start]
+        landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
+        movers = _movers(task.organ, decay, origin, landing, start, task.start, start, task.start)
+        drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
+        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0))
+
+    from baker.transport.movers import movers as mover_pairs
+    from baker.transport.solve import solve
+
+    plan = solve(start.positions[task.start], end.positions[task.end], transport)
+    rows, columns, _ = mover_pairs(plan, len(task.start), len(task.end))
+    a, b = task.start[rows], task.end[columns]
+    movers = _movers(
+        task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
+    )
+    pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error)
+    return Moved(movers, pair)
+
+
+def _movers(
+    organ: int,
+    motion: Motion,
+    origin: NDArray[np.float32],
+    target: NDArray[np.float32],
+    start: Keyframe,
+    a: NDArray[np.intp],
+    end: Keyframe,
+    b: NDArray[np.intp],
+) -> Movers:
+    colored = start.colors is not None and end.colors is not None
+    return Movers(
+        motion=motion,
+        curve=(origin, target),
+        tracks=np.full(len(a), organ),
+        start_colors=start.colors[a] if colored and start.colors is not None else None,
+        end_colors=end.colors[b] if colored and end.colors is not None else None,
+    )
+
+
+def _pair(task: Task, movers: int, solver: str, cost: float, error: float) -> SegmentPair:
+    return SegmentPair(
+        track=task.organ,
+        event=task.event,
+        start_points=len(task.start),
+        end_points=len(task.end),
+        movers=movers,
+        solver=solver,
+        cost=cost,
+        marginal_error=error,
+    )
+
+
+def solve_all(
+    jobs: list[Callable[[], Moved]], workers: int, done: Callable[[int], None]
+) -> Iterable[Moved]:
+    """Run the jobs on `workers` threads; results in the jobs' order whatever their number."""
+    if workers <= 1:
+        for index, job in enumerate(jobs):
+            yield job()
+            done(index + 1)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    executor = ThreadPoolExecutor(workers)
+    try:
+        futures = [executor.submit(job) for job in jobs]
+        for index, future in enumerate(futures):
+            yield future.result()
+            done(index + 1)
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)

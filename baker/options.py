@@ -1,0 +1,39 @@
+"""What a user may choose about a bake."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of `bake`, with its defaults; see `bake --help` for what they mean.
+
+    Fields that do not change the clip (`workers`) stay out of its provenance.
+    """
+
+    align: str = "auto"
+    labels: str = "auto"
+    segment: str = "auto"
+    up: str = "auto"
+    root: tuple[float, float, float] | None = None
+    times: Path | None = None
+    label_field: str | None = None
+    voxel: float | None = None
+    outliers: bool = False
+    transport: str = "auto"
+    neighbors: int = 15
+    decay: str = "fall"
+    precision: str = "auto"
+    unit: str = ""
+    workers: int = 0
+
+    def provenance(self) -> dict[str, Any]:
+        """The options that shape the clip, as JSON; paths only by name."""
+        chosen = asdict(self)
+        del chosen["workers"]
+        chosen["times"] = None if self.times is None else self.times.name
+        chosen["root"] = None if self.root is None else list(self.root)
+        return chosen

@@ -1,0 +1,234 @@
+"""From scans to a clip: the one place where the stages meet.
+
+read -> align -> segment -> match -> transport -> pack
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align import Alignment, align
+from baker.interval import Keyframe, Moved, solve_all, solve_task
+from baker.labels import LabelUse, use_of_labels
+from baker.match import Match, Organ, follow_organs, match_by_label
+from baker.options import Options
+from baker.palette import organ_colors
+from baker.scans import ReadOptions, Scan, Series, read_series
+from baker.segment.given import hierarchy_from_labels, root_point
+from baker.segment.hierarchy import Hierarchy, whole
+from baker.spacing import point_spacing
+from baker.tasks import interval_tasks, organs_by_segment
+from baker.transport.solve import TransportOptions
+from baker.vertical import Vertical
+from baker.workers import worker_count
+from gclip.clip import Clip, Interval, Motion, ScanMark, Track
+from gclip.pack import pack_interval
+
+Progress = Callable[[str, int, int], None]
+
+
+def bake(
+    paths: Sequence[str | Path], options: Options | None = None, progress: Progress | None = None
+) -> Clip:
+    """Bake scans into a growth clip.
+
+    paths:    a folder of scans, or the scans' files.
+    progress: called with a stage's name, the steps done and the steps in all.
+
+    Raises InputError, with one sentence for the user, where the scans or options can't be baked.
+    """
+    chosen = options or Options()
+    tell: Progress = progress or (lambda stage, done, total: None)
+    series = read_series([Path(path) for path in paths], _read_options(chosen), tell)
+    alignment = align(
+        [scan.points for scan in series.scans],
+        method=chosen.align,
+        up=chosen.up,
+        root=_local_root(series, chosen),
+        progress=tell,
+    )
+    vertical = Vertical.named(alignment.up)
+    keyframes = _keyframes(series, alignment)
+    labels = use_of_labels(series.scans, keyframes, chosen.labels)
+    hierarchies = _hierarchies(series, keyframes, labels, vertical, chosen, tell)
+    matches = [match_by_label(a, b) for a, b in zip(hierarchies, hierarchies[1:], strict=False)]
+    organs = follow_organs(hierarchies, matches, labels.consistent)
+    tell("matching", len(matches), len(matches))
+    intervals, spacing, floor = _intervals(
+        series, keyframes, hierarchies, matches, organs, vertical, chosen, tell
+    )
+    return Clip(
+        scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
+        intervals=intervals,
+        track_table=_tracks(series.scans, organs),
+        origin=tuple(float(x) for x in series.scans[0].origin),
+        up=alignment.up,
+        unit=chosen.unit,
+        time_unit=series.unit,
+        floor=floor,
+        spacing=spacing,
+        provenance=_provenance(series, alignment, labels, hierarchies, chosen),
+    )
+
+
+def _read_options(options: Options) -> ReadOptions:
+    return ReadOptions(
+        label_field=options.label_field,
+        times_file=options.times,
+        outliers=options.outliers,
+        voxel=options.voxel,
+        use_labels=options.labels != "ignore",
+    )
+
+
+def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
+    return None if options.root is None else np.asarray(options.root) - series.scans[0].origin
+
+
+def _keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
+    keyframes = []
+    for scan, transform in zip(series.scans, alignment.transforms, strict=True):
+        positions = scan.points
+        if not np.array_equal(transform, np.eye(4)):
+            turned = scan.points @ transform[:3, :3].T + transform[:3, 3]
+            positions = turned.astype(np.float32)
+        opaque = np.full((len(scan), 1), 255, np.uint8)
+        colors = None if scan.colors is None else np.hstack([scan.colors, opaque])
+        keyframes.append(Keyframe(positions, colors))
+    return keyframes
+
+
+def _hierarchies(
+    series: Series,
+    keyframes: Sequence[Keyframe],
+    labels: LabelUse,
+    vertical: Vertical,
+    options: Options,
+    tell: Progress,
+) -> list[Hierarchy]:
+    root = _local_root(series, options)
+    lowest = [root_point(frame.positions, vertical, root) for frame in keyframes]
+    hierarchies = []
+    for index, (scan, frame) in enumerate(zip(series.scans, keyframes, strict=True)):
+        if scan.labels is None or not labels.used:
+            hierarchies.append(whole(frame.positions))
+        else:
+            named = _root_label(series.scans, lowest, labels, index)
+            hierarchies.append(hierarchy_from_labels(frame.positions, scan.labels, vertical, named))
+        tell("segmentation", index + 1, len(keyframes))
+    return hierarchies
+
+
+def _root_label(scans: Sequence[Scan], lowest: Sequence[int], labels: LabelUse, index: int) -> int:
+    """The label at the scan's base; where labels are consistent, the one most scans agree on.
+
+    In a late scan a drooping leaf may hang lower than the stem's foot.
+    """
+    bases = [int(s.labels[i]) for s, i in zip(scans, lowest, strict=True) if s.labels is not None]
+    own = bases[index]
+    if labels.consistent and scans[index].labels is not None:
+        values, votes = np.unique(bases, return_counts=True)
+        elected = int(values[np.argmax(votes)])
+        if (scans[index].labels == elected).any():
+            return elected
+    return own
+
+
+def _intervals(
+    series: Series,
+    keyframes: Sequence[Keyframe],
+    hierarchies: Sequence[Hierarchy],
+    matches: Sequence[Match],
+    organs: Sequence[Organ],
+    vertical: Vertical,
+    options: Options,
+    tell: Progress,
+) -> tuple[tuple[Interval, ...], float, float]:
+    spacing = float(np.median([point_spacing(frame.positions) for frame in keyframes]))
+    floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
+    solve = partial(
+        solve_task,
+        transport=TransportOptions(method=options.transport, neighbors=options.neighbors),
+        decay=Motion(options.decay),
+        vertical=vertical,
+        floor=floor,
+    )
+    segments = [organ.segments for organ in organs]
+    jobs: list[Callable[[], Moved]] = []
+    sizes = []
+    for k, match in enumerate(matches):
+        tasks = interval_tasks(
+            (keyframes[k].positions, keyframes[k + 1].positions),
+            (hierarchies[k], hierarchies[k + 1]),
+            match,
+            (organs_by_segment(segments, k), organs_by_segment(segments, k + 1)),
+        )
+        sizes.append(len(tasks))
+        jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
+    moved = iter(
+        solve_all(jobs, worker_count(options.workers), lambda n: tell("transport", n, len(jobs)))
+    )
+    intervals = []
+    for k, size in enumerate(sizes):
+        solved = [next(moved) for _ in range(size)]
+        intervals.append(
+            pack_interval(
+                series.scans[k].time,
+                series.scans[k + 1].time,
+                [m.movers for m in solved],
+                spacing=spacing,
+                precision=options.precision,
+                segments=tuple(m.pair for m in solved),
+            )
+        )
+    return tuple(intervals), spacing, floor
+
+
+def _tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]:
+    tracks = []
+    for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
+        first, last = min(organ.segments), max(organ.segments)
+        tracks.append(
+            Track(
+                id=index,
+                name=f"organ {index}" if organ.label is None else f"label {organ.label}",
+                color=color,
+                parent=organ.parent,
+                born=scans[first].time,
+                lost=scans[last + 1].time if last + 1 < len(scans) else None,
+                kind="root" if organ.parent is None and first == 0 and index == 0 else "organ",
+            )
+        )
+    return tuple(tracks)
+
+
+def _provenance(
+    series: Series,
+    alignment: Alignment,
+    labels: LabelUse,
+    hierarchies: Sequence[Hierarchy],
+    options: Options,
+) -> dict[str, Any]:
+    """What made this clip: enough to bake it again and to see that it is the same."""
+    notes = [series.rule, labels.sentence, *alignment.notes]
+    for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
+        notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
+    return {
+        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
+        "options": options.provenance(),
+        "inputs": [
+            {"name": scan.name, "sha256": hashlib.sha256(scan.path.read_bytes()).hexdigest()}
+            for scan in series.scans
+        ],
+        "transforms": [transform.tolist() for transform in alignment.transforms],
+        "notes": notes,
+    }

@@ -1,0 +1,149 @@
+"""A hierarchy on a given segmentation, by successive nearest neighbour searches (section 3.2.1).
+
+Where the paper is silent: the threshold is three times the median spacing, the nearest gap is
+bridged first, a segment never reached joins at its smallest gap, and where the lowest segment
+touches no other one the segments hang under a virtual, empty root.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
+from baker.spacing import point_spacing, without_outliers
+from baker.vertical import Vertical
+
+REACH = 3.0  # gap that still counts as touching, in median point spacings
+NEIGHBORS = 32  # neighbours looked at for touching points of other segments
+
+Gaps = dict[tuple[int, int], float]
+
+
+def hierarchy_from_labels(
+    points: NDArray[np.floating],
+    labels: NDArray[np.integer],
+    root_label: int,
+) -> Hierarchy:
+    """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`."""
+    names, segments = split_by_label(labels)
+    owner = np.empty(len(points), np.intp)
+    for index, members in enumerate(segments):
+        owner[members] = index
+    first = names.index(root_label)
+    touching = _touching_gaps(points, owner, REACH * point_spacing(points))
+    if len(segments) > 2 and not any(first in pair for pair in touching):
+        return _under_virtual_root(names, segments)
+    parents, notes = _grow_from(first, points, segments, touching, names)
+    return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
+
+
+def root_point(
+    points: NDArray[np.floating], vertical: Vertical, root: NDArray[np.floating] | None = None
+) -> int:
+    """Index of the point where the plant leaves the ground: the lowest one, outliers aside.
+
+    root: a position (3,) given by the user; then the point nearest to it.
+    """
+    if root is not None:
+        return int(np.argmin(((points - root) ** 2).sum(axis=1)))
+    heights = np.where(without_outliers(points), vertical.height(points), np.inf)
+    return int(np.argmin(heights))
+
+
+def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float) -> Gaps:
+    """Smallest distance between each two segments that come closer than the threshold."""
+    from scipy.spatial import cKDTree
+
+    k = min(NEIGHBORS, len(points))
+    if k < 2:
+        return {}
+    distances, neighbors = cKDTree(points).query(
+        points, k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
+    )
+    found = np.isfinite(distances)
+    a = np.broadcast_to(owner[:, None], distances.shape)[found]
+    b, gap = owner[neighbors[found]], distances[found]
+    foreign = a != b
+    a, b, gap = np.minimum(a, b)[foreign], np.maximum(a, b)[foreign], gap[foreign]
+    order = np.lexsort((gap, b, a))
+    pairs, nearest = np.unique(np.stack([a, b], axis=1)[order], axis=0, return_index=True)
+    return {
+        (int(i), int(j)): float(g) for (i, j), g in zip(pairs, gap[order][nearest], strict=True)
+    }
+
+
+def _grow_from(
+    first: int,
+    points: NDArray[np.floating],
+    segments: Sequence[NDArray[np.intp]],
+    touching: Gaps,
+    names: Sequence[int],
+) -> tuple[list[int], list[str]]:
+    """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
+    adjacent: list[list[tuple[float, int]]] = [[] for _ in segments]
+    for (a, b), gap in touching.items():
+        adjacent[a].append((gap, b))
+        adjacent[b].append((gap, a))
+    parents, notes = [NO_PARENT] * len(segments), []
+    reached, unreached = {first}, set(range(len(segments))) - {first}
+    heap = [(gap, child, first) for gap, child in adjacent[first]]
+    heapq.heapify(heap)
+    while unreached:
+        if not heap:
+            gap, child, parent = _smallest_gap(points, segments, reached, unreached)
+            notes.append(
+                f"segment {names[child]} touches no other one; it was hung on segment "
+                f"{names[parent]} across a gap of {gap:.3g}"
+            )
+        else:
+            gap, child, parent = heapq.heappop(heap)
+            if child in reached:
+                continue
+        parents[child] = parent
+        reached.add(child)
+        unreached.remove(child)
+        for gap, other in adjacent[child]:
+            if other in unreached:
+                heapq.heappush(heap, (gap, other, child))
+    return parents, notes
+
+
+def _smallest_gap(
+    points: NDArray[np.floating],
+    segments: Sequence[NDArray[np.intp]],
+    reached: set[int],
+    unreached: set[int],
+) -> tuple[float, int, int]:
+    """The gap, the unreached segment and the reached segment that are nearest to each other."""
+    from scipy.spatial import cKDTree
+
+    def gather(which: set[int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        ids = sorted(which)
+        owner = np.repeat(ids, [len(segments[i]) for i in ids])
+        return np.concatenate([segments[i] for i in ids]), owner
+
+    near, near_owner = gather(reached)
+    far, far_owner = gather(unreached)
+    distances, neighbors = cKDTree(points[near]).query(points[far])
+    best = int(np.argmin(distances))
+    return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])
+
+
+def _under_virtual_root(names: list[int], segments: list[NDArray[np.intp]]) -> Hierarchy:
+    virtual = len(segments)
+    return Hierarchy(
+        segments=(*segments, np.empty(0, np.intp)),
+        labels=(*names, None),
+        parents=(*[virtual] * virtual, NO_PARENT),
+        root=virtual,
+        notes=("the lowest segment touches no other one; all hang under a virtual, empty root",),
+    )
+
+
+def whole(points: NDArray[np.floating]) -> Hierarchy:
+    """The whole cloud as one segment (the paper's Figure 3, no segments)."""
+    return Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)

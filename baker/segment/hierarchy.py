@@ -1,0 +1,46 @@
+"""The segment hierarchy of one scan (paper section 3.2): which organ grows from which."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+NO_PARENT = -1
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """A scan's points split into segments, the segments hung into a tree.
+
+    segments: point indices of each segment, (n,) intp each; together every point exactly once.
+              A virtual root has no points.
+    labels:   the segment's label in the scan; None where it has none (a virtual root).
+    parents:  index of the segment it grows from, NO_PARENT for the root.
+    root:     index of the root segment.
+    notes:    sentences for the user (gaps bridged, a virtual root).
+    """
+
+    segments: tuple[NDArray[np.intp], ...]
+    labels: tuple[int | None, ...]
+    parents: tuple[int, ...]
+    root: int
+    notes: tuple[str, ...] = ()
+
+    def children(self, segment: int) -> list[int]:
+        return [child for child, parent in enumerate(self.parents) if parent == segment]
+
+    def ancestors(self, segment: int) -> list[int]:
+        """From the segment's parent up to the root."""
+        chain = []
+        while (segment := self.parents[segment]) != NO_PARENT:
+            chain.append(segment)
+        return chain
+
+
+def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
+    """The distinct labels, ascending, and the point indices that bear each of them."""
+    order = np.argsort(labels, kind="stable")
+    values, starts = np.unique(labels[order], return_index=True)
+    return values.tolist(), np.split(order, starts[1:])

@@ -1,0 +1,84 @@
+"""What has to be transported in one interval: matched segments, buds that unfold, organs lost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.match import Match
+from baker.segment.hierarchy import NO_PARENT, Hierarchy
+
+BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
+
+
+@dataclass(frozen=True)
+class Task:
+    """One segment's way through an interval, as point indices into the two scans.
+
+    event: "match", "birth" (start is the bud) or "loss" (end is empty).
+    """
+
+    event: str
+    organ: int
+    start: NDArray[np.intp]
+    end: NDArray[np.intp]
+
+
+def interval_tasks(
+    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    hierarchies: tuple[Hierarchy, Hierarchy],
+    match: Match,
+    organs: tuple[dict[int, int], dict[int, int]],
+) -> list[Task]:
+    """The tasks between two scans; `organs` tells for either scan which organ a segment is.
+
+    Every point of the first scan starts a task's mover and every point of the second ends one.
+    """
+    first, second = hierarchies
+    tasks = [
+        Task("match", organs[1][b], first.segments[a], second.segments[b]) for a, b in match.pairs
+    ]
+    for segment in match.births:
+        bud = _bud(points, hierarchies, match, segment)
+        tasks.append(Task("birth", organs[1][segment], bud, second.segments[segment]))
+    nothing = np.empty(0, np.intp)
+    for segment in match.losses:
+        tasks.append(Task("loss", organs[0][segment], first.segments[segment], nothing))
+    return [task for task in tasks if len(task.start) or len(task.end)]
+
+
+def _bud(
+    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    hierarchies: tuple[Hierarchy, Hierarchy],
+    match: Match,
+    segment: int,
+) -> NDArray[np.intp]:
+    """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
+
+    A whole new subtree unfolds from one bud, on the nearest ancestor that both scans have; under
+    an empty virtual root the bud lies anywhere on the plant. The bud is the l points nearest to
+    the subtree's base, l = 1 % of the ancestor's, at least 10, at most 100; ties: lowest index.
+    """
+    from scipy.spatial import cKDTree
+
+    first, second = hierarchies
+    base = segment
+    ancestor = match.start_of(second.parents[base])
+    while ancestor is None and second.parents[base] != NO_PARENT:
+        base = second.parents[base]
+        ancestor = match.start_of(second.parents[base])
+    candidates = np.arange(len(points[0]))
+    if ancestor is not None and len(first.segments[ancestor]):
+        candidates = first.segments[ancestor]
+    target = second.segments[base if len(second.segments[base]) else segment]
+    distances, _ = cKDTree(points[1][target]).query(points[0][candidates])
+    count = int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
+    return candidates[np.argsort(distances, kind="stable")[:count]]
+
+
+def organs_by_segment(organs: Sequence[dict[int, int]], scan: int) -> dict[int, int]:
+    """From each organ's segment by scan to the organ of each segment of one scan."""
+    return {segments[scan]: organ for organ, segments in enumerate(organs) if scan in segments}
