@@ -1,0 +1,83 @@
+"""Points that would only disturb: not finite, there twice, far off, or more than are wanted.
+
+Every function takes a `Cloud`, gives back a `Cloud` with the points that stay in their order, and
+notes what it dropped.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from baker.errors import InputError
+from baker.scans.cloud import Cloud
+
+OUTLIER_NEIGHBORS = 16
+
+
+def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
+    """Without points that have a NaN or infinite coordinate. InputError if none is left."""
+    if not len(cloud):
+        raise InputError(f"'{path}' holds no points.")
+    finite = np.isfinite(cloud.points).all(axis=1)
+    if finite.all():
+        return cloud
+    if not finite.any():
+        raise InputError(f"'{path}': none of its {len(cloud)} points has finite coordinates.")
+    return _keep(cloud, np.flatnonzero(finite), "with NaN or infinite coordinates")
+
+
+def drop_duplicates(cloud: Cloud) -> Cloud:
+    """One point for each position, the first of its kind, whatever labels the others have."""
+    order = np.lexsort(cloud.points.T)
+    ordered = cloud.points[order]
+    is_new = np.ones(len(order), bool)
+    is_new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    # lexsort is stable: the first of equal positions is the one that came first in the file.
+    return _keep(cloud, np.sort(order[is_new]), "at exactly the place of another one")
+
+
+def drop_outliers(cloud: Cloud, ratio: float, path: Path) -> Cloud:
+    """Statistical outlier removal: see `baker.scans.ReadOptions.outliers`.
+
+    Source: R. B. Rusu et al., Towards 3D Point Cloud Based Object Maps for Household
+    Environments, Robotics and Autonomous Systems 56, 2008.
+    """
+    from scipy.spatial import KDTree
+
+    k = min(OUTLIER_NEIGHBORS, len(cloud) - 1)
+    if k < 1:
+        return cloud
+    distances, _ = KDTree(cloud.points).query(cloud.points, k + 1)
+    mean = distances[:, 1:].mean(axis=1)
+    keep = np.flatnonzero(mean <= mean.mean() + ratio * mean.std())
+    if not len(keep):
+        raise InputError(f"'{path}': outlier removal with {ratio:g} leaves no point.")
+    return _keep(cloud, keep, "as outliers")
+
+
+def thin(cloud: Cloud, voxel: float) -> Cloud:
+    """Of each cube of edge `voxel`, and of each label in it, the point nearest to their mean."""
+    cells = np.floor(cloud.points.astype(np.float64) / voxel)
+    keys = list(cells.T) if cloud.labels is None else [*cells.T, cloud.labels]
+    order = np.lexsort(keys)
+    is_new = np.ones(len(order), bool)
+    is_new[1:] = np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)
+    group = np.empty(len(order), np.int64)
+    group[order] = np.cumsum(is_new) - 1
+
+    size = np.bincount(group)
+    mean = np.stack([np.bincount(group, axis) / size for axis in cloud.points.T], axis=1)
+    distance = ((cloud.points - mean[group]) ** 2).sum(axis=1)
+    nearest_first = np.lexsort((distance, group))
+    nearest = nearest_first[np.searchsorted(group[nearest_first], np.arange(len(size)))]
+    return _keep(cloud, np.sort(nearest), f"to keep one for each voxel of {voxel:g}")
+
+
+def _keep(cloud: Cloud, kept: np.ndarray, why: str) -> Cloud:
+    dropped = len(cloud) - len(kept)
+    if not dropped:
+        return cloud
+    points = "point" if dropped == 1 else "points"
+    return cloud.take(kept).noting(f"dropped {dropped} {points} {why}.")

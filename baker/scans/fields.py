@@ -1,0 +1,122 @@
+"""Which fields of a file are positions, colours and labels, and what their numbers mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from baker.scans.cloud import Cloud, Columns
+
+LABEL_NAMES = ("label", "class", "classification", "instance", "segment")
+"""The names under which labels are looked for, the first one found counts; `scalar_` may precede
+them (CloudCompare writes so), and lower and upper case are the same, here and for all fields."""
+
+COLOR_NAMES = (
+    ("red", "green", "blue"),
+    ("diffuse_red", "diffuse_green", "diffuse_blue"),
+    ("r", "g", "b"),
+    ("rf", "gf", "bf"),
+)
+
+
+def choose_fields(
+    columns: Columns, path: Path, label_field: str | None = None, use_labels: bool = True
+) -> Cloud:
+    """The scan that the fields in `columns` (of the file at `path`) describe.
+
+    label_field:  the field to take as labels instead of the first of `LABEL_NAMES`.
+    use_labels:   False leaves labels unread.
+
+    Colours that make no sense are left out with a note. Raises InputError: no x, y, z;
+    `label_field` not there; labels that aren't integers.
+    """
+    by_name: dict[str, str] = {}
+    for name in columns.values:
+        by_name.setdefault(name.lower(), name)
+    found = ", ".join(columns.values) or "none"
+
+    missing = [axis for axis in "xyz" if axis not in by_name]
+    if missing:
+        raise InputError(f"'{path}' has no field {missing[0]}; the fields found: {found}.")
+    used = [by_name[axis] for axis in "xyz"]
+    points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
+    notes = [f"positions from {_quoted(used)}"]
+
+    labels = None
+    label_name = _label_name(by_name, label_field) if use_labels else None
+    if use_labels and label_field is not None and label_name is None:
+        raise InputError(f"'{path}' has no field '{label_field}'; the fields found: {found}.")
+    if label_name is not None:
+        finite = np.asarray(np.isfinite(points).all(axis=1))
+        labels = _to_labels(columns.values[label_name], finite, label_name, path)
+        notes.append(f"labels from '{label_name}'")
+
+    colors = None
+    if names := _color_names(by_name):
+        colors, scale = to_srgb([columns.values[name] for name in names])
+        notes.append(f"colours from {_quoted(names)} ({scale})")
+
+    return Cloud(points, labels, colors, (*columns.notes, "; ".join(notes) + "."))
+
+
+def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
+    """Three (N,) channels as (N, 3) uint8 sRGB, with a word on how they were read.
+
+    Bytes stay as they are. Other numbers count as 0–1 where none is above 1 and they are not of an
+    integer type, as 8-bit where none is above 255, as 16-bit where none is above 65535. Numbers
+    beyond that, negative or not finite are no colours: None.
+    """
+    is_integer = all(channel.dtype.kind in "iu" for channel in channels)
+    if all(channel.dtype == np.uint8 for channel in channels):
+        return np.stack(channels, axis=1), "8-bit"
+    values = np.stack([channel.astype(np.float64) for channel in channels], axis=1)
+    low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
+    if not (np.isfinite(values).all() and low >= 0 and high <= 65535):
+        return None, f"left out: values from {low:g} to {high:g} are no colours"
+    if high <= 1 and not is_integer:
+        return np.rint(values * 255).astype(np.uint8), "0–1"
+    if high <= 255:
+        return np.rint(values).astype(np.uint8), "8-bit"
+    # By the high byte: right both for values scaled by 257 and, as LAS asks for, by 256.
+    return (values / 256).astype(np.uint8), "16-bit"
+
+
+def _label_name(by_name: Mapping[str, str], label_field: str | None) -> str | None:
+    if label_field is not None:
+        return by_name.get(label_field.lower())
+    for name in LABEL_NAMES:
+        for key in (name, f"scalar_{name}"):
+            if key in by_name:
+                return by_name[key]
+    return None
+
+
+def _color_names(by_name: Mapping[str, str]) -> list[str] | None:
+    for names in COLOR_NAMES:
+        if all(name in by_name for name in names):
+            return [by_name[name] for name in names]
+    return None
+
+
+def _to_labels(values: NDArray, finite: NDArray, name: str, path: Path) -> NDArray[np.int64]:
+    """`values` as int64; those of points that are not `finite` (dropped later) don't matter."""
+    if values.dtype.kind == "i":
+        return values.astype(np.int64)
+    with np.errstate(invalid="ignore"):
+        is_label = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
+    bad = values[finite & ~is_label]
+    if len(bad):
+        raise InputError(
+            f"'{path}': the field '{name}' holds {bad[0]:g}, but labels must be whole numbers; "
+            "choose another field with --label-field, or read the scans without labels "
+            "(--labels ignore)."
+        )
+    return np.where(is_label, values, 0).astype(np.int64)
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,0 +1,108 @@
+"""Which files are the scans."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from baker.errors import InputError
+from baker.scans.formats import SUFFIXES, require_known
+from baker.scans.times import FoundScans, natural_key, without_time
+
+NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
+"""Stems of the text files that often lie beside scans."""
+
+
+def find_scans(inputs: Sequence[Path], ignore: Path | None = None) -> FoundScans:
+    """The scans among `inputs`: one folder with one series, or files in order.
+
+    In a folder, hidden files, sub-folders, files of unknown suffix, texts such as README.txt and
+    the file `ignore` (the one with the times) are passed over.
+
+    Raises InputError: nothing given, not there, a folder among files, a file given twice, an
+    unknown suffix, fewer than two scans, or what looks like two series in one folder.
+    """
+    if not inputs:
+        raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
+    for path in inputs:
+        if not path.exists():
+            raise InputError(f"'{path}': there is no such file or folder.")
+
+    if len(inputs) == 1 and inputs[0].is_dir():
+        return FoundScans(_in_folder(inputs[0], ignore), from_folder=True)
+
+    for path in inputs:
+        if path.is_dir():
+            raise InputError(
+                f"'{path}' is a folder: give one folder alone, or only the files of the scans."
+            )
+        if not path.is_file():
+            raise InputError(f"'{path}' is not a regular file.")
+        require_known(path)
+    _require_distinct(inputs)
+    if len(inputs) == 1:
+        raise InputError(f"'{inputs[0]}' is only one scan; growth needs at least two.")
+    return FoundScans(tuple(inputs), from_folder=False)
+
+
+def _in_folder(folder: Path, ignore: Path | None) -> tuple[Path, ...]:
+    try:
+        entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
+        scans = [path for path in entries if _is_scan(path)]
+    except OSError as error:
+        raise InputError(f"'{folder}' can't be read: {error.strerror}.") from error
+    if ignore is not None and ignore.exists():
+        scans = [path for path in scans if not path.samefile(ignore)]
+    if not scans:
+        below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
+        raise InputError(f"'{folder}' holds no scans ({', '.join(SUFFIXES)}){below}.")
+    if len(scans) == 1:
+        raise InputError(
+            f"'{folder}' holds only one scan, '{scans[0].name}'; growth needs at least two."
+        )
+    _require_one_series(folder, scans)
+    return tuple(scans)
+
+
+def _is_scan(path: Path) -> bool:
+    return (
+        not path.name.startswith(".")
+        and path.suffix.lower() in SUFFIXES
+        and path.stem.lower() not in NOT_SCANS
+        and path.is_file()
+    )
+
+
+def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
+    """Refuse a mix of suffixes, or of names that differ in more than a time or a counter.
+
+    Names without times that have nothing in common (seedling.ply, young.ply) are one series.
+    """
+    names = [without_time(scan.stem) for scan in scans]
+    have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
+    patterns = [re.sub(r"\d+", "#", name) for name in names]
+
+    for kinds, may_all_differ in (
+        ([scan.suffix.lower() for scan in scans], False),
+        (names, True),
+        (patterns, not have_times),
+    ):
+        examples: dict[str, Path] = {}
+        for kind, scan in zip(kinds, scans, strict=True):
+            examples.setdefault(kind, scan)
+        if len(examples) == 1 or (may_all_differ and len(examples) == len(scans)):
+            continue
+        first, second = list(examples.values())[:2]
+        raise InputError(
+            f"'{folder}' seems to hold more than one series ('{first.name}' and '{second.name}'); "
+            "give each its own folder, or name the files of one series."
+        )
+
+
+def _require_distinct(paths: Sequence[Path]) -> None:
+    seen: dict[Path, Path] = {}
+    for path in paths:
+        earlier = seen.setdefault(path.resolve(), path)
+        if earlier is not path:
+            raise InputError(f"'{earlier}' is given twice (again as '{path}').")

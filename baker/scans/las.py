@@ -1,0 +1,78 @@
+"""LAS and LAZ, by laspy (LAZ with its lazrs backend).
+
+Labels are looked for among the extra dimensions and in `classification`. A classification of 0
+means "created, never classified" (LAS specification 1.4, table 17): where it is 0 for all points
+of all scans, there are no labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from baker.errors import InputError
+from baker.scans.cloud import Columns
+from baker.scans.fields import LABEL_NAMES
+from baker.scans.rows import require_room
+from baker.scans.scan import Scan
+
+SUFFIXES = (".las", ".laz")
+CHUNK = 1_000_000
+
+
+def read(path: Path) -> Columns:
+    """x, y, z as scaled float64, and all other dimensions under laspy's names.
+
+    Raises InputError where laspy can't read the file, or it ends before its points do.
+    """
+    import laspy
+
+    try:
+        with laspy.open(path, read_evlrs=False) as file:
+            header = file.header
+            if header.point_count == 0:
+                raise InputError(f"'{path}' holds no points.")
+            if not header.are_points_compressed:
+                room = path.stat().st_size - header.offset_to_point_data
+                require_room(path, header.point_count, header.point_format.size, room)
+            # In chunks, so that memory is made only for points that are there.
+            chunks = list(file.chunk_iterator(CHUNK))
+    except (OSError, InputError, MemoryError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # the LAZ decoder's panics are no Exceptions
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InputError(f"'{path}' is no sound LAS file, or is cut short ({reason}).") from error
+
+    found = sum(len(chunk) for chunk in chunks)
+    if found != header.point_count:
+        raise InputError(
+            f"'{path}' is cut short, or its header is wrong: it announces {header.point_count} "
+            f"points, but {found} follow."
+        )
+    names = [name for name in header.point_format.dimension_names if name not in ("X", "Y", "Z")]
+    columns = {
+        name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
+        for name in ("x", "y", "z", *names)
+    }
+    columns = {name: values for name, values in columns.items() if values.ndim == 1}
+
+    extra = {name.lower() for name in header.point_format.extra_dimension_names}
+    if extra & set(LABEL_NAMES) and not columns["classification"].any():
+        del columns["classification"]
+    colors = ("red", "green", "blue")
+    if all(name in columns and not columns[name].any() for name in colors):
+        for name in colors:  # room for colours that nobody filled in
+            del columns[name]
+    return Columns(columns)
+
+
+def never_classified(scans: Sequence[Scan]) -> bool:
+    """Whether all scans are LAS whose labels, the classification, are 0 throughout."""
+    return all(
+        scan.path.suffix.lower() in SUFFIXES and scan.labels is not None and not scan.labels.any()
+        for scan in scans
+    )

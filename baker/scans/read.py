@@ -1,0 +1,144 @@
+"""From the paths a user gives to a series of clean scans: the one place where the steps meet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from baker.errors import InputError
+from baker.scans.scan import Scan, Series
+
+if TYPE_CHECKING:
+    from baker.scans.cloud import Cloud
+
+Progress = Callable[[int, int, str], None]
+"""Called before each scan is read and once at the end: scans done, scans in all, what is next."""
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """How scans are read.
+
+    label_field:  the field that holds the labels; None looks for the usual names
+                  (`baker.scans.fields.LABEL_NAMES`).
+    use_labels:   False reads the scans as if they had no labels.
+    times_file:   a text file with a line `name time` for each scan; before times in file names.
+    outliers:     None keeps all points; a number r drops those whose mean distance to their 16
+                  nearest neighbours is more than r standard deviations above the scan's average
+                  (2 is usual, smaller drops more).
+    voxel:        None keeps all points; a length (unit of the scans) keeps one point for each cube
+                  of that size and label.
+    """
+
+    label_field: str | None = None
+    use_labels: bool = True
+    times_file: Path | None = None
+    outliers: float | None = None
+    voxel: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in (("outliers", self.outliers), ("voxel", self.voxel)):
+            if value is not None and not (isfinite(value) and value > 0):
+                raise InputError(f"{name} must be a number above 0, not {value}.")
+
+
+def read_series(
+    inputs: Sequence[Path],
+    options: ReadOptions | None = None,
+    progress: Progress | None = None,
+) -> Series:
+    """Read the scans of one plant, clean them and put them in the order of time.
+
+    `inputs` is one folder that holds one series, or two or more files. All scans share one
+    `origin`, chosen from the first one (`baker.scans.place.shared_origin`).
+
+    Raises InputError for everything that can't be read as one series: see the modules `find`,
+    `times`, `formats`, `fields` and `clean` for each step's own rules.
+    """
+    from baker.scans import clean, place
+    from baker.scans.find import find_scans
+    from baker.scans.times import schedule_scans
+
+    options = options or ReadOptions()
+    found = find_scans(inputs, ignore=options.times_file)
+    schedule = schedule_scans(found, options.times_file)
+
+    scans: list[Scan] = []
+    origin = None
+    for done, entry in enumerate(schedule.entries):
+        if progress:
+            progress(done, len(schedule.entries), entry.name)
+        cloud = clean.drop_non_finite(_load(entry.path, options), entry.path)
+        if origin is None:
+            origin = place.shared_origin(cloud.points)
+        cloud = clean.drop_non_finite(place.relative_to(origin, cloud), entry.path)
+        cloud = clean.drop_duplicates(cloud)
+        if options.outliers is not None:
+            cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
+        if options.voxel is not None:
+            cloud = clean.thin(cloud, options.voxel)
+        scans.append(
+            Scan(
+                name=entry.name,
+                path=entry.path,
+                time=entry.moment.time,
+                origin=origin,
+                points=cloud.points,
+                labels=cloud.labels,
+                colors=cloud.colors,
+                date=entry.moment.date,
+                notes=cloud.notes,
+            )
+        )
+    if progress:
+        progress(len(scans), len(scans), "")
+    return Series(_agree(scans, options), schedule.rule, schedule.unit)
+
+
+def _load(path: Path, options: ReadOptions) -> Cloud:
+    from baker.scans.fields import choose_fields
+    from baker.scans.formats import read_columns
+
+    return choose_fields(read_columns(path), path, options.label_field, options.use_labels)
+
+
+def _agree(scans: list[Scan], options: ReadOptions) -> tuple[Scan, ...]:
+    """Labels in all scans or in none (else an error); colours in all or in none (else dropped)."""
+    from baker.scans.las import never_classified
+
+    if options.label_field is None and never_classified(scans):
+        scans = [_without(scan, "labels", "classification is 0 everywhere") for scan in scans]
+
+    unlabelled = [scan.name for scan in scans if scan.labels is None]
+    if 0 < len(unlabelled) < len(scans):
+        raise InputError(
+            f"{_list_names(unlabelled)} of the {len(scans)} scans: no labels found, while the "
+            "others have labels; add them, name their field with --label-field, or read all scans "
+            "without labels (--labels ignore)."
+        )
+
+    colorless = [scan.name for scan in scans if scan.colors is None]
+    if 0 < len(colorless) < len(scans):
+        reason = f"{_list_names(colorless)} without colours"
+        scans = [
+            _without(scan, "colors", reason) if scan.colors is not None else scan for scan in scans
+        ]
+    return tuple(scans)
+
+
+def _without(scan: Scan, what: str, reason: str) -> Scan:
+    note = f"{'colours' if what == 'colors' else what} left out ({reason})."
+    notes = (*scan.notes, note)
+    if what == "colors":
+        return replace(scan, colors=None, notes=notes)
+    return replace(scan, labels=None, notes=notes)
+
+
+def _list_names(names: Sequence[str]) -> str:
+    quoted = [f"'{name}'" for name in names]
+    if len(quoted) > 4:
+        quoted = [*quoted[:3], f"{len(quoted) - 3} more"]
+    return ", ".join(quoted)
