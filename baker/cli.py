@@ -93,8 +93,12 @@ def bake_command(
         typer.Option(metavar="SIZE", help="Keep one point per organ and cube of this size."),
     ] = None,
     outliers: Annotated[
-        bool, typer.Option("--remove-outliers", help="Drop points that lie far from all others.")
-    ] = False,
+        float | None,
+        typer.Option(
+            metavar="R",
+            help="Drop points whose neighbours are R standard deviations too far; try 2.",
+        ),
+    ] = None,
     neighbors: Annotated[
         int, typer.Option(min=1, help="Neighbours in the transport's support (k).")
     ] = 15,

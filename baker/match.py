@@ -1,4 +1,4 @@
-"""Which segment becomes which from one scan to the next (paper section 3.3), and the organs' tracks."""
+"""Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
 
 from __future__ import annotations
 

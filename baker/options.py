@@ -22,7 +22,7 @@ class Options:
     times: Path | None = None
     label_field: str | None = None
     voxel: float | None = None
-    outliers: bool = False
+    outliers: float | None = None
     transport: str = "auto"
     neighbors: int = 15
     decay: str = "fall"

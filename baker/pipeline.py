@@ -9,6 +9,7 @@ import hashlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,11 @@ def bake(
     """
     chosen = options or Options()
     tell: Progress = progress or (lambda stage, done, total: None)
-    series = read_series([Path(path) for path in paths], _read_options(chosen), tell)
+    series = read_series(
+        [Path(path) for path in paths],
+        _read_options(chosen),
+        lambda done, total, name: tell("reading", done, total),
+    )
     alignment = align(
         [scan.points for scan in series.scans],
         method=chosen.align,
@@ -59,7 +64,8 @@ def bake(
     keyframes = _keyframes(series, alignment)
     labels = use_of_labels(series.scans, keyframes, chosen.labels)
     hierarchies = _hierarchies(series, keyframes, labels, vertical, chosen, tell)
-    matches = [match_by_label(a, b) for a, b in zip(hierarchies, hierarchies[1:], strict=False)]
+    tell("matching", 0, len(hierarchies) - 1)
+    matches = [match_by_label(a, b) for a, b in pairwise(hierarchies)]
     organs = follow_organs(hierarchies, matches, labels.consistent)
     tell("matching", len(matches), len(matches))
     intervals, spacing, floor = _intervals(
@@ -116,13 +122,14 @@ def _hierarchies(
 ) -> list[Hierarchy]:
     root = _local_root(series, options)
     lowest = [root_point(frame.positions, vertical, root) for frame in keyframes]
+    tell("segmentation", 0, len(keyframes))
     hierarchies = []
     for index, (scan, frame) in enumerate(zip(series.scans, keyframes, strict=True)):
         if scan.labels is None or not labels.used:
             hierarchies.append(whole(frame.positions))
         else:
             named = _root_label(series.scans, lowest, labels, index)
-            hierarchies.append(hierarchy_from_labels(frame.positions, scan.labels, vertical, named))
+            hierarchies.append(hierarchy_from_labels(frame.positions, scan.labels, named))
         tell("segmentation", index + 1, len(keyframes))
     return hierarchies
 
@@ -173,6 +180,7 @@ def _intervals(
         )
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
+    tell("transport", 0, len(jobs))
     moved = iter(
         solve_all(jobs, worker_count(options.workers), lambda n: tell("transport", n, len(jobs)))
     )

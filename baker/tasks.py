@@ -45,8 +45,7 @@ def interval_tasks(
         bud = _bud(points, hierarchies, match, segment)
         tasks.append(Task("birth", organs[1][segment], bud, second.segments[segment]))
     nothing = np.empty(0, np.intp)
-    for segment in match.losses:
-        tasks.append(Task("loss", organs[0][segment], first.segments[segment], nothing))
+    tasks += [Task("loss", organs[0][s], first.segments[s], nothing) for s in match.losses]
     return [task for task in tasks if len(task.start) or len(task.end)]
 
 

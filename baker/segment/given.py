@@ -142,8 +142,3 @@ def _under_virtual_root(names: list[int], segments: list[NDArray[np.intp]]) -> H
         root=virtual,
         notes=("the lowest segment touches no other one; all hang under a virtual, empty root",),
     )
-
-
-def whole(points: NDArray[np.floating]) -> Hierarchy:
-    """The whole cloud as one segment (the paper's Figure 3, no segments)."""
-    return Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)

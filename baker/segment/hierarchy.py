@@ -44,3 +44,8 @@ def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray
     order = np.argsort(labels, kind="stable")
     values, starts = np.unique(labels[order], return_index=True)
     return values.tolist(), np.split(order, starts[1:])
+
+
+def whole(points: NDArray[np.floating]) -> Hierarchy:
+    """The whole cloud as one segment (the paper's Figure 3, no segments)."""
+    return Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)
