@@ -63,15 +63,13 @@ class Camera:
     @classmethod
     def home(cls, clip: Clip, aspect: float = 16 / 9) -> Camera:
         """The view that a clip opens with: all of its movers in the picture, from every yaw."""
-        frame = axes(clip.up)
-        samples = [np.asarray(frame_points, float) for frame_points in _samples(clip)]
-        points = np.concatenate(samples) @ frame.T
+        points = outline(clip)
         low, high = points.min(axis=0), points.max(axis=0)
         middle = (low + high) / 2
         reach = np.hypot(*(points[:, :2] - middle[:2]).T)
         level = points[:, 2] - middle[2]
         profile = list(zip(reach.tolist(), level.tolist(), strict=True))
-        return cls._fit_profile(frame.T @ middle, profile, clip.up, aspect)
+        return cls._fit_profile(axes(clip.up).T @ middle, profile, clip.up, aspect)
 
     @classmethod
     def _fit_profile(
@@ -82,7 +80,7 @@ class Camera:
         A point (right, above, towards) of it is inside where |right| and |above| are at most
         tan × (distance - towards): the farthest distance that any point asks for is the answer.
         """
-        reach, level = np.maximum(np.asarray(profile, float), -np.inf).T
+        reach, level = np.asarray(profile, float).T
         angle = np.linspace(0.0, 2.0 * math.pi, 32, endpoint=False)[:, None]
         right, near = reach * np.sin(angle), reach * np.cos(angle)
         above = level * math.cos(PITCH) - near * math.sin(PITCH)
@@ -156,15 +154,16 @@ class Camera:
         return np.array([right, np.cross(backward, right), backward])
 
 
-def _samples(clip: Clip) -> list[NDArray[np.float32]]:
-    """Some thousand positions of every interval's start and end."""
+def outline(clip: Clip) -> Vector:
+    """(n, 3) some thousand positions of all intervals, in the horizontal and up axes of `axes`."""
     from gclip.evaluate import positions_on_curve
 
-    return [
-        positions_on_curve(interval, slice(None, None, max(1, len(interval) // 5000)), share)
+    samples = [
+        positions_on_curve(interval, slice(None, None, max(1, len(interval) // 3000)), share)
         for interval in clip.intervals
         for share in (0.0, 0.5, 1.0)
     ]
+    return np.concatenate(samples).astype(float) @ axes(clip.up).T
 
 
 def _triple(vector: Vector) -> tuple[float, float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from player.errors import PlayerError
 
@@ -20,8 +20,9 @@ def headless() -> moderngl.Context:
     """
     import moderngl
 
+    settings: dict[str, Any] = {"backend": "egl"}
     try:
-        return moderngl.create_context(standalone=True, backend="egl", require=REQUIRED)
+        return moderngl.create_context(standalone=True, require=REQUIRED, **settings)
     except Exception as error:
         raise PlayerError(
             "OpenGL can't be started without a screen "

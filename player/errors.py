@@ -4,4 +4,4 @@ from gclip.errors import UserError
 
 
 class PlayerError(UserError):
-    """A wish that can't be met: no screen, no EGL, a wrong size, an output that can't be written."""
+    """A wish that can't be met: no screen, no EGL, a wrong size, an output refused."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from player.camera import Camera
+from player.context import headless
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -27,4 +28,40 @@ def render(
     camera: where from; None frames the whole series.
     Raises PlayerError where no OpenGL can be had.
     """
-    raise NotImplementedError
+    with Canvas(clip, size) as canvas:
+        return canvas.picture(day, camera, style)
+
+
+class Canvas:
+    """A renderer with a framebuffer of its own, for one picture after the other."""
+
+    def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
+        from player.renderer import Renderer
+
+        self.clip = clip
+        self.size = size
+        self.context = headless()
+        self._renderer = Renderer(self.context, clip, supersample)
+        self._framebuffer = self.context.simple_framebuffer(size)
+
+    def picture(
+        self, day: float, camera: Camera | None = None, style: Style | None = None
+    ) -> NDArray[np.uint8]:
+        """(height, width, 4) uint8 sRGB, top row first."""
+        width, height = self.size
+        camera = camera or Camera.home(self.clip, width / height)
+        self._renderer.draw(self._framebuffer, day, camera, style or Style(), self.size)
+        pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
+        return pixels.reshape(height, width, 4)[::-1]
+
+    def release(self) -> None:
+        """Give the context back."""
+        self._renderer.release()
+        self._framebuffer.release()
+        self.context.release()
+
+    def __enter__(self) -> Canvas:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()

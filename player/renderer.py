@@ -1,19 +1,35 @@
-"""Draws a clip at a time into a framebuffer."""
+"""Draws a clip at a time into a framebuffer.
+
+A picture is made in five passes: the depth of the nearest surface; the movers on it summed as soft
+discs; light from the depths so found; the shadow on the floor; all put together. A layer that fades
+is a cross-fade between the picture without and the picture with it, so that nothing pops.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from player.camera import Camera
-from player.style import Style
+from gclip.evaluate import Layer, bernstein, layers_at, locate
+from player.buffers import BufferCache
+from player.camera import Camera, axes, outline
+from player.glsl import feedback, give, program
+from player.style import GROUNDS, Style
+from player.targets import SHADOW_SIDE, ShadowTargets, Targets
 
 if TYPE_CHECKING:
     import moderngl
 
     from gclip import Clip
+
+DISC = 1.9  # natural disc radius in point spacings: the least that closes a scanned surface
+THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
+SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
+PALETTE_WIDTH = 1024  # texels in a row of the palette
 
 
 class Renderer:
@@ -23,7 +39,24 @@ class Renderer:
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, supersample: int = 1) -> None:
-        raise NotImplementedError
+        self.context = context
+        self.clip = clip
+        self.supersample = supersample
+        self._buffers = BufferCache(context, clip)
+        self._programs: dict[tuple[str, int, bool], moderngl.Program] = {}
+        self._palette = _palette_texture(context, clip)
+        self._targets: Targets | None = None
+        self._shadow_targets = ShadowTargets(context)
+        self._screen = {
+            name: context.vertex_array(program(context, "screen", name, NORMAL_STEP=2), [])
+            for name in ("shade", "blur", "compose")
+        }
+        points = outline(clip)
+        low, high = points.min(axis=0), points.max(axis=0)
+        self._middle = (low + high) / 2
+        spread = float(np.hypot(*(points[:, :2] - self._middle[:2]).T).max())
+        self._floor_side = 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9)
+        self._radius = max(float(np.linalg.norm(high - low)) / 2, 1e-9)
 
     def draw(
         self,
@@ -37,14 +70,246 @@ class Renderer:
 
         The framebuffer stays bound, with blending and depth test switched off.
         """
-        raise NotImplementedError
+        targets = self._targets_for(size)
+        for layers, opacity in _stages(layers_at(self.clip, day)):
+            self._draw_surface(targets, layers, camera, style)
+            self._shade(targets, camera, style)
+            if style.show_ground:
+                self._cast_shadow(layers, day)
+            self._compose(framebuffer, targets, camera, style, size, opacity)
 
     def positions(self, day: float) -> NDArray[np.float32]:
         """(N, 3) positions about the clip's origin as the GPU computes them, layer by layer in the
         order of `gclip.evaluate.layers_at`; read back by transform feedback, for tests.
         """
-        raise NotImplementedError
+        parts = []
+        for layer in layers_at(self.clip, day):
+            buffers = self._buffers[layer.interval]
+            shader = self._mover_program("positions", buffers.degree, buffers.colored)
+            self._give_layer(shader, layer)
+            result = self.context.buffer(reserve=max(12 * layer.group.count, 4))
+            buffers.array(shader).transform(
+                result, vertices=layer.group.count, first=layer.group.first
+            )
+            parts.append(np.frombuffer(result.read(12 * layer.group.count), np.float32))
+            result.release()
+        return np.concatenate(parts).reshape(-1, 3)
 
     def release(self) -> None:
         """Give the GPU's memory back."""
-        raise NotImplementedError
+        self._buffers.release()
+        self._shadow_targets.release()
+        self._palette.release()
+        if self._targets is not None:
+            self._targets.release()
+        for array in self._screen.values():
+            array.program.release()
+            array.release()
+        for shader in self._programs.values():
+            shader.release()
+
+    def _targets_for(self, size: tuple[int, int]) -> Targets:
+        samples = (size[0] * self.supersample, size[1] * self.supersample)
+        if self._targets is None or self._targets.size != samples:
+            if self._targets is not None:
+                self._targets.release()
+            self._targets = Targets(self.context, *samples)
+        return self._targets
+
+    def _draw_surface(
+        self, targets: Targets, layers: list[Layer], camera: Camera, style: Style
+    ) -> None:
+        import moderngl
+
+        context, height = self.context, targets.size[1]
+        targets.surface.use()
+        targets.surface.clear(0.0, 0.0, 0.0, 0.0)
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
+        disc = {
+            "view": camera.view(),
+            "projection": camera.projection(targets.size[0] / height),
+            "radius": DISC * style.point_size * self.clip.spacing,
+            "magnification": height / (2.0 * math.tan(camera.field_of_view / 2)),
+            "smallest": SMALLEST * self.supersample,
+            "thickness": THICKNESS,
+        }
+        targets.surface.color_mask = [(False,) * 4] * 2  # type: ignore[assignment]
+        self._draw_layers("surface", layers, disc)
+
+        targets.surface.color_mask = [(True,) * 4] * 2  # type: ignore[assignment]
+        targets.surface.depth_mask = False
+        context.enable(moderngl.BLEND)
+        context.blend_func = moderngl.ONE, moderngl.ONE
+        self._palette.use(0)
+        self._draw_layers(
+            "splat", layers, disc | {"palette": 0, "by_track": style.color_by == "track"}
+        )
+        targets.surface.depth_mask = True
+
+    def _shade(self, targets: Targets, camera: Camera, style: Style) -> None:
+        width, height = targets.size
+        targets.shaded.use()
+        self.context.enable_only(0)
+        targets.color_sum.use(0)
+        targets.away_sum.use(1)
+        ground = GROUNDS[style.ground]
+        up = camera.view()[:3, :3] @ axes(camera.up)[2]
+        self._fill(
+            "shade",
+            color_sum=0,
+            away_sum=1,
+            half_field=_half_field(camera, width / height),
+            sky=tuple(up),
+            scale=self._radius,
+            middle=camera.distance,
+            dome_radius=max(1.0, 1.6 * height / 720),
+            eye_dome=style.eye_dome,
+            depth_cue=0.5 if style.depth_cue else 0.0,
+            lamp=ground.lamp,
+            haze=ground.haze,
+        )
+
+    def _cast_shadow(self, layers: list[Layer], day: float) -> None:
+        import moderngl
+
+        context, (first, second) = self.context, self._shadow_targets.framebuffers
+        first.use()
+        first.clear()
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
+        context.blend_func = moderngl.ONE, moderngl.ONE
+        texel = 2.0 * self._floor_side / SHADOW_SIDE
+        self._draw_layers(
+            "shadow",
+            layers,
+            {
+                "from_above": self._from_above(),
+                "reach": 0.12 * self._floor_side,
+                "cover": self._mover_area(day) / texel**2,
+            },
+        )
+        context.enable_only(0)
+        for target, source, direction in ((second, 0, (1, 0)), (first, 1, (0, 1))):
+            target.use()
+            self._shadow_targets.textures[source].use(0)
+            self._fill(
+                "blur",
+                source=0,
+                direction=(direction[0] / SHADOW_SIDE, direction[1] / SHADOW_SIDE),
+                width=(2.0, 9.0),
+                saturate=source == 0,
+            )
+
+    def _compose(
+        self,
+        framebuffer: moderngl.Framebuffer,
+        targets: Targets,
+        camera: Camera,
+        style: Style,
+        size: tuple[int, int],
+        opacity: float,
+    ) -> None:
+        import moderngl
+
+        framebuffer.use()
+        self.context.viewport = (0, 0, *size)  # type: ignore[assignment]
+        self.context.enable_only(moderngl.BLEND)
+        self.context.blend_func = (
+            moderngl.SRC_ALPHA,
+            moderngl.ONE_MINUS_SRC_ALPHA,
+            moderngl.ONE,
+            moderngl.ONE,
+        )
+        targets.light.use(0)
+        self._shadow_targets.textures[0].use(1)
+        ground = GROUNDS[style.ground]
+        self._fill(
+            "compose",
+            light=0,
+            shadow=1,
+            supersample=self.supersample,
+            half_field=_half_field(camera, size[0] / size[1]),
+            to_floor=self._from_above() @ np.linalg.inv(camera.view()),
+            floor_share=1.0 if style.show_ground else 0.0,
+            above_color=ground.above,
+            below_color=ground.below,
+            floor_color=ground.floor,
+            shadow_color=ground.shadow,
+            opacity=opacity,
+        )
+        self.context.enable_only(0)
+
+    def _draw_layers(self, name: str, layers: list[Layer], uniforms: dict[str, Any]) -> None:
+        import moderngl
+
+        for layer in layers:
+            buffers = self._buffers[layer.interval]
+            shader = self._mover_program(name, buffers.degree, buffers.colored)
+            give(shader, **uniforms, blend=layer.blend, opacity=layer.alpha)
+            self._give_layer(shader, layer)
+            buffers.array(shader).render(
+                moderngl.POINTS, vertices=layer.group.count, first=layer.group.first
+            )
+
+    def _give_layer(self, shader: moderngl.Program, layer: Layer) -> None:
+        interval = self.clip.intervals[layer.interval]
+        low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+        if interval.box is not None:
+            low, step = interval.box.low, tuple(interval.box.step)
+        give(
+            shader,
+            box_low=low,
+            box_step=step,
+            weights=tuple(bernstein(interval.degree, layer.parameter)),
+        )
+
+    def _mover_program(self, name: str, degree: int, colored: bool) -> moderngl.Program:
+        key = (name, degree, colored)
+        if key not in self._programs:
+            chosen: dict[str, int | float] = {"DEGREE": degree, "SCAN_COLORS": int(colored)}
+            self._programs[key] = (
+                feedback(self.context, name, "out_position", **chosen)
+                if name == "positions"
+                else program(self.context, name, name, BULGE=0.35, **chosen)
+            )
+        return self._programs[key]
+
+    def _fill(self, name: str, **uniforms: Any) -> None:
+        give(self._screen[name].program, **uniforms)
+        self._screen[name].render(vertices=3)
+
+    def _from_above(self) -> NDArray[np.float64]:
+        """(4, 4) from local coordinates to the floor's square, [-1, 1] × [-1, 1] × height."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = axes(self.clip.up)
+        matrix[:3, 3] = -self._middle[0], -self._middle[1], -self.clip.floor
+        matrix[:2] /= self._floor_side
+        return matrix
+
+    def _mover_area(self, day: float) -> float:
+        """What one mover covers: the more movers share a scan's surface, the less."""
+        index, _ = locate(self.clip, day)
+        points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
+        movers = max(len(self.clip.intervals[index]), 1)
+        return float(9.0 * self.clip.spacing**2 * points / movers)
+
+
+def _stages(layers: list[Layer]) -> Iterator[tuple[list[Layer], float]]:
+    """What to draw one upon the other: the opaque layers, then these with each fainter one."""
+    drawn = [layer for layer in layers if layer.alpha >= 1.0]
+    yield drawn, 1.0
+    for alpha in sorted({layer.alpha for layer in layers if 0.0 < layer.alpha < 1.0}, reverse=True):
+        drawn = drawn + [layer for layer in layers if layer.alpha == alpha]
+        yield drawn, alpha
+
+
+def _half_field(camera: Camera, aspect: float) -> tuple[float, float]:
+    slope = math.tan(camera.field_of_view / 2)
+    return slope * aspect, slope
+
+
+def _palette_texture(context: moderngl.Context, clip: Clip) -> moderngl.Texture:
+    rows = -(-len(clip.track_table) // PALETTE_WIDTH)
+    texels = np.zeros((rows * PALETTE_WIDTH, 4), np.uint8)
+    texels[: len(clip.track_table)] = clip.palette
+    texture = context.texture((PALETTE_WIDTH, rows), 4, texels)
+    return texture

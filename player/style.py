@@ -5,6 +5,8 @@ from dataclasses import dataclass
 COLOR_CHOICES = ("auto", "scan", "track")
 GROUND_CHOICES = ("dark", "light")
 
+Light = tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class Style:
@@ -26,3 +28,35 @@ class Style:
     depth_cue: bool = True
     eye_dome: float = 1.0
     show_ground: bool = True
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A background's colours in linear light, and the lamp's brightness that goes with them."""
+
+    above: Light
+    below: Light
+    floor: Light
+    shadow: Light
+    haze: Light
+    lamp: float
+
+
+GROUNDS = {
+    "dark": Ground(
+        above=(0.0070, 0.0110, 0.0135),
+        below=(0.0180, 0.0235, 0.0240),
+        floor=(0.0560, 0.0660, 0.0620),
+        shadow=(0.0035, 0.0050, 0.0055),
+        haze=(0.0200, 0.0280, 0.0290),
+        lamp=1.0,
+    ),
+    "light": Ground(
+        above=(0.80, 0.84, 0.84),
+        below=(0.72, 0.73, 0.71),
+        floor=(0.93, 0.92, 0.89),
+        shadow=(0.20, 0.22, 0.21),
+        haze=(0.70, 0.73, 0.72),
+        lamp=0.92,
+    ),
+}

@@ -1,0 +1,22 @@
+// The mover's position from its vertex buffers.
+
+#include "curve.glsl"
+
+in vec3 in_point0;
+in vec3 in_point1;
+#if DEGREE > 1
+in vec3 in_point2;
+#endif
+#if DEGREE > 2
+in vec3 in_point3;
+#endif
+
+vec3 mover_position() {
+#if DEGREE == 1
+    return on_curve(vec3[](in_point0, in_point1));
+#elif DEGREE == 2
+    return on_curve(vec3[](in_point0, in_point1, in_point2));
+#else
+    return on_curve(vec3[](in_point0, in_point1, in_point2, in_point3));
+#endif
+}

@@ -1,0 +1,17 @@
+// The plant seen from straight above: what it keeps from the floor's light.
+#version 330 core
+#include "mover.glsl"
+
+uniform mat4 from_above;   // local coordinates to the shadow's square, height above the floor in z
+uniform float reach;       // height over which a contact shadow fades away
+uniform float cover;       // share of a texel that one mover covers
+
+flat out vec2 v_cover;
+
+void main() {
+    vec3 above = (from_above * vec4(mover_position(), 1.0)).xyz;
+    gl_Position = vec4(above.xy, 0.0, 1.0);
+    gl_PointSize = 1.0;
+    float height = max(above.z, 0.0);
+    v_cover = cover * vec2(exp(-height / reach), 1.0);
+}
