@@ -14,11 +14,12 @@ NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "
 """Stems of the text files that often lie beside scans."""
 
 
-def find_scans(inputs: Sequence[Path], ignore: Path | None = None) -> FoundScans:
+def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
     """The scans among `inputs`: one folder with one series, or files in order.
 
     In a folder, hidden files, sub-folders, files of unknown suffix, texts such as README.txt and
-    the file `ignore` (the one with the times) are passed over.
+    the `times_file` are passed over. Where there is a `times_file`, it says what belongs together,
+    and the names may be any.
 
     Raises InputError: nothing given, not there, a folder among files, a file given twice, an
     unknown suffix, fewer than two scans, or what looks like two series in one folder.
@@ -30,7 +31,7 @@ def find_scans(inputs: Sequence[Path], ignore: Path | None = None) -> FoundScans
             raise InputError(f"'{path}': there is no such file or folder.")
 
     if len(inputs) == 1 and inputs[0].is_dir():
-        return FoundScans(_in_folder(inputs[0], ignore), from_folder=True)
+        return FoundScans(_in_folder(inputs[0], times_file), from_folder=True)
 
     for path in inputs:
         if path.is_dir():
@@ -46,14 +47,14 @@ def find_scans(inputs: Sequence[Path], ignore: Path | None = None) -> FoundScans
     return FoundScans(tuple(inputs), from_folder=False)
 
 
-def _in_folder(folder: Path, ignore: Path | None) -> tuple[Path, ...]:
+def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     try:
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
         scans = [path for path in entries if _is_scan(path)]
     except OSError as error:
         raise InputError(f"'{folder}' can't be read: {error.strerror}.") from error
-    if ignore is not None and ignore.exists():
-        scans = [path for path in scans if not path.samefile(ignore)]
+    if times_file is not None and times_file.exists():
+        scans = [path for path in scans if not path.samefile(times_file)]
     if not scans:
         below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
         raise InputError(f"'{folder}' holds no scans ({', '.join(SUFFIXES)}){below}.")
@@ -61,7 +62,8 @@ def _in_folder(folder: Path, ignore: Path | None) -> tuple[Path, ...]:
         raise InputError(
             f"'{folder}' holds only one scan, '{scans[0].name}'; growth needs at least two."
         )
-    _require_one_series(folder, scans)
+    if times_file is None:
+        _require_one_series(folder, scans)
     return tuple(scans)
 
 

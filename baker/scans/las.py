@@ -7,10 +7,12 @@ of all scans, there are no labels.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.cloud import Columns
@@ -20,6 +22,8 @@ from baker.scans.scan import Scan
 
 SUFFIXES = (".las", ".laz")
 CHUNK = 1_000_000
+SHORTEST_HEADER = 227  # bytes, LAS 1.0 to 1.2
+SHORTEST_RECORD = 54  # bytes of a variable length record without content
 
 
 def read(path: Path) -> Columns:
@@ -27,25 +31,37 @@ def read(path: Path) -> Columns:
 
     Raises InputError where laspy can't read the file, or it ends before its points do.
     """
+    _check_beginning(path)
+    try:
+        columns, extra = _read_dimensions(path)
+    except (OSError, InputError, MemoryError, KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # a panic of the LAZ decoder is no Exception
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
+        raise InputError(f"'{path}' is no sound LAS file, or is cut short ({reason}).") from error
+
+    if set(extra) & set(LABEL_NAMES) and not columns["classification"].any():
+        del columns["classification"]
+    colors = ("red", "green", "blue")
+    if all(name in columns and not columns[name].any() for name in colors):
+        for name in colors:  # room for colours that nobody filled in
+            del columns[name]
+    return Columns(columns)
+
+
+def _read_dimensions(path: Path) -> tuple[dict[str, NDArray], list[str]]:
+    """The (N,) columns by name, and the names of the extra dimensions in lower case."""
     import laspy
 
-    try:
-        with laspy.open(path, read_evlrs=False) as file:
-            header = file.header
-            if header.point_count == 0:
-                raise InputError(f"'{path}' holds no points.")
-            if not header.are_points_compressed:
-                room = path.stat().st_size - header.offset_to_point_data
-                require_room(path, header.point_count, header.point_format.size, room)
-            # In chunks, so that memory is made only for points that are there.
-            chunks = list(file.chunk_iterator(CHUNK))
-    except (OSError, InputError, MemoryError, KeyboardInterrupt):
-        raise
-    except BaseException as error:  # the LAZ decoder's panics are no Exceptions
-        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
-            raise
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise InputError(f"'{path}' is no sound LAS file, or is cut short ({reason}).") from error
+    with laspy.open(path, read_evlrs=False) as file:
+        header = file.header
+        if header.point_count == 0:
+            raise InputError(f"'{path}' holds no points.")
+        if not header.are_points_compressed:
+            room = path.stat().st_size - header.offset_to_point_data
+            require_room(path, header.point_count, header.point_format.size, room)
+        # In chunks, so that memory is made only for points that are there.
+        chunks = list(file.chunk_iterator(CHUNK))
 
     found = sum(len(chunk) for chunk in chunks)
     if found != header.point_count:
@@ -54,20 +70,28 @@ def read(path: Path) -> Columns:
             f"points, but {found} follow."
         )
     names = [name for name in header.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    columns = {
-        name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
-        for name in ("x", "y", "z", *names)
-    }
-    columns = {name: values for name, values in columns.items() if values.ndim == 1}
+    with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
+        columns = {
+            name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
+            for name in ("x", "y", "z", *names)
+        }
+    extra = [name.lower() for name in header.point_format.extra_dimension_names]
+    return {name: values for name, values in columns.items() if values.ndim == 1}, extra
 
-    extra = {name.lower() for name in header.point_format.extra_dimension_names}
-    if extra & set(LABEL_NAMES) and not columns["classification"].any():
-        del columns["classification"]
-    colors = ("red", "green", "blue")
-    if all(name in columns and not columns[name].any() for name in colors):
-        for name in colors:  # room for colours that nobody filled in
-            del columns[name]
-    return Columns(columns)
+
+def _check_beginning(path: Path) -> None:
+    """Refuse what laspy would take minutes over: records by the million that can't be there."""
+    with path.open("rb") as file:
+        start = file.read(SHORTEST_HEADER)
+    if len(start) < SHORTEST_HEADER or not start.startswith(b"LASF"):
+        raise InputError(f"'{path}' is not a LAS file: it doesn't begin with 'LASF'.")
+    header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
+    room = min(points_offset, path.stat().st_size) - header_size
+    if record_count * SHORTEST_RECORD > room:
+        raise InputError(
+            f"'{path}' is no sound LAS file, or is cut short (its header announces {record_count} "
+            f"records before the points, for which there are {max(room, 0)} bytes)."
+        )
 
 
 def never_classified(scans: Sequence[Scan]) -> bool:

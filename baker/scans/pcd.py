@@ -67,7 +67,8 @@ def _read_ascii(path: Path, header: _Header) -> dict[str, NDArray]:
 
 
 def _read_binary(path: Path, header: _Header) -> dict[str, NDArray]:
-    require_room(path, header.count, header.record.itemsize, path.stat().st_size - header.size)
+    room = path.stat().st_size - header.size
+    require_room(path, header.count, header.record.itemsize, room, is_all=True)
     points = np.fromfile(path, header.record, header.count, offset=header.size)
     return {name: points[name] for name in header.record.names or ()}
 

@@ -93,12 +93,7 @@ def _read_binary(
         start += element.count * element.record(header.byte_order).itemsize
     record = vertex.record(header.byte_order)
     room = max(path.stat().st_size - start, 0)
-    require_room(path, vertex.count, record.itemsize, room)
-    if is_last and room >= (vertex.count + 1) * record.itemsize:
-        raise InputError(
-            f"'{path}' holds more than its header announces: {vertex.count} points of "
-            f"{record.itemsize} bytes, but {room} bytes of data."
-        )
+    require_room(path, vertex.count, record.itemsize, room, is_all=is_last)
     vertices = np.fromfile(path, record, vertex.count, offset=start)
     return Columns({name: vertices[name] for name in vertex.properties})
 
@@ -106,9 +101,12 @@ def _read_binary(
 def _read_ascii(
     path: Path, header: _Header, before: Sequence[_Element], vertex: _Element
 ) -> Columns:
-    first_line = header.lines + 1 + sum(element.count for element in before)
     room = path.stat().st_size - header.size
+    lines_before = sum(element.count for element in before)
+    if lines_before > room:
+        raise InputError(f"'{path}' ends before its {vertex.count} vertices.")
     require_room(path, vertex.count, 2 * len(vertex.properties) - 1, room)
+    first_line = header.lines + 1 + lines_before
     layout = Layout(first_line, tuple(vertex.properties), comment=None)
     rows = read_rows(path, layout, vertex.count, encoding="latin-1")
     if len(rows) < vertex.count:

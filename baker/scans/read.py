@@ -63,7 +63,7 @@ def read_series(
     from baker.scans.times import schedule_scans
 
     options = options or ReadOptions()
-    found = find_scans(inputs, ignore=options.times_file)
+    found = find_scans(inputs, options.times_file)
     schedule = schedule_scans(found, options.times_file)
 
     scans: list[Scan] = []

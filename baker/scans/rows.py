@@ -123,11 +123,17 @@ def as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:
     return typed if kind.kind == "f" or (typed == values).all() else values
 
 
-def require_room(path: Path, count: int, size: float, room: int) -> None:
+def require_room(path: Path, count: int, size: float, room: int, is_all: bool = False) -> None:
     """InputError unless `room` bytes can hold `count` points of at least `size` bytes each.
 
+    is_all: `size` is exact and nothing else may follow, so that there must be no room for more.
     To be called before memory is made for as many points as a header says.
     """
+    if is_all and room >= (count + 1) * size:
+        raise InputError(
+            f"'{path}' holds more than its header announces: {count} points of {size:g} bytes, "
+            f"but {room} bytes follow."
+        )
     if count * size > room:
         raise InputError(
             f"'{path}' is cut short, or its header is wrong: it announces {count} points "

@@ -193,7 +193,7 @@ def _find_day(text: str) -> Moment | None:
 
 
 def _day(number: float) -> Moment:
-    return Moment(number, f"day {number:g}")
+    return Moment(number, f"day {number:.10g}")
 
 
 def _moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
@@ -248,6 +248,6 @@ def _read_times(path: Path) -> dict[str, Moment]:
 def _parse_time(text: str) -> Moment | None:
     if match := _DATE.fullmatch(text):
         return _date_of(match)
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", text, re.IGNORECASE):
+    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
         return _day(float(text))
     return None

@@ -1,0 +1,170 @@
+"""What is written in any format is read back; what isn't sound is refused with one sentence."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from baker.errors import InputError
+from baker.scans.fields import choose_fields
+from baker.scans.formats import SUFFIXES, read_columns
+
+
+def read(path: Path, **options):
+    return choose_fields(read_columns(path), path, **options)
+
+
+def read_or_fault(path: Path, **options):
+    try:
+        return read(path, **options), ""
+    except InputError as error:
+        return None, str(error)
+
+
+@pytest.mark.parametrize("offset", [(0, 0, 0), (364_000, 5_620_000, 60)])
+def test_round_trip(any_format, make_sample, tmp_path, offset):
+    suffix, write = any_format
+    sample = make_sample(offset=offset)
+    write(tmp_path / f"scan{suffix}", sample)
+
+    cloud = read(tmp_path / f"scan{suffix}")
+
+    # 1e-6 of 5,620,000 needs float64 all the way (open3d writes 10 digits in ascii).
+    tolerance = 1e-3 if cloud.points.max() > 1e6 and suffix == ".pcd" else 1e-6
+    np.testing.assert_allclose(cloud.points, sample.points, rtol=0, atol=tolerance)
+    np.testing.assert_array_equal(cloud.labels, sample.labels)
+    np.testing.assert_array_equal(cloud.colors, sample.colors)
+    assert cloud.labels.dtype == np.int64
+    assert cloud.colors.dtype == np.uint8
+
+
+def test_float32_files_lose_nothing(tmp_path, make_sample, any_format):
+    suffix, write = any_format
+    if suffix in (".las", ".laz"):
+        pytest.skip("LAS holds scaled integers")
+    sample = make_sample(dtype=np.float32, colors=False)
+    write(tmp_path / f"scan{suffix}", sample)
+    points = read(tmp_path / f"scan{suffix}").points
+    if suffix == ".pcd":
+        np.testing.assert_allclose(points, sample.points, rtol=1e-7)
+    else:
+        np.testing.assert_array_equal(points.astype(np.float32), sample.points)
+
+
+def test_positions_alone(any_format, make_sample, tmp_path):
+    suffix, write = any_format
+    write(tmp_path / f"scan{suffix}", make_sample(labels=False, colors=False))
+    cloud = read(tmp_path / f"scan{suffix}")
+    if suffix not in (".las", ".laz"):
+        assert cloud.labels is None
+    assert cloud.colors is None
+
+
+def test_fields_used_are_noted(any_format, make_sample, tmp_path):
+    suffix, write = any_format
+    write(tmp_path / f"scan{suffix}", make_sample())
+    note = read(tmp_path / f"scan{suffix}").notes[-1]
+    assert "'x', 'y', 'z'" in note
+    assert "labels from 'label'" in note
+    assert "colours from 'red', 'green', 'blue'" in note
+
+
+def test_truncated_anywhere_is_refused_or_shorter(any_format, make_sample, tmp_path, capfd):
+    """A file cut at any byte raises InputError with its name, or is a text that ends cleanly."""
+    suffix, write = any_format
+    whole = tmp_path / f"whole{suffix}"
+    sample = make_sample(20)
+    write(whole, sample)
+    content = whole.read_bytes()
+    is_text = suffix in (".xyz", ".txt", ".csv", ".asc", ".pts")
+    path = tmp_path / f"cut{suffix}"
+    refused = 0
+    for size in range(0, len(content) - 1, max(1, len(content) // 60)):
+        path.write_bytes(content[:size])
+        cloud, fault = read_or_fault(path)
+        if cloud is None:
+            assert f"cut{suffix}" in fault
+            assert "\n" not in fault
+            refused += 1
+        else:
+            # A ply may lose its faces, a text the end of its last number.
+            assert is_text or len(cloud) == len(sample.points)
+            np.testing.assert_allclose(
+                cloud.points[:-1], sample.points[: len(cloud) - 1], atol=1e-6
+            )
+    assert refused > (5 if is_text else 30)
+    assert capfd.readouterr() == ("", "")
+
+
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(data=st.data())
+def test_damaged_anywhere_is_read_or_refused(any_format, make_sample, tmp_path, data):
+    """Whatever bytes are overwritten: a cloud or an InputError, nothing else."""
+    suffix, write = any_format
+    if suffix == ".laz":
+        pytest.skip("laspy's decoder makes room for gigabytes where a packed size is damaged")
+    whole = tmp_path / f"whole{suffix}"
+    if not whole.exists():
+        write(whole, make_sample(20))
+    content = bytearray(whole.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, min(len(content), 600) - 1))
+        junk = data.draw(st.binary(min_size=1, max_size=8))
+        content[at : at + len(junk)] = junk
+    path = tmp_path / f"damaged{suffix}"
+    path.write_bytes(content)
+    cloud, fault = read_or_fault(path, use_labels=data.draw(st.booleans()))
+    if cloud is None:
+        assert f"damaged{suffix}" in fault
+    else:
+        assert cloud.points.shape == (len(cloud), 3)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_garbage_and_empty_are_refused(tmp_path, suffix):
+    path = tmp_path / f"scan{suffix}"
+    path.write_bytes(b"")
+    with pytest.raises(InputError, match=r"scan\.\w+' is an empty file"):
+        read(path)
+    for garbage in (os.urandom(5000), b"\xff" * 3000, b"hello world\n" * 30, b"\n" * 50):
+        path.write_bytes(garbage)
+        with pytest.raises(InputError, match=re.escape(str(path))):
+            read(path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_missing_and_folder_are_refused(tmp_path, suffix):
+    with pytest.raises(InputError, match="No such file"):
+        read(tmp_path / f"absent{suffix}")
+    (tmp_path / f"folder{suffix}").mkdir()
+    with pytest.raises(InputError, match="can't be read"):
+        read(tmp_path / f"folder{suffix}")
+
+
+def test_forbidden_file_is_one_sentence(tmp_path, monkeypatch):
+    path = tmp_path / "scan.ply"
+    path.write_text("ply\n")
+
+    def refuse(*args, **kwargs):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(InputError, match=r"scan\.ply' can't be read: Permission denied\."):
+        read(path)
+
+
+def test_unknown_suffix_names_the_known_ones(tmp_path):
+    (tmp_path / "scan.obj").write_text("v 0 0 0")
+    with pytest.raises(InputError, match=r"unknown suffix '\.obj'; known are \.ply, .*\.laz"):
+        read(tmp_path / "scan.obj")
+
+
+def test_suffix_in_any_case(tmp_path):
+    (tmp_path / "SCAN.XYZ").write_text("1 2 3\n")
+    assert len(read(tmp_path / "SCAN.XYZ")) == 1
