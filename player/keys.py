@@ -125,17 +125,17 @@ ACTIONS: tuple[Action, ...] = (
         lambda s: s.clock(lambda t: t.nudged(NUDGE)), repeats=True,
     ),
     Action(
-        "previous", "Time", ("shift+left", "page_up"), "previous scan",
+        "previous", "Time", ("page_up", "shift+left"), "previous scan",
         lambda s: s.clock(lambda t: t.stepped(-1)), repeats=True,
     ),
     Action(
-        "next", "Time", ("shift+right", "page_down"), "next scan",
+        "next", "Time", ("page_down", "shift+right"), "next scan",
         lambda s: s.clock(lambda t: t.stepped(1)), repeats=True,
     ),
     Action("first", "Time", ("home",), "first scan", lambda s: s.clock(lambda t: t.at(t.first))),
     Action("last", "Time", ("end",), "last scan", lambda s: s.clock(lambda t: t.at(t.last))),
-    Action("slower", "Time", ("down", "["), "slower", _paced(faster=False)),
-    Action("faster", "Time", ("up", "]"), "faster", _paced(faster=True)),
+    Action("slower", "Time", ("[", "down"), "slower", _paced(faster=False)),
+    Action("faster", "Time", ("]", "up"), "faster", _paced(faster=True)),
     Action("at end", "Time", ("l",), "loop, back and forth, stop", _looped),
     Action(
         "fit", "View", ("f",), "whole plant",
@@ -151,7 +151,7 @@ ACTIONS: tuple[Action, ...] = (
     ),
     Action("color", "Look", ("c",), "colour by scan or by track", _recolored),
     Action("smaller", "Look", ("-",), "smaller points", _resized(1 / POINT_STEP), repeats=True),
-    Action("larger", "Look", ("+",), "larger points", _resized(POINT_STEP), repeats=True),
+    Action("larger", "Look", ("+", "="), "larger points", _resized(POINT_STEP), repeats=True),
     Action("ground", "Look", ("g",), "light or dark ground", _grounded),
     Action(
         "depth", "Look", ("d",), "depth cue on, off",
