@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -74,7 +74,11 @@ def bake_command(
     ] = Labels.auto,
     up: Annotated[Up, typer.Option(help="The axis along which the plant grows.")] = Up.auto,
     root: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Where the stem leaves the ground.")
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z",
+            help='Where the stem leaves the ground; "virtual" where no label is a stem.',
+        ),
     ] = None,
     times: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Lines of: scan's name, day or date.")
@@ -119,7 +123,7 @@ def bake_command(
         align=align,
         labels=labels,
         up=up,
-        root=_vector(root),
+        root=_root(root),
         times=times,
         label_field=label_field,
         voxel=voxel,
@@ -158,15 +162,17 @@ def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
         console.print(note, markup=False, highlight=False)
 
 
-def _vector(text: str | None) -> tuple[float, float, float] | None:
+def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] | None:
     from baker.errors import InputError
 
-    if text is None:
-        return None
+    if text is None or text == "virtual":
+        return text
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise InputError(f'--root is "{text}"; three numbers are needed, like 0,0,-12.5.') from None
+        raise InputError(
+            f'--root is "{text}"; three numbers, like 0,0,-12.5, or virtual is needed.'
+        ) from None
     return x, y, z
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Options:
     labels: str = "auto"
     segment: str = "auto"
     up: str = "auto"
-    root: tuple[float, float, float] | None = None
+    root: tuple[float, float, float] | Literal["virtual"] | None = None
     times: Path | None = None
     label_field: str | None = None
     voxel: float | None = None
@@ -35,5 +35,5 @@ class Options:
         chosen = asdict(self)
         del chosen["workers"]
         chosen["times"] = None if self.times is None else self.times.name
-        chosen["root"] = None if self.root is None else list(self.root)
+        chosen["root"] = list(self.root) if isinstance(self.root, tuple) else self.root
         return chosen

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from baker.align import Alignment, align
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.labels import LabelUse, use_of_labels
-from baker.match import Match, Organ, follow_organs, match_by_label
+from baker.match import IntervalOrgans, Match, Organ, follow_organs, match_by_label
 from baker.options import Options
 from baker.palette import organ_colors
 from baker.scans import ReadOptions, Scan, Series, read_series
-from baker.segment.given import hierarchy_from_labels, root_point
+from baker.segment.given import hierarchy_from_labels, root_point, under_virtual_root
 from baker.segment.hierarchy import Hierarchy, whole
 from baker.spacing import point_spacing
-from baker.tasks import interval_tasks, organs_by_segment
+from baker.tasks import interval_tasks
 from baker.transport.solve import TransportOptions
 from baker.vertical import Vertical
 from baker.workers import worker_count
@@ -66,10 +66,10 @@ def bake(
     hierarchies = _hierarchies(series, keyframes, labels, vertical, chosen, tell)
     tell("matching", 0, len(hierarchies) - 1)
     matches = [match_by_label(a, b) for a, b in pairwise(hierarchies)]
-    organs = follow_organs(hierarchies, matches, labels.consistent)
+    organs, named = follow_organs(matches, labels.consistent)
     tell("matching", len(matches), len(matches))
     intervals, spacing, floor = _intervals(
-        series, keyframes, hierarchies, matches, organs, vertical, chosen, tell
+        series, keyframes, matches, named, vertical, chosen, tell
     )
     return Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
@@ -96,7 +96,9 @@ def _read_options(options: Options) -> ReadOptions:
 
 
 def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
-    return None if options.root is None else np.asarray(options.root) - series.scans[0].origin
+    if options.root is None or options.root == "virtual":
+        return None
+    return np.asarray(options.root, float) - series.scans[0].origin
 
 
 def _keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
@@ -127,6 +129,8 @@ def _hierarchies(
     for index, (scan, frame) in enumerate(zip(series.scans, keyframes, strict=True)):
         if scan.labels is None or not labels.used:
             hierarchies.append(whole(frame.positions))
+        elif options.root == "virtual":
+            hierarchies.append(under_virtual_root(scan.labels))
         else:
             named = _root_label(series.scans, lowest, labels, index)
             hierarchies.append(hierarchy_from_labels(frame.positions, scan.labels, named))
@@ -152,9 +156,8 @@ def _root_label(scans: Sequence[Scan], lowest: Sequence[int], labels: LabelUse, 
 def _intervals(
     series: Series,
     keyframes: Sequence[Keyframe],
-    hierarchies: Sequence[Hierarchy],
     matches: Sequence[Match],
-    organs: Sequence[Organ],
+    organs: Sequence[IntervalOrgans],
     vertical: Vertical,
     options: Options,
     tell: Progress,
@@ -168,15 +171,11 @@ def _intervals(
         vertical=vertical,
         floor=floor,
     )
-    segments = [organ.segments for organ in organs]
     jobs: list[Callable[[], Moved]] = []
     sizes = []
     for k, match in enumerate(matches):
         tasks = interval_tasks(
-            (keyframes[k].positions, keyframes[k + 1].positions),
-            (hierarchies[k], hierarchies[k + 1]),
-            match,
-            (organs_by_segment(segments, k), organs_by_segment(segments, k + 1)),
+            (keyframes[k].positions, keyframes[k + 1].positions), match, organs[k]
         )
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
@@ -203,16 +202,15 @@ def _intervals(
 def _tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]:
     tracks = []
     for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
-        first, last = min(organ.segments), max(organ.segments)
         tracks.append(
             Track(
                 id=index,
                 name=f"organ {index}" if organ.label is None else f"label {organ.label}",
                 color=color,
                 parent=organ.parent,
-                born=scans[first].time,
-                lost=scans[last + 1].time if last + 1 < len(scans) else None,
-                kind="root" if organ.parent is None and first == 0 and index == 0 else "organ",
+                born=scans[organ.first].time,
+                lost=scans[organ.last + 1].time if organ.last + 1 < len(scans) else None,
+                kind="root" if index == 0 else "organ",
             )
         )
     return tuple(tracks)

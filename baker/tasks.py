@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.match import Match
-from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.match import IntervalOrgans, Match
+from baker.segment.hierarchy import NO_PARENT
 
 BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
 
@@ -29,29 +28,28 @@ class Task:
 
 def interval_tasks(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
-    hierarchies: tuple[Hierarchy, Hierarchy],
     match: Match,
-    organs: tuple[dict[int, int], dict[int, int]],
+    organs: IntervalOrgans,
 ) -> list[Task]:
-    """The tasks between two scans; `organs` tells for either scan which organ a segment is.
+    """The tasks between two scans' (N, 3) points.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
     """
-    first, second = hierarchies
+    first, second = match.first, match.second
     tasks = [
-        Task("match", organs[1][b], first.segments[a], second.segments[b]) for a, b in match.pairs
+        Task("match", organs.second[b], first.segments[a], second.segments[b])
+        for a, b in match.pairs
     ]
     for segment in match.births:
-        bud = _bud(points, hierarchies, match, segment)
-        tasks.append(Task("birth", organs[1][segment], bud, second.segments[segment]))
+        bud = _bud(points, match, segment)
+        tasks.append(Task("birth", organs.second[segment], bud, second.segments[segment]))
     nothing = np.empty(0, np.intp)
-    tasks += [Task("loss", organs[0][s], first.segments[s], nothing) for s in match.losses]
+    tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
     return [task for task in tasks if len(task.start) or len(task.end)]
 
 
 def _bud(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
-    hierarchies: tuple[Hierarchy, Hierarchy],
     match: Match,
     segment: int,
 ) -> NDArray[np.intp]:
@@ -63,7 +61,7 @@ def _bud(
     """
     from scipy.spatial import cKDTree
 
-    first, second = hierarchies
+    first, second = match.first, match.second
     base = segment
     ancestor = match.start_of(second.parents[base])
     while ancestor is None and second.parents[base] != NO_PARENT:
@@ -76,8 +74,3 @@ def _bud(
     distances, _ = cKDTree(points[1][target]).query(points[0][candidates])
     count = int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
     return candidates[np.argsort(distances, kind="stable")[:count]]
-
-
-def organs_by_segment(organs: Sequence[dict[int, int]], scan: int) -> dict[int, int]:
-    """From each organ's segment by scan to the organ of each segment of one scan."""
-    return {segments[scan]: organ for organ, segments in enumerate(organs) if scan in segments}

@@ -1,8 +1,8 @@
 """A hierarchy on a given segmentation, by successive nearest neighbour searches (section 3.2.1).
 
 Where the paper is silent: the threshold is three times the median spacing, the nearest gap is
-bridged first, a segment never reached joins at its smallest gap, and where the lowest segment
-touches no other one the segments hang under a virtual, empty root.
+bridged first, a segment never reached joins at its smallest gap, and where the root segment is far
+from all others (ten spacings) no label is the stem: all hang under a virtual, empty root.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from baker.spacing import point_spacing, without_outliers
 from baker.vertical import Vertical
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
+ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
 NEIGHBORS = 32  # neighbours looked at for touching points of other segments
 
 Gaps = dict[tuple[int, int], float]
@@ -34,9 +35,11 @@ def hierarchy_from_labels(
     for index, members in enumerate(segments):
         owner[members] = index
     first = names.index(root_label)
-    touching = _touching_gaps(points, owner, REACH * point_spacing(points))
-    if len(segments) > 2 and not any(first in pair for pair in touching):
-        return _under_virtual_root(names, segments)
+    spacing = point_spacing(points)
+    others = set(range(len(segments))) - {first}
+    if len(others) > 1 and _smallest_gap(points, segments, {first}, others)[0] > ALONE * spacing:
+        return under_virtual_root(labels)
+    touching = _touching_gaps(points, owner, REACH * spacing)
     parents, notes = _grow_from(first, points, segments, touching, names)
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
 
@@ -133,12 +136,14 @@ def _smallest_gap(
     return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])
 
 
-def _under_virtual_root(names: list[int], segments: list[NDArray[np.intp]]) -> Hierarchy:
+def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:
+    """All labelled segments as children of a virtual, empty root (the paper's Figure 5)."""
+    names, segments = split_by_label(labels)
     virtual = len(segments)
     return Hierarchy(
         segments=(*segments, np.empty(0, np.intp)),
         labels=(*names, None),
         parents=(*[virtual] * virtual, NO_PARENT),
         root=virtual,
-        notes=("the lowest segment touches no other one; all hang under a virtual, empty root",),
+        notes=("no segment is the others' stem; all hang under a virtual, empty root",),
     )

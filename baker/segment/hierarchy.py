@@ -38,6 +38,11 @@ class Hierarchy:
             chain.append(segment)
         return chain
 
+    def from_the_root(self) -> list[int]:
+        """All segments, parents before their children."""
+        depth = [len(self.ancestors(segment)) for segment in range(len(self.segments))]
+        return sorted(range(len(self.segments)), key=depth.__getitem__)
+
 
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """The distinct labels, ascending, and the point indices that bear each of them."""

@@ -1,0 +1,6 @@
+"""Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
+
+from baker.match.match import Match, match_by_label
+from baker.match.organs import IntervalOrgans, Organ, follow_organs
+
+__all__ = ["IntervalOrgans", "Match", "Organ", "follow_organs", "match_by_label"]
