@@ -77,6 +77,7 @@ def read_rows(
                 file,
                 delimiter=layout.delimiter,
                 comments=layout.comment,
+                quotechar='"',
                 usecols=layout.columns,
                 max_rows=count,
                 ndmin=2,

@@ -33,13 +33,16 @@ from baker.scans.rows import Layout, is_number, not_a_number, read_rows, split, 
 class _Head:
     """What stands before the rows, and how they look.
 
-    header:  the columns' names, if they are named; row: the first row; count: the announced
-    number of points, if any.
+    header:         the columns' names, if they are named.
+    row:            the values of the first row.
+    is_open_ended:  whether it ends with a delimiter.
+    count:          the announced number of points, if any.
     """
 
     first_line: int
     delimiter: str | None
     row: Sequence[str]
+    is_open_ended: bool
     header: Sequence[str] | None
     count: int | None
 
@@ -56,7 +59,7 @@ def read(path: Path) -> Columns:
         )
     numeric = tuple(i for i, value in enumerate(head.row) if is_number(value))
     names = head.header or [f"column {i + 1}" for i in range(width)]
-    columns = None if len(numeric) == width else numeric
+    columns = None if len(numeric) == width and not head.is_open_ended else numeric
     rows = read_rows(
         path, Layout(head.first_line, names, head.delimiter, columns), encoding=encoding
     )
@@ -68,7 +71,7 @@ def read(path: Path) -> Columns:
 
     notes: tuple[str, ...] = ()
     if head.header is None:
-        if columns is not None:
+        if len(numeric) < width:
             position = next(i for i in range(width) if i not in numeric)
             fault = not_a_number(head.row[position])
             raise InputError(f"'{path}', line {head.first_line}: {fault}")
@@ -95,7 +98,8 @@ def _read_head(path: Path, encoding: str) -> _Head:
                 continue
             if sum(map(is_number, values)) >= min(3, len(values)):
                 names = _header(path, header_line, header, comments, delimiter, len(values))
-                return _Head(number, delimiter, values, names, count)
+                is_open_ended = delimiter is not None and text.endswith(delimiter)
+                return _Head(number, delimiter, values, is_open_ended, names, count)
             numbers = [value for value in values if is_number(value)]
             if header or numbers or not _names_xyz(values):
                 fault = next(value for value in values if not is_number(value))

@@ -1,0 +1,150 @@
+"""Text tables: delimiters, headers, layouts by the number of columns, faults by line."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from baker.errors import InputError
+from baker.scans.fields import choose_fields
+from baker.scans.table import read
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(content: str | bytes, name: str = "scan.txt", **options):
+        path = tmp_path / name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return choose_fields(read(path), path, **options)
+
+    return load
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    rows=st.lists(
+        st.tuples(*[st.floats(-1e9, 1e9)] * 3, st.integers(-(2**40), 2**40)), min_size=1, max_size=8
+    ),
+    order=st.permutations(["x", "y", "z", "label"]),
+    delimiter=st.sampled_from([" ", "   ", ",", ", ", ";", "\t"]),
+    prefix=st.sampled_from(["", "#", "# ", "//"]),
+    upper=st.booleans(),
+    newline=st.sampled_from(["\n", "\r\n"]),
+    encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16"]),
+)
+def test_any_dialect_with_header(load, rows, order, delimiter, prefix, upper, newline, encoding):
+    named = [dict(zip(["x", "y", "z", "label"], row, strict=True)) for row in rows]
+    header = prefix + delimiter.join(order)
+    lines = [header.upper() if upper else header]
+    lines += [delimiter.join(repr(row[name]) for name in order) for row in named]
+
+    cloud = load((newline.join(lines) + newline).encode(encoding))
+
+    assert cloud.points.tolist() == [list(row[:3]) for row in rows]
+    assert cloud.labels.tolist() == [row[3] for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("row", "labels", "colors"),
+    [
+        ("1 2 3", None, None),
+        ("1 2 3 -7", [-7], None),
+        ("1 2 3 7.0 0.25", [7], None),
+        ("1 2 3 10 20 30", None, [[10, 20, 30]]),
+        ("1 2 3 65535 0 32768", None, [[255, 0, 128]]),
+        ("1 2 3 1 0 0.5", None, [[255, 0, 128]]),
+        ("1 2 3 -0.6 0 0.8", None, None),
+        ("1 2 3 10 20 30 4", [4], [[10, 20, 30]]),
+        ("1 2 3 -0.6 0 0.8 4", [4], None),
+    ],
+)
+def test_columns_without_header(load, row, labels, colors):
+    cloud = load(f"{row}\n")
+    assert cloud.points.tolist() == [[1, 2, 3]]
+    assert (None if cloud.labels is None else cloud.labels.tolist()) == labels
+    assert (None if cloud.colors is None else cloud.colors.tolist()) == colors
+    assert "no header line: columns taken as x y z" in cloud.notes[0]
+
+
+def test_point_count_before_rows_is_leicas_format(load):
+    cloud = load("2\n1 2 3 -1200 10 20 30\n4 5 6 -1100 40 50 60\n", "scan.pts")
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.colors.tolist() == [[10, 20, 30], [40, 50, 60]]
+    assert cloud.labels is None
+    with pytest.raises(InputError, match=r"announces 3 points, but 2 rows follow"):
+        load("3\n1 2 3\n4 5 6\n", "scan.pts")
+
+
+def test_cloudcompare_header(load):
+    cloud = load("//X Y Z R G B scalar_Label\n1\n1 2 3 10 20 30 5\n")
+    assert cloud.labels.tolist() == [5]
+    assert cloud.colors.tolist() == [[10, 20, 30]]
+
+
+def test_columns_of_words_are_passed_over(load):
+    cloud = load("x,y,z,organ,class\n1,2,3,leaf,5\n4,5,6,stem,0\n", "scan.csv")
+    assert cloud.labels.tolist() == [5, 0]
+    with pytest.raises(InputError, match=r"no field 'organ'; the fields found: x, y, z, class"):
+        load("x,y,z,organ,class\n1,2,3,leaf,5\n", "scan.csv", label_field="organ")
+
+
+def test_comments_and_blank_lines_between_rows(load):
+    assert len(load("\n# made by hand\n1 2 3\n\n4 5 6 # the tip\n# end\n")) == 2
+
+
+def test_trailing_delimiters(load):
+    assert load("1;2;3;\n4;5;6;\n").points.tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+def test_quoted_values(load):
+    assert load('"x","y","z"\n"1","2","3"\n').points.tolist() == [[1, 2, 3]]
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("1 2 3\n4 5\n", r"line 2: 2 values found, but 3 expected"),
+        ("1 2 3\n4 5 6 7\n", r"line 2: 4 values found, but 3 expected"),
+        ("# c\n\n1 2 3 4\n1 2 x 4\n", r"line 4: 'x' is not a number\."),
+        ("1 2 3 4\n1 2 abc\n", r"line 2: 3 values found, but 4 expected"),
+        ("x y z\n1 2 3 4\n", r"line 1: the header names 3 columns, but the first row has 4"),
+        ("x y z label\n1 2 3 4\n1 2 3\n", r"line 3: 3 values .* \(x y z label\)"),
+        ("x y z x\n1 2 3 4\n", r"names two columns 'x'"),
+        ("a b c\n1 2 3\n", r"line 1: 'a' is not a number"),
+        ("1 2\n3 4\n", r"line 1: 2 columns without a header line; 3 to 7 are understood"),
+        ("1 2 3 4 5 6 7 8\n", r"line 1: 8 columns without a header"),
+        ("1,5;2,5;3,5\n", r"line 1: '1,5' is not a number; write decimals with a point"),
+        ("1 2 3\n1,5 2,5 3,5\n", r"line 2: '1,5' is not a number; write decimals with a point"),
+        ("x y z\n", r"holds no points"),
+        ("# only words\n", r"holds no points"),
+        ("1 2 3 0.5\n", r"the field 'label' holds 0.5, but labels must be whole numbers"),
+        ("1 2 3 nan\n", r"the field 'label' holds nan"),
+        ("1 2 3 1e30\n", r"the field 'label' holds 1e\+30"),
+        ("x y label\n1 2 3\n", r"line 1: 'x' is not a number"),
+    ],
+)
+def test_faults_are_told_with_their_line(load, content, fault):
+    with pytest.raises(InputError, match=fault) as caught:
+        load(content)
+    assert "scan.txt'" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_labels_of_points_that_are_dropped_do_not_matter(load):
+    cloud = load("1 2 3 4\nnan nan nan nan\n")
+    assert cloud.labels[0] == 4
+
+
+def test_labels_can_be_left_unread(load):
+    assert load("1 2 3 0.5\n", use_labels=False).labels is None
+
+
+def test_a_million_values_take_about_a_second(load):
+    import time
+
+    rows = np.random.default_rng(0).random((250_000, 4))
+    rows[:, 3] = 3
+    content = "\n".join(f"{x:.4f} {y:.4f} {z:.4f} {n:.0f}" for x, y, z, n in rows.tolist())
+    start = time.perf_counter()
+    assert len(load(content)) == 250_000
+    assert time.perf_counter() - start < 5

@@ -1,0 +1,258 @@
+"""Which files are a series, in which order, at which times."""
+
+import random
+from datetime import date, timedelta
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from baker.errors import InputError
+from baker.scans.find import find_scans
+from baker.scans.times import FoundScans, natural_key, schedule_scans
+
+
+def schedule(*names, from_folder=True, times_file=None):
+    return schedule_scans(FoundScans(tuple(map(Path, names)), from_folder), times_file)
+
+
+def times(*names, **options):
+    return [entry.moment.time for entry in schedule(*names, **options).entries]
+
+
+def gaps(*names, **options):
+    found = times(*names, **options)
+    return [time - found[0] for time in found]
+
+
+@pytest.mark.parametrize(
+    ("names", "expected", "unit"),
+    [
+        (["2020-03-08.ply", "2020-03-10.ply"], [0, 2], "days"),
+        (["2019-12-31.ply", "2020-03-01.ply"], [0, 61], "days"),
+        (["maize_20200308.txt", "maize_20200309.txt"], [0, 1], "days"),
+        (["a 2020_03_08.las", "a 2020_03_10.las"], [0, 2], "days"),
+        (["2020-03-08T14-30.ply", "2020-03-08T20-30.ply"], [0, 0.25], "days"),
+        (["20200308_1430.ply", "20200309_0230.ply"], [0, 0.5], "days"),
+        (["2020-03-08.ply", "2020-03-09T12-00.ply"], [0, 1.5], "days"),
+        (["2020-03-08_9999.ply", "2020-03-09_9998.ply"], [0, 1], "days"),
+        (["day00.txt", "day05.txt"], [0, 5], "days"),
+        (["day9.txt", "day10.txt"], [0, 1], "days"),
+        (["plant_D2.txt", "plant_D12.txt"], [0, 10], "days"),
+        (["p1-d2.5.txt", "p1-d4.txt"], [0, 1.5], "days"),
+        (["Day 1.ply", "Day 3.ply"], [0, 2], "days"),
+        (["DAS12.ply", "DAS20.ply"], [0, 8], "days"),
+        (["2020-03-01_day05.ply", "2020-03-01_day07.ply"], [0, 2], "days"),
+        (["a/2020-03-08/scan.ply", "a/2020-03-11/scan.ply"], [0, 3], "days"),
+        (["scan9.ply", "scan10.ply"], [0, 1], "scans"),
+        (["a.ply", "b.ply"], [0, 1], "scans"),
+        (["scan3D_7.ply", "scan3D_9.ply"], [0, 1], "scans"),
+        (["2020-13-40.ply", "2020-14-50.ply"], [0, 1], "scans"),
+        (["id5.ply", "id7.ply"], [0, 1], "scans"),
+    ],
+)
+def test_times_from_names(names, expected, unit):
+    found = schedule(*reversed(names))
+    assert [entry.path for entry in found.entries] == [Path(name) for name in names]
+    assert gaps(*reversed(names)) == pytest.approx(expected)
+    assert found.unit == unit
+    assert found.rule.endswith(".")
+
+
+@given(st.sets(st.dates(date(1900, 1, 1), date(2199, 12, 31)), min_size=2, max_size=8))
+def test_all_dates_are_ordered_with_their_true_gaps(dates):
+    ordered = sorted(dates)
+    names = [f"{day.isoformat()}.ply" for day in ordered]
+    random.Random(0).shuffle(names)
+    assert gaps(*names) == [(day - ordered[0]) / timedelta(days=1) for day in ordered]
+
+
+@given(st.sets(st.integers(0, 2000), min_size=2, max_size=8), st.sampled_from(["day", "scan_"]))
+def test_ten_comes_after_nine(numbers, stem):
+    names = [f"{stem}{number}.txt" for number in numbers]
+    order = [entry.name for entry in schedule(*names).entries]
+    assert order == [f"{stem}{number}.txt" for number in sorted(numbers)]
+
+
+def test_dates_are_written_for_people():
+    dates = [e.moment.date for e in schedule("2020-03-08.ply", "2020-03-09T14-30.ply").entries]
+    assert dates == ["2020-03-08", "2020-03-09 14:30"]
+    assert [e.moment.date for e in schedule("day05.ply", "day7.5.ply").entries] == [
+        "day 5",
+        "day 7.5",
+    ]
+    assert [e.moment.date for e in schedule("a.ply", "b.ply").entries] == ["0", "1"]
+
+
+def test_a_rule_must_fit_every_scan():
+    found = schedule("p_1.ply", "p_2020-03-08.ply")
+    assert found.unit == "scans"
+    assert "no time in the name 'p_1.ply'" in found.rule
+
+
+def test_two_scans_at_one_time():
+    for names in (["day5.ply", "day05.txt"], ["2020-03-08_a.ply", "2020-03-08_b.ply"]):
+        with pytest.raises(InputError) as caught:
+            schedule(*names)
+        assert all(name in str(caught.value) for name in names)
+
+
+def test_files_in_order():
+    given_order = ["seedling.ply", "young.ply", "adult.ply"]
+    found = schedule(*given_order, from_folder=False)
+    assert [entry.name for entry in found.entries] == given_order
+    assert "the order given" in found.rule
+
+    found = schedule("day2.ply", "day1.ply", from_folder=False)
+    assert [entry.name for entry in found.entries] == ["day1.ply", "day2.ply"]
+    assert "not in the order given" in found.rule
+
+
+def test_order_of_a_shell_pattern_is_put_right():
+    names = ["s1.ply", "s10.ply", "s9.ply"]
+    found = schedule(*names, from_folder=False)
+    assert [entry.name for entry in found.entries] == sorted(names, key=natural_key)
+
+
+def test_numbers_that_contradict_each_other():
+    with pytest.raises(InputError, match="can't be told from their names"):
+        schedule("08-03-2020.ply", "10-03-2020.ply", "02-04-2020.ply")
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "a.ply 3\nb.ply 1.5\n",
+        "a,3\nb,1.5\n",
+        "# when\nscan;day\na.ply; 3\n\nb.ply; 1.5\n",
+        "a.ply\t2020-03-08T12:00\nb.ply\t2020-03-07\n",
+        "a.ply, 2020-03-08 12:00\nb.ply, 2020-03-07\n",
+        "'a.ply' 3\n\"b.ply\" 1.5\nc.ply 7\n",
+    ],
+)
+def test_times_file(tmp_path, lines):
+    path = tmp_path / "times.csv"
+    path.write_text(lines)
+    found = schedule("a.ply", "b.ply", times_file=path)
+    assert [entry.name for entry in found.entries] == ["b.ply", "a.ply"]
+    assert gaps("a.ply", "b.ply", times_file=path) == [0, 1.5]
+    assert "'times.csv'" in found.rule
+    assert found.unit == "days"
+
+
+def test_times_file_comes_before_names(tmp_path):
+    path = tmp_path / "times.txt"
+    path.write_text("day1.ply 20\nday2.ply 10\n")
+    assert times("day1.ply", "day2.ply", times_file=path) == [10, 20]
+
+
+@pytest.mark.parametrize(
+    ("lines", "fault"),
+    [
+        ("a.ply 1\n", r"no line for the scan 'b\.ply'"),
+        ("a.ply 1\nb.ply 1\n", r"'a\.ply' and 'b\.ply' have the same time, day 1"),
+        ("a.ply 1\nb.ply soon\n", r"line 2: expected .* found 'b\.ply soon'"),
+        ("a.ply 1\nb.ply\n", r"line 2: expected"),
+        ("a.ply 1\nb.ply 2020-02-30\n", r"line 2: expected"),
+        ("a.ply 1\nb.ply nan\n", r"line 2: expected"),
+        ("a.ply 1\nb.ply 2020-02-20\n", r"mixes dates and numbers"),
+        ("a.ply 1\na.ply 2\n", r"line 2: 'a\.ply' has a time already"),
+        ("", r"no line for the scan 'a\.ply'"),
+        (b"\xff\xfe\x00", r"is not a text file"),
+    ],
+)
+def test_faults_in_a_times_file(tmp_path, lines, fault):
+    path = tmp_path / "times.txt"
+    path.write_bytes(lines if isinstance(lines, bytes) else lines.encode())
+    with pytest.raises(InputError, match=fault):
+        schedule("a.ply", "b.ply", times_file=path)
+
+
+def test_times_file_not_there(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.txt' \(times\) can't be read: No such file"):
+        schedule("a.ply", "b.ply", times_file=tmp_path / "absent.txt")
+
+
+def names_in(folder, times_file=None):
+    return [path.name for path in find_scans([folder], times_file).paths]
+
+
+def test_folder_passes_over_what_is_no_scan(make_folder):
+    folder = make_folder(
+        dict.fromkeys(
+            [
+                "day2.txt",
+                "day10.txt",
+                ".day3.txt",
+                "README.txt",
+                "LICENSE",
+                "a.json",
+                "sub/day1.txt",
+            ],
+            "0 0 0",
+        )
+    )
+    assert names_in(folder) == ["day2.txt", "day10.txt"]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["day1.ply", "day2.txt"],
+        ["day1.ply", "day2.ply", "reference.ply"],
+        ["plant1_day1.ply", "plant1_day3.ply", "plant2_day2.ply"],
+        ["maize_day1.ply", "tomato_day2.ply"],
+        ["M01_0313.ply", "M01_0314.ply", "M01_0315_a.ply"],
+    ],
+)
+def test_two_series_in_a_folder(make_folder, names):
+    folder = make_folder(dict.fromkeys(names, "0 0 0"))
+    with pytest.raises(InputError, match="more than one series") as caught:
+        names_in(folder)
+    assert sum(name in str(caught.value) for name in names) == 2
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["seedling.ply", "young.ply", "adult.ply"],
+        ["scan1_2020-03-08.ply", "scan2_2020-03-10.ply"],
+        ["2020-03-08.ply", "2020-03-09T12-00.ply"],
+        ["s1.LAS", "s2.las"],
+    ],
+)
+def test_one_series_in_a_folder(make_folder, names):
+    assert set(names_in(make_folder(dict.fromkeys(names, "")))) == set(names)
+
+
+def test_times_file_says_what_belongs_together(make_folder):
+    folder = make_folder({"day1.ply": "", "day2.ply": "", "last.ply": "", "times.txt": ""})
+    assert len(names_in(folder, folder / "times.txt")) == 3
+
+
+def test_folders_without_a_series(make_folder, tmp_path):
+    with pytest.raises(InputError, match=r"holds no scans \(\.ply, .*\)\."):
+        names_in(make_folder({"a.json": ""}, "none"))
+    with pytest.raises(InputError, match=r"holds no scans .*; folders in it are not searched"):
+        names_in(make_folder({"sub/day1.ply": ""}, "below"))
+    with pytest.raises(InputError, match=r"only one scan, 'day1\.ply'"):
+        names_in(make_folder({"day1.ply": ""}, "one"))
+    with pytest.raises(InputError, match="no such file or folder"):
+        names_in(tmp_path / "absent")
+
+
+def test_lists_that_are_no_series(make_folder):
+    folder = make_folder({"a.ply": "", "b.ply": "", "c.obj": "", "d.ply/e": ""})
+    a, b = folder / "a.ply", folder / "b.ply"
+    for inputs, fault in (
+        ([], "No scans given"),
+        ([a], "only one scan"),
+        ([a, folder], "is a folder"),
+        ([a, folder / "d.ply"], r"d\.ply' is a folder"),
+        ([a, folder / "c.obj"], r"unknown suffix '\.obj'"),
+        ([a, folder / "x.ply"], "no such file"),
+        ([a, b, folder / "." / "a.ply"], "given twice"),
+    ):
+        with pytest.raises(InputError, match=fault):
+            find_scans(inputs)
