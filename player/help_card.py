@@ -17,7 +17,7 @@ ROW, SECTION, PADDING, COLUMN_GAP, TEXT_GAP = 29.0, 38.0, 30.0, 44.0, 14.0
 HEAD = 48.0  # title and the space under it
 CAP_HEIGHT, CAP_PADDING, CAP_GAP = 22.0, 7.0, 4.0
 ARROWS = {"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"}
-COLUMNS = (("Time",), ("View",), ("Look", "Window")), (("Time",), ("View", "Look", "Window"))
+COLUMNS = (("Time",), ("View",), ("Look", "Window")), (("Time", "Look"), ("View", "Window"))
 
 
 def draw_help(canvas: Canvas, theme: Theme, size: tuple[float, float]) -> None:

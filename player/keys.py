@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from player.scene import Scene
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
+POINTS = "smaller, larger points"
 POINT_STEP, SMALLEST, LARGEST = 1.15, 0.2, 6.0
 ZOOM_STEP = 1.12  # factor of one wheel notch
 TURN = math.radians(180.0)  # orbit of a drag over the window's height
@@ -39,6 +40,8 @@ class Action:
     """Something that keys, and perhaps a button on the screen, do to the scene.
 
     keys:    any of them does it.
+    help:    what it does, in a few words.
+    row:     the line of help that it shares with its neighbours, if it has no line of its own.
     repeats: goes on while the key is held.
     """
 
@@ -47,6 +50,7 @@ class Action:
     keys: tuple[str, ...]
     help: str
     do: Callable[[Scene], Scene]
+    row: str = ""
     repeats: bool = False
 
     @property
@@ -92,10 +96,6 @@ def _resized(factor: float) -> Callable[[Scene], Scene]:
     return resize
 
 
-def _paced(faster: bool) -> Callable[[Scene], Scene]:
-    return lambda scene: scene.clock(lambda t: t.faster() if faster else t.slower())
-
-
 def _looped(scene: Scene) -> Scene:
     scene = scene.clock(lambda t: t.with_next_end())
     return replace(scene, notice=f"At the end: {scene.timeline.at_end.value}")
@@ -118,31 +118,43 @@ ACTIONS: tuple[Action, ...] = (
     Action("play", "Time", ("space",), "play, pause", lambda s: s.clock(lambda t: t.toggled())),
     Action(
         "back", "Time", ("left",), "back a little",
-        lambda s: s.clock(lambda t: t.nudged(-NUDGE)), repeats=True,
+        lambda s: s.clock(lambda t: t.nudged(-NUDGE)), "back, on a little", repeats=True,
     ),
     Action(
         "on", "Time", ("right",), "on a little",
-        lambda s: s.clock(lambda t: t.nudged(NUDGE)), repeats=True,
+        lambda s: s.clock(lambda t: t.nudged(NUDGE)), "back, on a little", repeats=True,
     ),
     Action(
         "previous", "Time", ("page_up", "shift+left"), "previous scan",
-        lambda s: s.clock(lambda t: t.stepped(-1)), repeats=True,
+        lambda s: s.clock(lambda t: t.stepped(-1)), "previous, next scan", repeats=True,
     ),
     Action(
         "next", "Time", ("page_down", "shift+right"), "next scan",
-        lambda s: s.clock(lambda t: t.stepped(1)), repeats=True,
+        lambda s: s.clock(lambda t: t.stepped(1)), "previous, next scan", repeats=True,
     ),
-    Action("first", "Time", ("home",), "first scan", lambda s: s.clock(lambda t: t.at(t.first))),
-    Action("last", "Time", ("end",), "last scan", lambda s: s.clock(lambda t: t.at(t.last))),
-    Action("slower", "Time", ("[", "down"), "slower", _paced(faster=False)),
-    Action("faster", "Time", ("]", "up"), "faster", _paced(faster=True)),
-    Action("at end", "Time", ("l",), "loop, back and forth, stop", _looped),
+    Action(
+        "first", "Time", ("home",), "first scan",
+        lambda s: s.clock(lambda t: t.at(t.first)), "first, last scan",
+    ),
+    Action(
+        "last", "Time", ("end",), "last scan",
+        lambda s: s.clock(lambda t: t.at(t.last)), "first, last scan",
+    ),
+    Action(
+        "slower", "Time", ("[", "down"), "slower",
+        lambda s: s.clock(lambda t: t.slower()), "slower, faster",
+    ),
+    Action(
+        "faster", "Time", ("]", "up"), "faster",
+        lambda s: s.clock(lambda t: t.faster()), "slower, faster",
+    ),
+    Action("at end", "Time", ("l",), "loop, back and forth, or stop", _looped),
     Action(
         "fit", "View", ("f",), "whole plant",
         lambda s: replace(s, camera=s.home, turning=False),
     ),
     Action(
-        "turn", "View", ("t",), "turn round by itself",
+        "turn", "View", ("t",), "go round the plant",
         lambda s: replace(s, turning=not s.turning),
     ),
     Action(
@@ -150,11 +162,11 @@ ACTIONS: tuple[Action, ...] = (
         lambda s: replace(s, fullscreen=not s.fullscreen),
     ),
     Action("color", "Look", ("c",), "colour by scan or by track", _recolored),
-    Action("smaller", "Look", ("-",), "smaller points", _resized(1 / POINT_STEP), repeats=True),
-    Action("larger", "Look", ("+", "="), "larger points", _resized(POINT_STEP), repeats=True),
+    Action("smaller", "Look", ("-",), "smaller points", _resized(1 / POINT_STEP), POINTS, True),
+    Action("larger", "Look", ("+", "="), "larger points", _resized(POINT_STEP), POINTS, True),
     Action("ground", "Look", ("g",), "light or dark ground", _grounded),
     Action(
-        "depth", "Look", ("d",), "depth cue on, off",
+        "depth", "Look", ("d",), "depth cue on or off",
         lambda s: s.styled(depth_cue=not s.style.depth_cue),
     ),
     Action(
@@ -162,10 +174,10 @@ ACTIONS: tuple[Action, ...] = (
         lambda s: replace(s, wants_picture=True),
     ),
     Action(
-        "help", "Window", ("h", "?", "f1"), "this help",
+        "help", "Window", ("h", "?", "f1"), "show this help",
         lambda s: replace(s, help=not s.help),
     ),
-    Action("leave", "Window", ("escape",), "back, then quit", _left),
+    Action("leave", "Window", ("escape",), "leave help, full screen, window", _left),
     Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
 )  # fmt: skip
 
@@ -213,16 +225,25 @@ def drag_for(button: str, shift: bool) -> Drag | None:
 
 def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
     """What to show as help: for each section its rows (key labels, what they do)."""
-    rows: dict[str, list[tuple[tuple[str, ...], str]]] = {}
+    table: dict[str, dict[str, list[str]]] = {}
     for entry in ACTIONS:
-        rows.setdefault(entry.section, []).append((entry.labels, entry.help))
-    rows["Time"].insert(1, (("Drag timeline",), "go to a day"))
-    mouse: dict[str, list[str]] = {}
+        rows = table.setdefault(entry.section, {})
+        if entry.section == "View" and not rows:
+            rows.update(_mouse_rows())
+        rows.setdefault(entry.row or entry.help, []).extend(entry.labels)
+        if entry.name == "play":
+            rows["go to a day"] = ["Drag timeline"]
+    return {
+        section: [(tuple(labels), text) for text, labels in rows.items()]
+        for section, rows in table.items()
+    }
+
+
+def _mouse_rows() -> dict[str, list[str]]:
+    rows: dict[str, list[str]] = {}
     for drag in DRAGS:
-        mouse.setdefault(drag.help, []).append(drag.label)
-    rows["View"][:0] = [(tuple(labels), text) for text, labels in mouse.items()]
-    rows["View"].insert(len(mouse), (("Wheel",), "nearer, farther"))
-    return rows
+        rows.setdefault(drag.help, []).append(drag.label)
+    return {**rows, "nearer, farther": ["Wheel"]}
 
 
 def help_text() -> str:

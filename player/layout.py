@@ -156,9 +156,12 @@ def _labels(
 
 
 def _label(layout: Layout, scan: int, text: str, width: float) -> DateLabel:
-    """Under its mark, but inside the window."""
-    limit = layout.size[0] - 8.0 - width / 2
-    x = max(min(layout.x_of(layout.times[scan]), limit), 8.0 + width / 2)
+    """Under its mark, but inside the window and clear of the large button beside the line."""
+    play = layout.buttons["play"]
+    beside = "previous" not in layout.buttons
+    least = (play.x + play.width + GAP if beside else 8.0) + width / 2
+    most = layout.size[0] - 8.0 - width / 2
+    x = max(min(layout.x_of(layout.times[scan]), most), least)
     return DateLabel(scan, text, x, width)
 
 

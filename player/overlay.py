@@ -85,7 +85,7 @@ class Overlay:
         if over and over != TIMELINE:
             self._draw_tip(layout, theme, over)
         if scene.notice:
-            self._draw_card(scene.notice, size[0] / 2, layout.margin + 16.0, theme, size[0])
+            self._draw_card(scene.notice, size[0] / 2, layout.margin + 64.0, theme, size[0])
         if scene.help:
             draw_help(canvas, theme, size)
         canvas.finish(framebuffer)
