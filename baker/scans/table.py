@@ -77,6 +77,8 @@ def read(path: Path) -> Columns:
             raise InputError(f"'{path}', line {head.first_line}: {fault}")
         names = _usual_names(rows, is_leica=head.count is not None)
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
+    elif words := [names[i] for i in range(width) if i not in numeric]:
+        notes = (f"columns passed over, as they hold no numbers: {', '.join(words)}.",)
     return Columns({names[i]: rows[:, k] for k, i in enumerate(numeric)}, notes)
 
 

@@ -84,6 +84,7 @@ def test_cloudcompare_header(load):
 def test_columns_of_words_are_passed_over(load):
     cloud = load("x,y,z,organ,class\n1,2,3,leaf,5\n4,5,6,stem,0\n", "scan.csv")
     assert cloud.labels.tolist() == [5, 0]
+    assert cloud.notes[0] == "columns passed over, as they hold no numbers: organ."
     with pytest.raises(InputError, match=r"no field 'organ'; the fields found: x, y, z, class"):
         load("x,y,z,organ,class\n1,2,3,leaf,5\n", "scan.csv", label_field="organ")
 
