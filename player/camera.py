@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -61,20 +61,23 @@ class Camera:
         return cls._fit_profile(middle, [(around, -half[2]), (around, half[2])], up, aspect)
 
     @classmethod
-    def home(cls, clip: Clip, aspect: float = 16 / 9) -> Camera:
-        """The view that a clip opens with: all of its movers in the picture, from every yaw."""
+    def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Camera:
+        """The view that a clip opens with: all of its movers in the picture, seen from where the
+        plant looks widest.
+
+        turning: leave room for a full turn, so that the plant stays in the picture from every yaw.
+        """
         points = outline(clip)
-        low, high = points.min(axis=0), points.max(axis=0)
-        middle = (low + high) / 2
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        target = axes(clip.up).T @ middle
         reach = np.hypot(*(points[:, :2] - middle[:2]).T)
-        level = points[:, 2] - middle[2]
-        profile = list(zip(reach.tolist(), level.tolist(), strict=True))
-        return cls._fit_profile(axes(clip.up).T @ middle, profile, clip.up, aspect)
+        profile = np.column_stack([reach, points[:, 2] - middle[2]])
+        turned = cls._fit_profile(target, profile, clip.up, aspect)
+        camera = replace(turned, yaw=_widest_yaw(points[:, :2]))
+        return camera if turning else camera._closer(points @ axes(clip.up), aspect)
 
     @classmethod
-    def _fit_profile(
-        cls, target: Vector, profile: Sequence[tuple[float, float]], up: str, aspect: float
-    ) -> Camera:
+    def _fit_profile(cls, target: Vector, profile: ArrayLike, up: str, aspect: float) -> Camera:
         """Fit a solid of revolution, given as (reach, level) about the target, into the picture.
 
         A point (right, above, towards) of it is inside where |right| and |above| are at most
@@ -94,6 +97,23 @@ class Camera:
             up=up,
             radius=max(radius, 1e-6),
         )
+
+    def _closer(self, points: Vector, aspect: float) -> Camera:
+        """The same view of (n, 3) local points, centred and as near as the picture allows."""
+        camera = self
+        slope = math.tan(self.field_of_view / 2) * MARGIN
+        for _ in range(4):  # perspective moves the centre a little with every step nearer
+            right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
+            away = camera.distance - towards
+            across, along = right / away / aspect, above / away
+            shift = camera.distance * np.array(
+                [aspect * (across.min() + across.max()), along.min() + along.max(), 0.0]
+            )
+            target = np.asarray(camera.target) + camera._frame().T @ (shift / 2)
+            right, above, towards = camera._frame() @ (points - target).T
+            needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
+            camera = replace(camera, target=_triple(target), distance=float(needed.max()))
+        return camera
 
     def orbit(self, dyaw: float, dpitch: float) -> Camera:
         """Turn about the target, in radians; the pitch stops short of straight up and down."""
@@ -164,6 +184,14 @@ def outline(clip: Clip) -> Vector:
         for share in (0.0, 0.5, 1.0)
     ]
     return np.concatenate(samples).astype(float) @ axes(clip.up).T
+
+
+def _widest_yaw(horizontal: Vector) -> float:
+    """The yaw, of the two that look along the narrowest spread, that is nearer to the usual one."""
+    _, directions = np.linalg.eigh(np.cov(horizontal.T))
+    yaw = math.atan2(directions[1, 0], directions[0, 0])
+    opposite = yaw + math.pi
+    return min((yaw, opposite), key=lambda angle: abs(math.remainder(angle - YAW, 2 * math.pi)))
 
 
 def _triple(vector: Vector) -> tuple[float, float, float]:

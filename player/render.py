@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,12 +45,17 @@ class Canvas:
         self._renderer = Renderer(self.context, clip, supersample)
         self._framebuffer = self.context.simple_framebuffer(size)
 
+    @cached_property
+    def home(self) -> Camera:
+        """The whole series in the picture."""
+        return Camera.home(self.clip, self.size[0] / self.size[1])
+
     def picture(
         self, day: float, camera: Camera | None = None, style: Style | None = None
     ) -> NDArray[np.uint8]:
         """(height, width, 4) uint8 sRGB, top row first."""
         width, height = self.size
-        camera = camera or Camera.home(self.clip, width / height)
+        camera = camera or self.home
         self._renderer.draw(self._framebuffer, day, camera, style or Style(), self.size)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         return pixels.reshape(height, width, 4)[::-1]

@@ -26,9 +26,15 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-DISC = 1.9  # natural disc radius in point spacings: the least that closes a scanned surface
+DISC = 1.6  # natural disc radius in point spacings: the least that closes a scanned surface
 THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
 SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
+LOOK = {
+    "CORE": 0.7,  # share of its radius in which a disc hides what lies behind
+    "RIM_OUTSIDE": 0.16,  # summed weights where the plant's silhouette begins and is closed
+    "RIM_INSIDE": 0.30,
+    "SMOOTHING": 1.3,  # reach of the blur of distances, in disc radii
+}
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 
 
@@ -48,8 +54,8 @@ class Renderer:
         self._targets: Targets | None = None
         self._shadow_targets = ShadowTargets(context)
         self._screen = {
-            name: context.vertex_array(program(context, "screen", name, NORMAL_STEP=2), [])
-            for name in ("shade", "blur", "compose")
+            name: context.vertex_array(program(context, "screen", name, **LOOK), [])
+            for name in ("resolve", "smooth", "shade", "blur", "compose")
         }
         points = outline(clip)
         low, high = points.min(axis=0), points.max(axis=0)
@@ -121,16 +127,13 @@ class Renderer:
     ) -> None:
         import moderngl
 
-        context, height = self.context, targets.size[1]
+        context = self.context
         targets.surface.use()
         targets.surface.clear(0.0, 0.0, 0.0, 0.0)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        disc = {
+        disc = self._disc(targets, camera, style) | {
             "view": camera.view(),
-            "projection": camera.projection(targets.size[0] / height),
-            "radius": DISC * style.point_size * self.clip.spacing,
-            "magnification": height / (2.0 * math.tan(camera.field_of_view / 2)),
-            "smallest": SMALLEST * self.supersample,
+            "projection": camera.projection(targets.size[0] / targets.size[1]),
             "thickness": THICKNESS,
         }
         targets.surface.color_mask = [(False,) * 4] * 2  # type: ignore[assignment]
@@ -146,26 +149,54 @@ class Renderer:
         )
         targets.surface.depth_mask = True
 
+    def _disc(self, targets: Targets, camera: Camera, style: Style) -> dict[str, Any]:
+        """Uniforms that tell a disc's size."""
+        return {
+            "radius": DISC * style.point_size * self.clip.spacing,
+            "magnification": targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2)),
+            "smallest": SMALLEST * self.supersample,
+        }
+
     def _shade(self, targets: Targets, camera: Camera, style: Style) -> None:
-        width, height = targets.size
-        targets.shaded.use()
-        self.context.enable_only(0)
+        import moderngl
+
+        context, (width, height) = self.context, targets.size
+        disc = self._disc(targets, camera, style)
+        targets.smoothed[0].depth_mask = True
+        targets.smoothed[0].use()
+        context.enable_only(moderngl.DEPTH_TEST)
+        context.depth_func = "1"
         targets.color_sum.use(0)
         targets.away_sum.use(1)
+        self._fill("resolve", color_sum=0, away_sum=1)
+
+        context.depth_func = ">"
+        targets.smoothed[0].depth_mask = False
+        targets.smoothed[1].clear(-1.0)
+        targets.shaded.clear()
+        for source, direction in ((0, (1, 0)), (1, (0, 1))):
+            targets.smoothed[1 - source].use()
+            targets.distances[source].use(1)
+            self._fill("smooth", distances=1, direction=direction, **disc)
+        targets.shaded.use()
+        targets.distances[0].use(1)
         ground = GROUNDS[style.ground]
         up = camera.view()[:3, :3] @ axes(camera.up)[2]
         self._fill(
             "shade",
             color_sum=0,
-            away_sum=1,
+            distances=1,
+            **disc,
             half_field=_half_field(camera, width / height),
             sky=tuple(up),
             scale=self._radius,
             middle=camera.distance,
-            dome_radius=max(1.0, 1.6 * height / 720),
+            dome_radius=max(1.0, 1.2 * height / 720),
             eye_dome=style.eye_dome,
-            depth_cue=0.5 if style.depth_cue else 0.0,
-            lamp=ground.lamp,
+            depth_cue=0.45 if style.depth_cue else 0.0,
+            sky_light=ground.sky_light,
+            floor_light=ground.floor_light,
+            lamp_light=ground.lamp_light,
             haze=ground.haze,
         )
 
@@ -210,8 +241,8 @@ class Renderer:
     ) -> None:
         import moderngl
 
+        framebuffer.viewport = (0, 0, *size)  # type: ignore[assignment]
         framebuffer.use()
-        self.context.viewport = (0, 0, *size)  # type: ignore[assignment]
         self.context.enable_only(moderngl.BLEND)
         self.context.blend_func = (
             moderngl.SRC_ALPHA,
@@ -269,7 +300,7 @@ class Renderer:
             self._programs[key] = (
                 feedback(self.context, name, "out_position", **chosen)
                 if name == "positions"
-                else program(self.context, name, name, BULGE=0.35, **chosen)
+                else program(self.context, name, name, **LOOK, **chosen)
             )
         return self._programs[key]
 

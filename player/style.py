@@ -32,14 +32,22 @@ class Style:
 
 @dataclass(frozen=True)
 class Ground:
-    """A background's colours in linear light, and the lamp's brightness that goes with them."""
+    """A background's colours and the lights that go with them, all in linear light.
+
+    above, below: the wall at the picture's top and bottom; floor: the floor where it is lit.
+    shadow:       the floor where the plant keeps all light away.
+    haze:         what far parts of the plant recede into.
+    sky_light, floor_light, lamp_light: light on the plant from above, from below, from the lamp.
+    """
 
     above: Light
     below: Light
     floor: Light
     shadow: Light
     haze: Light
-    lamp: float
+    sky_light: Light
+    floor_light: Light
+    lamp_light: Light
 
 
 GROUNDS = {
@@ -49,14 +57,18 @@ GROUNDS = {
         floor=(0.0560, 0.0660, 0.0620),
         shadow=(0.0035, 0.0050, 0.0055),
         haze=(0.0200, 0.0280, 0.0290),
-        lamp=1.0,
+        sky_light=(0.56, 0.62, 0.70),
+        floor_light=(0.22, 0.22, 0.20),
+        lamp_light=(1.02, 0.96, 0.84),
     ),
     "light": Ground(
         above=(0.80, 0.84, 0.84),
         below=(0.72, 0.73, 0.71),
         floor=(0.93, 0.92, 0.89),
-        shadow=(0.20, 0.22, 0.21),
+        shadow=(0.10, 0.12, 0.115),
         haze=(0.70, 0.73, 0.72),
-        lamp=0.92,
+        sky_light=(0.56, 0.60, 0.64),
+        floor_light=(0.34, 0.34, 0.32),
+        lamp_light=(0.86, 0.83, 0.76),
     ),
 }

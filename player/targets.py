@@ -13,8 +13,10 @@ SHADOW_SIDE = 192  # texels along each side of the floor's shadow
 class Targets:
     """Textures and framebuffers for a picture of `width` × `height` samples.
 
-    surface: the nearest surface's depth, then the splats summed upon it.
-    shaded:  the lit plant, premultiplied by its cover.
+    surface:  the nearest surface's depth, then the splats summed upon it.
+    smoothed: distances from the eye, without the scanner's noise.
+    mask:     a depth buffer, 0 where the plant is: the later passes run there alone.
+    shaded:   the lit plant, premultiplied by its cover.
     """
 
     def __init__(self, context: moderngl.Context, width: int, height: int) -> None:
@@ -24,15 +26,21 @@ class Targets:
         self.away_sum = _texture(context, size, 1, "f4")
         self.depth = context.depth_renderbuffer(size)
         self.surface = context.framebuffer([self.color_sum, self.away_sum], self.depth)
+        self.distances = [_texture(context, size, 1, "f4") for _ in range(2)]
+        self.mask = context.depth_renderbuffer(size)
+        self.smoothed = [context.framebuffer([texture], self.mask) for texture in self.distances]
+        self.smoothed[1].depth_mask = False
         self.light = _texture(context, size, 4, "f2")
-        self.shaded = context.framebuffer([self.light])
+        self.shaded = context.framebuffer([self.light], self.mask)
+        self.shaded.depth_mask = False
 
     def release(self) -> None:
-        for framebuffer in (self.surface, self.shaded):
+        for framebuffer in (self.surface, *self.smoothed, self.shaded):
             framebuffer.release()
-        for texture in (self.color_sum, self.away_sum, self.light):
+        for texture in (self.color_sum, self.away_sum, *self.distances, self.light):
             texture.release()
         self.depth.release()
+        self.mask.release()
 
 
 class ShadowTargets:

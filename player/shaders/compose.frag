@@ -35,7 +35,7 @@ vec3 with_floor(vec3 wall) {
     kept *= 1.0 - smoothstep(0.8, 1.0, max(abs(spot.x), abs(spot.y)));
     float grazing = smoothstep(0.0, 0.12, -normalize(along).z);
     vec3 lit = mix(wall, floor_color, disc * floor_share * grazing);
-    float dark = clamp(0.75 * kept.x + 0.55 * kept.y, 0.0, 0.9);
+    float dark = clamp(0.80 * kept.x + 0.62 * kept.y, 0.0, 0.9);
     return mix(lit, shadow_color, dark * floor_share * grazing);
 }
 

@@ -3,51 +3,56 @@
 
 in vec2 v_at;
 uniform sampler2D color_sum;
-uniform sampler2D away_sum;
-uniform vec2 half_field;    // tangents of half the field of view, across and up
-uniform vec3 sky;           // direction of up, in the eye's coordinates
-uniform float scale;        // radius of the scene
-uniform float middle;       // distance of the camera's target
-uniform float dome_radius;  // in samples
+uniform sampler2D distances;  // from the eye, negative where there is nothing
+uniform vec2 half_field;      // tangents of half the field of view, across and up
+uniform vec3 sky;             // direction of up, in the eye's coordinates
+uniform float scale;          // radius of the scene
+uniform float middle;         // distance of the camera's target
+uniform float dome_radius;    // in samples
 uniform float eye_dome;
 uniform float depth_cue;
-uniform float lamp;         // overall brightness
-uniform vec3 haze;          // what far parts recede into, linear light
-out vec4 out_light;         // linear light, premultiplied by cover
+uniform float radius;         // of a disc, in the clip's unit
+uniform float magnification;  // samples that one unit takes up at distance 1
+uniform vec3 sky_light;       // ambient light from above, from below, and the lamp's
+uniform vec3 floor_light;
+uniform vec3 lamp_light;
+uniform vec3 haze;            // what far parts recede into, linear light
+out vec4 out_light;           // linear light, premultiplied by cover
 
 const int DIRECTIONS = 8;
 
-// Distance from the eye; negative where there is nothing.
 float away_at(ivec2 texel) {
-    float weight = texelFetch(color_sum, texel, 0).a;
-    return weight > 0.0 ? texelFetch(away_sum, texel, 0).r / weight : -1.0;
+    return texelFetch(distances, texel, 0).r;
 }
 
 vec3 place(vec2 at, float away) {
     return vec3((2.0 * at - 1.0) * half_field, -1.0) * away;
 }
 
-// How much the surroundings stand in front of this place, 0 where it lies free.
+// How much the surroundings stand in front of this place, 0 where it lies free. What stands far in
+// front is another organ: it darkens less, or every leaf would wear a black rim.
 float sunken(ivec2 texel, ivec2 last, float away) {
     float sum = 0.0;
-    for (int ring = 1; ring <= 2; ++ring) {
+    for (int ring = 0; ring < 3; ++ring) {
+        float aside = dome_radius * pow(2.8, float(ring)), deep = 0.012 * pow(2.2, float(ring));
         for (int i = 0; i < DIRECTIONS; ++i) {
-            float angle = (float(i) + 0.5 * float(ring)) * 6.2831853 / float(DIRECTIONS);
-            vec2 aside = float(ring * ring) * dome_radius * vec2(cos(angle), sin(angle));
-            float other = away_at(clamp(texel + ivec2(round(aside)), ivec2(0), last));
-            float front = other < 0.0 ? 0.0 : (away - other) / scale;
-            sum += min(max(front, 0.0), 0.05) / float(ring);
+            float angle = (float(i) + 0.33 * float(ring)) * 6.2831853 / float(DIRECTIONS);
+            ivec2 other = texel + ivec2(round(aside * vec2(cos(angle), sin(angle))));
+            float met = away_at(clamp(other, ivec2(0), last));
+            float front = met < 0.0 ? 0.0 : max((away - met) / scale / deep, 0.0);
+            sum += front / (1.0 + front * front);
         }
     }
-    return sum / float(DIRECTIONS);
+    return sum / float(3 * DIRECTIONS);
 }
 
-// The normal from the depths on either side; at an edge the side on the same surface counts.
+// The normal from the distances on either side; at an edge the side on the same surface counts.
 vec3 normal_at(ivec2 texel, ivec2 last, vec3 here, float away) {
+    int reach = int(clamp(0.5 * radius * magnification / away, 1.0, 8.0));
     vec2 samples = vec2(last + 1);
     vec3 slopes[2];
     for (int axis = 0; axis < 2; ++axis) {
-        ivec2 aside = axis == 0 ? ivec2(NORMAL_STEP, 0) : ivec2(0, NORMAL_STEP);
+        ivec2 aside = axis == 0 ? ivec2(reach, 0) : ivec2(0, reach);
         ivec2 ahead = min(texel + aside, last), back = max(texel - aside, ivec2(0));
         float far = away_at(ahead), close = away_at(back);
         vec3 forward = place((vec2(ahead) + 0.5) / samples, far) - here;
@@ -67,26 +72,25 @@ vec3 normal_at(ivec2 texel, ivec2 last, vec3 here, float away) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy), last = textureSize(color_sum, 0) - 1;
     vec4 sum = texelFetch(color_sum, texel, 0);
-    if (sum.a <= 0.0) {
-        out_light = vec4(0.0);
-        return;
-    }
+    float cover = smoothstep(RIM_OUTSIDE, RIM_INSIDE, sum.a);
     float away = away_at(texel);
     vec3 albedo = sum.rgb / sum.a;
     vec3 here = place(v_at, away);
     vec3 normal = normal_at(texel, last, here, away);
     vec3 towards = normalize(-here);
-    vec3 key = normalize(sky + vec3(-0.55, 0.15, 0.75));
+    vec3 key = normalize(sky + vec3(-0.75, 0.10, 0.65));
 
     // Leaves are thin: light from behind shines through.
     float lit = dot(normal, key);
-    float direct = max(lit, 0.0) + 0.35 * max(-lit, 0.0);
-    float ambient = 0.5 + 0.5 * dot(normal, sky);
-    float shine = pow(max(dot(normal, normalize(key + towards)), 0.0), 24.0);
-    vec3 light = albedo * (mix(0.30, 0.62, ambient) + 0.85 * direct) + 0.035 * shine;
+    float direct = max(lit, 0.0) + 0.40 * max(-lit, 0.0);
+    float open = exp(-2.2 * eye_dome * sunken(texel, last, away));
+    vec3 ambient = mix(floor_light, sky_light, 0.5 + 0.5 * dot(normal, sky));
+    float gloss = 0.05 * pow(max(dot(normal, normalize(key + towards)), 0.0), 20.0);
+    float edge = 0.10 * pow(1.0 - max(dot(normal, towards), 0.0), 3.0);
+    vec3 light = albedo * (ambient * open + lamp_light * direct * mix(open, 1.0, 0.3))
+               + (gloss * lamp_light + edge * sky_light * albedo) * open;
 
-    light *= lamp * exp(-eye_dome * 22.0 * sunken(texel, last, away));
-    float far = smoothstep(-1.0, 1.4, (away - middle) / scale);
+    float far = smoothstep(-0.4, 1.6, (away - middle) / scale);
     light = mix(light, haze, depth_cue * far);
-    out_light = vec4(light, 1.0);
+    out_light = vec4(light, 1.0) * cover;
 }

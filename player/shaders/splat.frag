@@ -2,7 +2,6 @@
 
 flat in vec3 v_color;
 flat in float v_away;
-flat in float v_radius;
 
 layout(location = 0) out vec4 out_color;  // linear light times weight, weight
 layout(location = 1) out float out_away;  // distance times weight
@@ -10,10 +9,10 @@ layout(location = 1) out float out_away;  // distance times weight
 void main() {
     vec2 at = 2.0 * gl_PointCoord - 1.0;
     float rise = 1.0 - dot(at, at);
-    if (rise < 0.0) {
+    if (rise <= 0.0) {
         discard;
     }
-    float weight = rise * rise + 0.001;
+    float weight = rise * rise;
     out_color = vec4(v_color, 1.0) * weight;
-    out_away = (v_away - BULGE * rise * v_radius) * weight;
+    out_away = v_away * weight;
 }

@@ -15,7 +15,6 @@ uniform sampler2D palette;
 
 flat out vec3 v_color;
 flat out float v_away;
-flat out float v_radius;
 
 vec3 track_color() {
     int width = textureSize(palette, 0).x;
@@ -24,7 +23,8 @@ vec3 track_color() {
 }
 
 void main() {
-    v_away = place_disc(v_radius);
+    float world_radius;
+    v_away = place_disc(world_radius);
 #if SCAN_COLORS
     vec3 scanned = mix(srgb_to_linear(in_start_color.rgb), srgb_to_linear(in_end_color.rgb), blend);
     v_color = by_track ? track_color() : scanned;
