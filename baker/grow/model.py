@@ -1,0 +1,163 @@
+"""A plant as a function of time: clouds, organs, and the track of every point of its tissue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from baker.errors import InputError
+from baker.grow import KINDS
+from baker.grow.color import shade
+from baker.grow.pose import Body
+from baker.grow.species import Species
+from baker.grow.surface import Material, areas, positions, sample
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """What a scanner sees of a plant at one moment.
+
+    points:   (N, 3) float32, mm, z up, the stem's base at the origin.
+    labels:   (N,) int64, the organ of each point, the same organ the same label at every time.
+    colors:   (N, 3) uint8 sRGB, or None.
+    material: the tissue under each point, before noise.
+    """
+
+    points: NDArray[np.float32]
+    labels: NDArray[np.int64]
+    colors: NDArray[np.uint8] | None
+    material: Material
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class Organ:
+    """One organ at one moment; `parent` is -1 for the stem or trunk, lengths in mm, area in mm²."""
+
+    label: int
+    kind: str
+    parent: int
+    birth: float
+    length: float
+    area: float
+    base: tuple[float, float, float]
+    tip: tuple[float, float, float]
+
+
+class Plant:
+    """A plant whose every point is known at every time.
+
+    days:           first and last day at which the plant is meant to be seen; other days work.
+    default_days:   the days of the usual series of scans.
+    default_noise:  the usual noise, mm.
+    """
+
+    def __init__(self, kind: str, seed: int, species: Species) -> None:
+        self.kind = kind
+        self.seed = seed
+        self.days = species.days
+        self.default_days = species.scan_days
+        self.default_noise = species.noise
+        self._scan_points = species.scan_points
+        self._body = Body(species.parts)
+
+    def cloud(
+        self,
+        day: float,
+        points: int | None = None,
+        seed: int = 0,
+        noise: float | None = None,
+        colors: bool = True,
+    ) -> Cloud:
+        """Scan the plant: exactly `points` points, evenly by area, with Gaussian noise.
+
+        points: default: as in the usual series, by the surface there is at `day`.
+        seed:   of this scan; clouds of different seeds or days share nothing but the plant.
+        noise:  standard deviation in mm, default `default_noise`.
+        """
+        count = self.default_points(day) if points is None else points
+        pose = self._body.pose(day)
+        rng = np.random.default_rng([self.seed, seed, _bits(day)])
+        material = sample(self._area(day), count, rng)
+        exact = positions(self._body, pose, material)
+        deviation = self.default_noise if noise is None else noise
+        noisy = exact + rng.normal(0, 1, exact.shape) * deviation
+        paint = shade(self._body, pose, material, rng) if colors else None
+        return Cloud(noisy.astype(np.float32), self.label_of(material), paint, material)
+
+    def track(self, material: Material, day: float) -> NDArray[np.float64]:
+        """Where tissue is at `day`, (N, 3) mm; unborn tissue is where its organ will be born."""
+        return positions(self._body, self._body.pose(day), material)
+
+    def label_of(self, material: Material) -> NDArray[np.int64]:
+        """The organ of each point of tissue, (N,)."""
+        return self._body.label[material.part]
+
+    def born(self, material: Material, day: float) -> NDArray[np.bool_]:
+        """Whether each point's part has been born by `day`, (N,)."""
+        return self._body.column("birth")[material.part] < day
+
+    def organs(self, day: float) -> list[Organ]:
+        """The organs born before `day`, in the order of their labels."""
+        body, pose = self._body, self._body.pose(day)
+        area = np.bincount(body.label, self._area(day).sum((1, 2)))
+        found: dict[int, Organ] = {}
+        for index, part in enumerate(body.parts):
+            if part.label in found or part.birth >= day:
+                continue
+            base, tip = self.track(
+                Material(np.full(2, index), np.array([0.0, 1.0]), np.zeros(2)), day
+            )
+            if part.tube:
+                base, tip = pose.axis[index, 0], pose.axis[index, -1]
+            found[part.label] = Organ(
+                part.label,
+                part.kind,
+                -1 if part.parent < 0 else int(body.label[part.parent]),
+                part.birth,
+                float(pose.length[index]),
+                float(area[part.label]),
+                tuple(base.tolist()),
+                tuple(tip.tolist()),
+            )
+        return [found[label] for label in sorted(found)]
+
+    def default_points(self, day: float) -> int:
+        """Points of the usual scan at `day`: first and last as given, between them by surface."""
+        few, many = self._scan_points
+        first, last = self._default_areas
+        now = float(self._area(day).sum())
+        return max(round(few + (many - few) * (now - first) / (last - first)), 1)
+
+    @cached_property
+    def _default_areas(self) -> tuple[float, float]:
+        first, last = self.default_days[0], self.default_days[-1]
+        return float(self._area(first).sum()), float(self._area(last).sum())
+
+    def _area(self, day: float) -> NDArray[np.float64]:
+        return areas(self._body, self._body.pose(day))
+
+
+def grow_plant(kind: str, seed: int) -> Plant:
+    """See `baker.grow.plant`."""
+    if kind not in KINDS:
+        raise InputError(f"unknown plant {kind!r}: choose one of {', '.join(KINDS)}.")
+    if seed < 0:
+        raise InputError(f"the seed is {seed}; it must be 0 or more.")
+    module = import_module(f"baker.grow.{kind.rstrip('12')}")
+    rng = np.random.default_rng([seed, *kind.encode()])
+    species: Species = module.grow(rng) if kind[-1] not in "12" else getattr(module, kind)(rng)
+    return Plant(kind, seed, species)
+
+
+def _bits(day: float) -> int:
+    return int(np.float64(day + 0.0).view(np.uint64))
+
+
+__all__ = ["ArrayLike", "Cloud", "Organ", "Plant", "grow_plant"]
