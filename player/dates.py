@@ -22,7 +22,7 @@ def date_at(scans: Sequence[ScanMark], day: float) -> str:
     """
     index = min(max(bisect_right([scan.time for scan in scans], day) - 1, 0), len(scans) - 1)
     before, after = scans[index], scans[min(index + 1, len(scans) - 1)]
-    if day == before.time or before is after:
+    if day <= before.time or before is after:
         return before.date
     share = (day - before.time) / (after.time - before.time)
     return (

@@ -16,6 +16,7 @@ TITLE, TEXT, CAP = 22.0, 16.0, 14.0
 ROW, SECTION, PADDING, COLUMN_GAP, TEXT_GAP = 29.0, 38.0, 30.0, 44.0, 14.0
 HEAD = 48.0  # title and the space under it
 CAP_HEIGHT, CAP_PADDING, CAP_GAP = 22.0, 7.0, 4.0
+SLACK = 1.04  # small letters are wider for their size: they snap to pixels
 ARROWS = {"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"}
 COLUMNS = (("Time",), ("View",), ("Look", "Window")), (("Time", "Look"), ("View", "Window"))
 
@@ -36,7 +37,9 @@ class _Card:
         self.columns = columns
         every = [[row for _, rows in column for row in rows] for column in columns]
         self.cap_widths = [max(self._caps_width(labels) for labels, _ in rows) for rows in every]
-        self.text_widths = [max(canvas.width(text, TEXT) for _, text in rows) for rows in every]
+        self.text_widths = [
+            SLACK * max(canvas.width(text, TEXT) for _, text in rows) for rows in every
+        ]
         self.width = (
             2 * PADDING
             + sum(self.cap_widths)

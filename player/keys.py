@@ -177,7 +177,7 @@ ACTIONS: tuple[Action, ...] = (
         "help", "Window", ("h", "?", "f1"), "show this help",
         lambda s: replace(s, help=not s.help),
     ),
-    Action("leave", "Window", ("escape",), "leave help, full screen, window", _left),
+    Action("leave", "Window", ("escape",), "leave full screen, or quit", _left),
     Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
 )  # fmt: skip
 

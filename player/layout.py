@@ -11,7 +11,8 @@ TRACK_ABOVE_EDGE = 50.0
 REACH = 18.0  # how far from the timeline's line the cursor still takes hold of it
 ABOVE_PLANT, BELOW_PLANT = 68.0, 112.0  # what titles and timeline take from the picture
 SNAP = 4.0  # how near to a scan's mark a click means the scan itself
-ROOMY, NARROW = 760.0, 600.0  # widths below which the bar leaves out speed, then steps
+# Widths below which buttons are left out: of speed, of steps, of what keys do as well.
+ROOMY, NARROW, TINY = 760.0, 600.0, 460.0
 BUTTON, PLAY_BUTTON, GAP = 32.0, 44.0, 4.0
 TOP_BUTTONS = (
     "color",
@@ -24,6 +25,7 @@ TOP_BUTTONS = (
     "fullscreen",
     "help",
 )
+TINY_TOP_BUTTONS = ("color", "ground", "fit", "fullscreen", "help")
 TIMELINE = "timeline"
 
 
@@ -129,7 +131,7 @@ def arrange(
             speed = (right + 20.0, line)
     left, right = left + margin, max(right - margin, left + margin + 1.0)
     top_right = width - margin
-    for name in reversed(TOP_BUTTONS):
+    for name in reversed(TOP_BUTTONS if width >= TINY else TINY_TOP_BUTTONS):
         top_right -= BUTTON
         buttons[name] = Rectangle(top_right, margin, BUTTON, BUTTON)
         top_right -= GAP

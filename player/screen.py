@@ -12,7 +12,7 @@ from player.errors import PlayerError
 if TYPE_CHECKING:
     from player.controls import Controls
 
-SMALLEST = (320, 240)
+SMALLEST = (320, 240)  # units
 EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
 
 
@@ -48,7 +48,9 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
                 f"this display offers no OpenGL 3.3 ({_last(reasons)}); install a newer graphics "
                 f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
             )
-        glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+        per_unit = glfw.get_window_size(handle)[0] / size[0]
+        least = [round(per_unit * length) for length in SMALLEST]
+        glfw.set_window_size_limits(handle, *least, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.make_context_current(handle)
         glfw.swap_interval(1)
         yield handle

@@ -1,0 +1,204 @@
+"""What lies over the plant: where it stands (no graphics) and that it is drawn (EGL)."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations, pairwise
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gclip import Clip, Motion, ScanMark, Track
+from gclip.pack import Movers, pack_interval
+from player.camera import Camera
+from player.canvas import BOLD, Canvas
+from player.context import headless
+from player.layout import TIMELINE, Layout, arrange
+from player.overlay import Overlay
+from player.scene import Scene
+from player.style import Style
+from player.theme import DARK, LIGHT
+from player.timeline import Timeline
+
+SIZE = (900.0, 500.0)
+GROUND = (30, 60, 90)
+
+TIMES = st.lists(st.integers(0, 5000), min_size=2, max_size=60, unique=True).map(sorted)
+SIZES = st.tuples(st.floats(320, 4000), st.floats(240, 2000))
+
+
+def laid_out(size: tuple[float, float], times: list[int], date: str = "2020-03-08") -> Layout:
+    dates = [date] * len(times)
+    return arrange(size, times, dates, dates, lambda text, height: 0.5 * height * len(text))
+
+
+@given(SIZES, TIMES)
+def test_dates_neither_touch_nor_leave_the_window(
+    size: tuple[float, float], times: list[int]
+) -> None:
+    labels = laid_out(size, times).labels
+    assert labels[0].scan == 0
+    for label in labels:
+        assert label.x - label.width / 2 >= 0
+        assert label.x + label.width / 2 <= size[0]
+    for left, right in pairwise(labels):
+        assert left.x + left.width / 2 < right.x - right.width / 2
+
+
+@given(SIZES, TIMES)
+def test_buttons_lie_apart_inside_the_window(size: tuple[float, float], times: list[int]) -> None:
+    layout = laid_out(size, times)
+    places = list(layout.buttons.values())
+    for place in places:
+        assert place.x >= 0
+        assert place.x + place.width <= size[0]
+        assert place.y >= 0
+        assert place.y + place.height <= size[1]
+        assert layout.under(*place.middle) != TIMELINE
+    for one, other in combinations(places, 2):
+        apart = one.x + one.width <= other.x or other.x + other.width <= one.x
+        assert apart or one.y + one.height <= other.y or other.y + other.height <= one.y
+
+
+@given(SIZES, TIMES, st.floats(0, 1))
+def test_the_day_under_a_day_s_place_is_that_day(
+    size: tuple[float, float], times: list[int], share: float
+) -> None:
+    layout = laid_out(size, times)
+    day = times[0] + share * (times[-1] - times[0])
+    a_few_units = 5.0 * (times[-1] - times[0]) / (layout.right - layout.left)
+    assert layout.day_at(layout.x_of(day)) == pytest.approx(day, abs=a_few_units)
+    assert layout.under(layout.x_of(day), layout.line) == TIMELINE
+    for time in (times[0], times[-1]):
+        assert layout.day_at(layout.x_of(time)) == time
+
+
+def test_short_dates_stand_in_where_the_full_ones_do_not_fit() -> None:
+    times, dates = [0, 1, 2, 3], ["2020-03-08"] * 4
+    measure = lambda text, height: 10.0 * len(text)  # noqa: E731
+    wide = arrange((1400.0, 500.0), times, dates, ["03-08"] * 4, measure)
+    narrow = arrange((480.0, 500.0), times, dates, ["03-08"] * 4, measure)
+    assert [label.text for label in wide.labels] == dates
+    assert [label.text for label in narrow.labels] == ["03-08"] * 4
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[moderngl.Context]:
+    context = headless()
+    yield context
+    context.release()
+
+
+def small_clip(*dates: str, name: str = "leaf") -> Clip:
+    points = np.random.default_rng(3).random((50, 3))
+    movers = [Movers(Motion.MOVE, (points, points + 0.5), np.zeros(50, int))]
+    times = [float(day) for day in range(len(dates))]
+    return Clip(
+        tuple(ScanMark(date, time, date, 50) for time, date in zip(times, dates, strict=True)),
+        tuple(pack_interval(a, b, movers, spacing=0.1) for a, b in pairwise(times)),
+        (Track(0, name, (10, 200, 10)),),
+        spacing=0.1,
+    )
+
+
+def scene_of(clip: Clip, day: float = 0.0, ground: str = "dark") -> Scene:
+    camera = Camera()
+    return Scene(Timeline.of(clip.times).at(day), camera, camera, Style(ground=ground), False)
+
+
+class Sheet:
+    """Draws an overlay upon an even ground and gives the pixels, top row first."""
+
+    def __init__(self, context: moderngl.Context, clip: Clip, name: str, scale: float) -> None:
+        pixels = (round(SIZE[0] * scale), round(SIZE[1] * scale))
+        self.framebuffer = context.simple_framebuffer(pixels, 3)
+        self.overlay = Overlay(context, clip, name)
+        self.scale = scale
+        self.context = context
+
+    def draw(self, scene: Scene, **pointing: object) -> tuple[np.ndarray, Layout]:
+        self.framebuffer.clear(*(value / 255 for value in GROUND))
+        layout = self.overlay.draw(self.framebuffer, scene, SIZE, self.scale, **pointing)  # type: ignore[arg-type]
+        assert self.context.error == "GL_NO_ERROR"
+        width, height = self.framebuffer.size
+        pixels = np.frombuffer(self.framebuffer.read(components=3, alignment=1), np.uint8)
+        return pixels.reshape(height, width, 3)[::-1], layout
+
+    def color_at(self, pixels: np.ndarray, x: float, y: float) -> np.ndarray:
+        return pixels[round(y * self.scale), round(x * self.scale)].astype(int)
+
+
+def close(seen: np.ndarray, wanted: tuple[float, ...]) -> bool:
+    return bool(np.abs(seen - np.array(wanted[:3]) * 255).max() <= 3)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize(("ground", "theme"), [("dark", DARK), ("light", LIGHT)])
+def test_the_handle_stands_at_the_day_on_every_display(
+    context: moderngl.Context, scale: float, ground: str, theme: object
+) -> None:
+    clip = small_clip("day 0", "day 1", "day 2")
+    sheet = Sheet(context, clip, "a clip", scale)
+    for day in (0.0, 0.7, 2.0):
+        pixels, layout = sheet.draw(scene_of(clip, day, ground))
+        ring = layout.x_of(day) + 6.0  # between the handle's hole and its rim
+        assert close(sheet.color_at(pixels, ring, layout.line), theme.accent)  # type: ignore[attr-defined]
+    # The track ahead of an early day is not in the accent's colour.
+    pixels, layout = sheet.draw(scene_of(clip, 0.2, ground))
+    assert not close(sheet.color_at(pixels, layout.x_of(1.5), layout.line), theme.accent)  # type: ignore[attr-defined]
+    sheet.overlay.release()
+
+
+def test_the_plant_stays_free_until_the_help_opens(context: moderngl.Context) -> None:
+    clip = small_clip("day 0", "day 1")
+    sheet = Sheet(context, clip, "a clip", 1.0)
+    free = (slice(90, 350), slice(None))
+    pixels, _ = sheet.draw(scene_of(clip))
+    assert (pixels[free] == GROUND).all()
+    pixels, _ = sheet.draw(replace(scene_of(clip), help=True))
+    assert (pixels[free] != GROUND).any(axis=2).all()
+    sheet.overlay.release()
+
+
+def test_pointing_shows_what_a_click_would_do(context: moderngl.Context) -> None:
+    clip = small_clip("day 0", "day 1", "day 2")
+    sheet = Sheet(context, clip, "a clip", 1.0)
+    still, layout = sheet.draw(scene_of(clip))
+    for place in (layout.buttons["color"].middle, (layout.x_of(1.0), layout.line)):
+        pointed, _ = sheet.draw(scene_of(clip), cursor=place)
+        assert (pointed != still).any()
+    again, _ = sheet.draw(scene_of(clip))
+    assert (again == still).all()
+    sheet.overlay.release()
+
+
+def test_notices_are_drawn(context: moderngl.Context) -> None:
+    clip = small_clip("day 0", "day 1")
+    sheet = Sheet(context, clip, "a clip", 1.0)
+    still, _ = sheet.draw(scene_of(clip))
+    noticed, _ = sheet.draw(replace(scene_of(clip), notice="Saved plant.png"))
+    assert (noticed != still).any()
+    sheet.overlay.release()
+
+
+def test_text_from_clips_is_only_text(context: moderngl.Context) -> None:
+    hostile = "%s%n##id###x\x00\x1b[31m\n\t" + "🌱日" + "x" * 100_000
+    clip = small_clip(hostile, hostile, hostile, name=hostile)
+    sheet = Sheet(context, clip, hostile, 1.0)
+    sheet.draw(scene_of(clip, 0.5))
+    sheet.draw(scene_of(clip, 0.5), cursor=(450.0, SIZE[1] - 50.0))
+    sheet.overlay.release()
+
+
+def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
+    canvas = Canvas(context)
+    canvas.begin(SIZE, 1.0)
+    assert canvas.width("leaf##7", 16.0) > canvas.width("leaf", 16.0)
+    assert canvas.width("leaf\nleaf", 16.0) > canvas.width("leaf", 16.0)
+    assert canvas.fitted("a long name", 16.0, 40.0).endswith("…")
+    assert canvas.width(canvas.fitted("a long name", 16.0, 40.0), 16.0) <= 40.0
+    assert canvas.fitted("leaf", 16.0, 400.0, BOLD) == "leaf"
+    canvas.finish(context.simple_framebuffer((900, 500), 3))
+    canvas.release()
