@@ -165,8 +165,10 @@ def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
 def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] | None:
     from baker.errors import InputError
 
-    if text is None or text == "virtual":
-        return text
+    if text is None:
+        return None
+    if text == "virtual":
+        return "virtual"
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:

@@ -62,20 +62,24 @@ def bake(
     )
     vertical = Vertical.named(alignment.up)
     keyframes = _keyframes(series, alignment)
-    labels = use_of_labels(series.scans, keyframes, chosen.labels)
-    hierarchies = _hierarchies(series, keyframes, labels, vertical, chosen, tell)
+    clouds = [frame.positions for frame in keyframes]
+    root = _local_root(series, chosen)
+    bases = [root_point(cloud, vertical, root) for cloud in clouds]
+    labels = use_of_labels(series.scans, clouds, bases, chosen.labels)
+    hierarchies = _hierarchies(keyframes, bases, labels, chosen, tell)
     tell("matching", 0, len(hierarchies) - 1)
     matches = [match_by_label(a, b) for a, b in pairwise(hierarchies)]
-    organs, named = follow_organs(matches, labels.consistent)
+    organs, named = follow_organs(matches, consistent=labels.labels is not None)
     tell("matching", len(matches), len(matches))
     intervals, spacing, floor = _intervals(
         series, keyframes, matches, named, vertical, chosen, tell
     )
+    origin = series.scans[0].origin
     return Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
         track_table=_tracks(series.scans, organs),
-        origin=tuple(float(x) for x in series.scans[0].origin),
+        origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         up=alignment.up,
         unit=chosen.unit,
         time_unit=series.unit,
@@ -115,42 +119,35 @@ def _keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 
 
 def _hierarchies(
-    series: Series,
     keyframes: Sequence[Keyframe],
+    bases: Sequence[int],
     labels: LabelUse,
-    vertical: Vertical,
     options: Options,
     tell: Progress,
 ) -> list[Hierarchy]:
-    root = _local_root(series, options)
-    lowest = [root_point(frame.positions, vertical, root) for frame in keyframes]
     tell("segmentation", 0, len(keyframes))
     hierarchies = []
-    for index, (scan, frame) in enumerate(zip(series.scans, keyframes, strict=True)):
-        if scan.labels is None or not labels.used:
+    for k, frame in enumerate(keyframes):
+        if labels.labels is None:
             hierarchies.append(whole(frame.positions))
         elif options.root == "virtual":
-            hierarchies.append(under_virtual_root(scan.labels))
+            hierarchies.append(under_virtual_root(labels.labels[k]))
         else:
-            named = _root_label(series.scans, lowest, labels, index)
-            hierarchies.append(hierarchy_from_labels(frame.positions, scan.labels, named))
-        tell("segmentation", index + 1, len(keyframes))
+            root = _root_label(labels.labels, bases, k)
+            hierarchies.append(hierarchy_from_labels(frame.positions, labels.labels[k], root))
+        tell("segmentation", k + 1, len(keyframes))
     return hierarchies
 
 
-def _root_label(scans: Sequence[Scan], lowest: Sequence[int], labels: LabelUse, index: int) -> int:
-    """The label at the scan's base; where labels are consistent, the one most scans agree on.
+def _root_label(labels: Sequence[NDArray[np.int64]], bases: Sequence[int], scan: int) -> int:
+    """The label that most scans have at their base, or the scan's own where it lacks that one.
 
     In a late scan a drooping leaf may hang lower than the stem's foot.
     """
-    bases = [int(s.labels[i]) for s, i in zip(scans, lowest, strict=True) if s.labels is not None]
-    own = bases[index]
-    if labels.consistent and scans[index].labels is not None:
-        values, votes = np.unique(bases, return_counts=True)
-        elected = int(values[np.argmax(votes)])
-        if (scans[index].labels == elected).any():
-            return elected
-    return own
+    at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
+    values, votes = np.unique(at_base, return_counts=True)
+    elected = int(values[np.argmax(votes)])
+    return elected if (labels[scan] == elected).any() else at_base[scan]
 
 
 def _intervals(

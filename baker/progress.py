@@ -15,7 +15,7 @@ class StageProgress:
 
     def __init__(self, quiet: bool = False) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
         self.seconds: dict[str, float] = {}
         self._console = Console(stderr=True, quiet=quiet)
@@ -30,7 +30,7 @@ class StageProgress:
         )
         self._plain = not quiet and not self._console.is_terminal
         self._stage: str | None = None
-        self._task: int | None = None
+        self._task: TaskID | None = None
         self._began = time.perf_counter()
 
     def __enter__(self) -> Self:

@@ -45,7 +45,7 @@ def follow_organs(
     goes on as the organ that its largest part was.
     """
     organs: list[Organ] = []
-    known: dict[int | None, int] = {}
+    known: dict[int | None, int] | None = {} if consistent else None
     intervals: list[IntervalOrgans] = []
     for k, match in enumerate(matches):
         if k == 0:
@@ -53,8 +53,6 @@ def follow_organs(
         else:
             first = _carried(matches[k - 1].second, intervals[-1].second, match.first)
         kept = {b: first[a] for a, b in match.pairs}
-        if not consistent:
-            known.clear()
         second = _name(match.second, kept, k + 1, organs, known)
         intervals.append(IntervalOrgans(first, second))
     return organs, intervals
@@ -65,18 +63,19 @@ def _name(
     kept: dict[int, int],
     scan: int,
     organs: list[Organ],
-    known: dict[int | None, int],
+    known: dict[int | None, int] | None,
 ) -> dict[int, int]:
-    """The organ of each segment: kept ones as they are, others known by label, or new ones."""
+    """The organ of each segment: kept as it is, known by a label that names organs, or new."""
     named = dict(kept)
     for segment in hierarchy.from_the_root():
         label = hierarchy.labels[segment]
-        if segment not in named and label in known:
+        if segment not in named and known is not None and label in known:
             named[segment] = known[label]
         if segment not in named:
             named[segment] = len(organs)
             organs.append(Organ(label, named.get(hierarchy.parents[segment]), scan, scan))
-        known[label] = named[segment]
+        if known is not None:
+            known[label] = named[segment]
         organs[named[segment]] = replace(organs[named[segment]], last=scan)
     return named
 

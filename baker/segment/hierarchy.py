@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,25 @@ class Hierarchy:
         while (segment := self.parents[segment]) != NO_PARENT:
             chain.append(segment)
         return chain
+
+    def merged(self, groups: Sequence[Sequence[int]]) -> Hierarchy:
+        """The hierarchy with each group of segments as one; a group's head, its first, names it.
+
+        groups: together every segment exactly once, each group's segments joined to its head.
+        """
+        home = {segment: index for index, group in enumerate(groups) for segment in group}
+        heads = [group[0] for group in groups]
+        parents = [self.parents[head] for head in heads]
+        return Hierarchy(
+            segments=tuple(
+                np.sort(np.concatenate([self.segments[segment] for segment in group]))
+                for group in groups
+            ),
+            labels=tuple(self.labels[head] for head in heads),
+            parents=tuple(p if p == NO_PARENT else home[p] for p in parents),
+            root=home[self.root],
+            notes=self.notes,
+        )
 
     def from_the_root(self) -> list[int]:
         """All segments, parents before their children."""

@@ -1,0 +1,99 @@
+"""Matching organs whose labels are numbered anew in every scan: all organs of a scan at once.
+
+An organ that grows covers what it was: each point of the younger organ lies near the older one,
+however much longer that has become. So the mean distance from the younger to the older organ says
+how well they match, better than any distance both ways (docs/method.md has the figures). Leaving
+two organs unmatched costs what it takes to fold one back into its bud and unfold the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.match.assignment import assign_with_dummies
+from baker.segment.hierarchy import split_by_label
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+SAMPLE = 400  # points of an organ that distances are measured with
+BUD_PRICE = 0.75  # price of an unmatched organ, as a share of its distance from its bud
+
+
+def consistent_labels(
+    clouds: Sequence[NDArray[np.floating]],
+    labels: Sequence[NDArray[np.integer]],
+    root_points: Sequence[int],
+) -> list[NDArray[np.int64]]:
+    """Name organs the same in all scans, where `labels` number them anew in each.
+
+    clouds: aligned scans, (N, 3) each; labels: (N,) each; root_points: each scan's stem base.
+    Returns (N,) organ numbers for each scan, from 0 in order of first appearance.
+    """
+    organs = [_Organs(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
+    names = {label: index for index, label in enumerate(organs[0].labels)}
+    born = len(names)
+    named = [_rename(labels[0], names)]
+    for k, (first, second) in enumerate(pairwise(organs)):
+        pairs = {b: a for a, b in match_organs(first, second)}
+        names, previous = {}, names
+        for index, label in enumerate(second.labels):
+            if index in pairs:
+                names[label] = previous[first.labels[pairs[index]]]
+            else:
+                names[label], born = born, born + 1
+        named.append(_rename(labels[k + 1], names))
+    return named
+
+
+def agreement(
+    clouds: Sequence[NDArray[np.floating]],
+    labels: Sequence[NDArray[np.integer]],
+    root_points: Sequence[int],
+) -> float:
+    """Of the organs whose label the next scan has too: the share matched to their namesake."""
+    organs = [_Organs(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
+    same = [
+        first.labels[a] == second.labels[b]
+        for first, second in pairwise(organs)
+        for a, b in match_organs(first, second)
+        if first.labels[a] in second.labels
+    ]
+    return float(np.mean(same)) if same else 0.0
+
+
+class _Organs:
+    """A scan's labelled organs: samples of their points, and how far each is from its bud."""
+
+    def __init__(
+        self, cloud: NDArray[np.floating], labels: NDArray[np.integer], root_point: int
+    ) -> None:
+        from scipy.spatial import cKDTree
+
+        self.labels, members = split_by_label(labels)
+        self.samples = [cloud[own[:: -(-len(own) // SAMPLE)]] for own in members]
+        self.trees = [cKDTree(sample) for sample in self.samples]
+        stem = self.trees[self.labels.index(int(labels[root_point]))]
+        self.from_bud = np.array([_distance_from_bud(s, stem) for s in self.samples])
+
+
+def match_organs(first: _Organs, second: _Organs) -> list[tuple[int, int]]:
+    """Pairs of organs, by index; all others are born or lost."""
+    costs = np.array([[tree.query(s)[0].mean() for tree in second.trees] for s in first.samples])
+    return assign_with_dummies(costs, BUD_PRICE * first.from_bud, BUD_PRICE * second.from_bud)
+
+
+def _distance_from_bud(sample: NDArray[np.floating], stem: cKDTree) -> float:
+    """Root mean square distance of an organ's points from the point of it nearest to the stem."""
+    bud = sample[np.argmin(stem.query(sample)[0])]
+    return float(np.sqrt(((sample - bud) ** 2).sum(axis=1).mean()))
+
+
+def _rename(labels: NDArray[np.integer], names: dict[int, int]) -> NDArray[np.int64]:
+    values, inverse = np.unique(labels, return_inverse=True)
+    return np.array([names[int(value)] for value in values], np.int64)[inverse]

@@ -1,0 +1,155 @@
+"""Matching where labels are not consistent: down the hierarchies, by the paper (section 3.3.1).
+
+Root meets root. Each new match is merged with children as long as that brings the two segments
+nearer to each other, then the remaining children are matched; whole subtrees are born or lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.match.assignment import assign_by_minima, assign_with_dummies
+from baker.match.match import Match, from_pairs
+from baker.segment.hierarchy import Hierarchy
+
+Distance = Callable[[NDArray[np.floating], NDArray[np.floating]], float]
+
+
+@dataclass(frozen=True)
+class GreedyRules:
+    """What the paper leaves open (rulings 11 and 14).
+
+    merge_first: also merge segments of the first scan, whichever gains most; the paper merges in
+                 the second scan only.
+    least_gain:  share of the distance that a merge has to save.
+    dummies:     children may stay unmatched on both sides at once, where a bud that unfolds and an
+                 organ that goes come cheaper; else as many as the numbers differ, farthest first.
+    """
+
+    merge_first: bool = True
+    least_gain: float = 0.001
+    dummies: bool = True
+
+
+PAPER = GreedyRules(merge_first=False, least_gain=0.0, dummies=False)
+
+
+@dataclass
+class _Side:
+    """One scan while it is matched: its hierarchy and what has been merged so far."""
+
+    points: NDArray[np.floating]
+    hierarchy: Hierarchy
+    groups: dict[int, list[int]] = field(default_factory=dict)
+
+    def cloud(self, group: list[int]) -> NDArray[np.floating]:
+        return self.points[np.concatenate([self.hierarchy.segments[s] for s in group])]
+
+    def children(self, head: int) -> list[int]:
+        """Children of a merged segment that are not part of it; an empty one has no shape."""
+        group = self.groups.get(head, [head])
+        return [
+            child
+            for segment in group
+            for child in self.hierarchy.children(segment)
+            if child not in group and len(self.hierarchy.segments[child])
+        ]
+
+    def merged(self) -> tuple[Hierarchy, dict[int, int]]:
+        """The merged hierarchy, and from a group's head to its number there."""
+        inside = {segment for group in self.groups.values() for segment in group}
+        alone = [[s] for s in range(len(self.hierarchy.segments)) if s not in inside]
+        groups = sorted([*self.groups.values(), *alone], key=lambda group: group[0])
+        return self.hierarchy.merged(groups), {g[0]: index for index, g in enumerate(groups)}
+
+
+def match_greedily(
+    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    hierarchies: tuple[Hierarchy, Hierarchy],
+    distance: Distance,
+    rules: GreedyRules,
+) -> Match:
+    """Match two scans' hierarchies from the roots on.
+
+    distance: d_w of two clouds (n, 3) and (m, 3), in length units.
+    """
+    first, second = (_Side(p, h) for p, h in zip(points, hierarchies, strict=True))
+    queue = [(first.hierarchy.root, second.hierarchy.root)]
+    matched, notes = [], []
+    while queue:
+        a, b = queue.pop(0)
+        matched.append((a, b))
+        first.groups[a], second.groups[b] = [a], [b]
+        notes += _merge(first, a, second, b, distance, rules)
+        queue += _match_children(first, a, second, b, distance, rules)
+    merged_first, number_first = first.merged()
+    merged_second, number_second = second.merged()
+    pairs = [(number_first[a], number_second[b]) for a, b in matched]
+    return from_pairs(merged_first, merged_second, pairs, tuple(notes))
+
+
+def _merge(
+    first: _Side, a: int, second: _Side, b: int, distance: Distance, rules: GreedyRules
+) -> list[str]:
+    """Merge children into the matched segments, the largest gain first, while one gains."""
+    notes: list[str] = []
+    one, other = first.groups[a], second.groups[b]
+    if not (len(first.cloud(one)) and len(second.cloud(other))):
+        return notes
+    current = distance(first.cloud(one), second.cloud(other))
+    while True:
+        trials = [
+            (distance(first.cloud(one), second.cloud([*other, child])), 1, child)
+            for child in second.children(b)
+        ]
+        if rules.merge_first:
+            trials += [
+                (distance(first.cloud([*one, child]), second.cloud(other)), 0, child)
+                for child in first.children(a)
+            ]
+        if not trials:
+            return notes
+        best, side, child = min(trials)
+        if best >= current * (1.0 - rules.least_gain):
+            return notes
+        (other if side else one).append(child)
+        notes.append(
+            f"segment {child} of the {'second' if side else 'first'} scan merged into segment "
+            f"{b if side else a}: distance {current:.3g} to {best:.3g}"
+        )
+        current = best
+
+
+def _match_children(
+    first: _Side, a: int, second: _Side, b: int, distance: Distance, rules: GreedyRules
+) -> list[tuple[int, int]]:
+    ours, theirs = first.children(a), second.children(b)
+    if not ours or not theirs:
+        return []
+    costs = np.array(
+        [[distance(first.cloud([p]), second.cloud([q])) for q in theirs] for p in ours]
+    )
+    if rules.dummies:
+        pairs = assign_with_dummies(
+            costs,
+            np.array([_to_bud(first, p, first.cloud(first.groups[a])) for p in ours]),
+            np.array([_to_bud(second, q, second.cloud(second.groups[b])) for q in theirs]),
+        )
+    else:
+        pairs = assign_by_minima(costs)
+    return [(ours[i], theirs[j]) for i, j in pairs]
+
+
+def _to_bud(side: _Side, segment: int, parent: NDArray[np.floating]) -> float:
+    """d_w of a segment from its bud: all its mass at the point of it nearest to its parent."""
+    from scipy.spatial import cKDTree
+
+    cloud = side.cloud([segment])
+    bud = cloud.mean(axis=0)
+    if len(parent):
+        bud = cloud[np.argmin(cKDTree(parent).query(cloud)[0])]
+    return float(np.sqrt(((cloud - bud) ** 2).sum(axis=1).mean()))

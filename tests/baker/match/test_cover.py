@@ -1,0 +1,62 @@
+"""Organs numbered anew in every scan are recognised by what they cover."""
+
+import numpy as np
+import pytest
+
+from baker.match.cover import agreement, consistent_labels
+
+
+def growing_plant(day: int, rng: np.random.Generator):
+    """A stem and up to five straight leaves, each longer every day; leaf k is born on day k - 1."""
+    organs = [np.linspace([0, 0, 0], [0, 0, 10 + day], 300)]
+    for leaf in range(5):
+        if day >= leaf - 1:
+            age = day - leaf + 2
+            azimuth = 2.4 * leaf
+            reach = np.array([np.cos(azimuth), np.sin(azimuth), 0.4])
+            base = np.array([0.05, 0, 2 + 2 * leaf])
+            organs.append(base + np.linspace(0, 1.2 * age, 100)[:, None] * reach)
+    points = np.concatenate(organs) + rng.normal(0, 0.02, (sum(map(len, organs)), 3))
+    return points, np.repeat(np.arange(len(organs)), [len(organ) for organ in organs])
+
+
+@pytest.fixture
+def series():
+    rng = np.random.default_rng(3)
+    scans = [growing_plant(day, rng) for day in range(5)]
+    return [points for points, _ in scans], [labels for _, labels in scans]
+
+
+def test_shuffled_labels_are_named_again(series):
+    clouds, truth = series
+    rng = np.random.default_rng(1)
+    shuffled = [rng.permutation(labels.max() + 1)[labels] * 7 - 3 for labels in truth]
+    named = consistent_labels(clouds, shuffled, [0] * len(clouds))
+    for labels, names in zip(truth, named, strict=True):
+        for organ in np.unique(labels):
+            assert len(np.unique(names[labels == organ])) == 1
+    first_name = {}
+    for labels, names in zip(truth, named, strict=True):
+        for organ in np.unique(labels):
+            name = names[labels == organ][0]
+            assert first_name.setdefault(organ, name) == name
+    assert len(set(first_name.values())) == len(first_name)
+
+
+def test_agreement_tells_names_from_numbers(series):
+    clouds, truth = series
+    bases = [0] * len(clouds)
+    assert agreement(clouds, truth, bases) == 1.0
+    turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
+    assert agreement(clouds, turned, bases) < 0.5
+    nothing_shared = [labels + 100 * k for k, labels in enumerate(truth)]
+    assert agreement(clouds, nothing_shared, bases) == 0.0
+
+
+def test_birth_and_loss_in_one_interval(series):
+    clouds, truth = series
+    keep = truth[1] != 1  # leaf 1 is gone in the second scan, leaf 2 is new in it
+    named = consistent_labels([clouds[0], clouds[1][keep]], [truth[0], truth[1][keep]], [0, 0])
+    lost = named[0][truth[0] == 1][0]
+    assert lost not in named[1]
+    assert named[1].max() == named[0].max() + 1
