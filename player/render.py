@@ -29,11 +29,11 @@ def render(
     camera: where from; None frames the whole series.
     Raises PlayerError where no OpenGL can be had.
     """
-    with Canvas(clip, size) as canvas:
-        return canvas.picture(day, camera, style)
+    with Offscreen(clip, size) as offscreen:
+        return offscreen.picture(day, camera, style)
 
 
-class Canvas:
+class Offscreen:
     """A renderer with a framebuffer of its own, for one picture after the other."""
 
     def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
@@ -66,7 +66,7 @@ class Canvas:
         self._framebuffer.release()
         self.context.release()
 
-    def __enter__(self) -> Canvas:
+    def __enter__(self) -> Offscreen:
         return self
 
     def __exit__(self, *_: object) -> None:

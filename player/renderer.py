@@ -131,6 +131,7 @@ class Renderer:
         targets.surface.use()
         targets.surface.clear(0.0, 0.0, 0.0, 0.0)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
+        context.depth_func = "<"
         disc = self._disc(targets, camera, style) | {
             "view": camera.view(),
             "projection": camera.projection(targets.size[0] / targets.size[1]),
@@ -241,10 +242,10 @@ class Renderer:
     ) -> None:
         import moderngl
 
-        framebuffer.viewport = (0, 0, *size)  # type: ignore[assignment]
+        framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
         self.context.enable_only(moderngl.BLEND)
-        self.context.blend_func = (
+        self.context.blend_func = (  # type: ignore[assignment]
             moderngl.SRC_ALPHA,
             moderngl.ONE_MINUS_SRC_ALPHA,
             moderngl.ONE,

@@ -1,0 +1,163 @@
+"""The command `play`: a clip in a window, a film, a picture, or a table of what it holds."""
+
+from __future__ import annotations
+
+import math
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gclip.console import run_app
+from player.errors import PlayerError
+from player.style import Style
+
+if TYPE_CHECKING:
+    from gclip import Clip
+    from player.export import Film
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
+
+
+class View(StrEnum):
+    still = "still"
+    turntable = "turntable"
+
+
+class ColorBy(StrEnum):
+    auto = "auto"
+    scan = "scan"
+    track = "track"
+
+
+class GroundChoice(StrEnum):
+    dark = "dark"
+    light = "light"
+
+
+@app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+def play_command(
+    clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
+    export: Annotated[
+        str | None,
+        typer.Option(
+            "--export",
+            metavar="PATH",
+            help="Write film.mp4, film.gif, frames/%04d.png or still.png; needs no screen.",
+        ),
+    ] = None,
+    info: Annotated[bool, typer.Option("--info", help="Print what the clip holds.")] = False,
+    size: Annotated[
+        str, typer.Option(metavar="WxH", help="Pixels, of the picture or the window.")
+    ] = "1280x720",
+    fps: Annotated[int, typer.Option(min=1, max=240, help="Frames a second.")] = 30,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0, max=36000.0, help="Length of the film; 1.5 an interval if not given."
+        ),
+    ] = None,
+    day: Annotated[
+        float | None,
+        typer.Option(help="The moment of still.png, in the clip's own time; the last scan's."),
+    ] = None,
+    camera: Annotated[
+        View, typer.Option(help="turntable goes round the plant once in a film.")
+    ] = View.still,
+    color: Annotated[
+        ColorBy, typer.Option(help="Colours: the scans' own, or one for each organ's track.")
+    ] = ColorBy.auto,
+    ground: Annotated[GroundChoice, typer.Option(help="The background.")] = GroundChoice.dark,
+    point_size: Annotated[
+        float, typer.Option(min=0.05, max=20.0, help="Factor on the natural size.")
+    ] = 1.0,
+    shading: Annotated[
+        float, typer.Option(min=0.0, max=5.0, help="Strength of the shading from depth.")
+    ] = 1.0,
+    depth_cue: Annotated[
+        bool, typer.Option("--depth-cue/--no-depth-cue", help="Far parts recede.")
+    ] = True,
+    floor: Annotated[
+        bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
+    ] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
+) -> None:
+    """Play a growth clip in a window, or export it as a film or pictures."""
+    _check_finite(seconds=seconds, day=day, point_size=point_size, shading=shading)
+    style = Style(
+        color_by=color,
+        ground=ground,
+        point_size=point_size,
+        depth_cue=depth_cue,
+        eye_dome=shading,
+        show_ground=floor,
+    )
+    pixels = _size(size)
+    if export is not None and info:
+        raise PlayerError("--info and --export are two different jobs; give one of them.")
+    if export is not None:
+        from player.export import Film
+
+        film = Film(pixels, fps, seconds, camera is View.turntable, style, day)
+        _export(clip, film, Path(export), quiet)
+    elif info:
+        from rich.console import Console
+
+        from player.info import print_info
+
+        console = Console()
+        # In a pipe nothing is cut to a terminal's width that isn't there.
+        print_info(console if console.is_terminal else Console(width=200), _open(clip), clip)
+    else:
+        from player.window import show
+
+        show(_open(clip), style, name=clip.stem, size=pixels)
+
+
+def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:
+    from player.export import export, format_of
+    from player.progress import FrameProgress
+
+    format_of(output, film)
+    clip = _open(path)
+    first, last = clip.times[0], clip.times[-1]
+    if film.day is not None and not first <= film.day <= last:
+        raise PlayerError(f"--day is {film.day:g}; the clip runs from {first:g} to {last:g}.")
+    with FrameProgress(quiet) as progress:
+        export(clip, film, output, progress)
+    if not quiet:
+        typer.echo(f"wrote {output}", err=True)
+
+
+def _open(path: Path) -> Clip:
+    import gclip
+
+    return gclip.open(path)
+
+
+def _check_finite(**options: float | None) -> None:
+    """ "nan" and "inf" are numbers to a range check."""
+    for name, value in options.items():
+        if value is not None and not math.isfinite(value):
+            raise PlayerError(f"--{name.replace('_', '-')} is {value}; a finite number is needed.")
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,6})[xX×](\d{1,6})", text)
+    if not found:
+        raise PlayerError(
+            f'--size is "{text}"; width x height in pixels, like 1280x720, is needed.'
+        )
+    width, height = int(found[1]), int(found[2])
+    if not (16 <= width <= LARGEST and 16 <= height <= LARGEST):
+        raise PlayerError(f"--size is {width}x{height}; each side is 16 to {LARGEST} pixels.")
+    return width, height
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `play` with arguments (the process's own by default); returns the exit code."""
+    return run_app(app, "play", argv)

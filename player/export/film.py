@@ -1,0 +1,71 @@
+"""What a film shows: which day each of its frames is, and from where it is seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from player.style import Style
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gclip import Clip
+    from player.camera import Camera
+    from player.render import Offscreen
+
+SECONDS_AN_INTERVAL = 1.5
+SHORTEST, LONGEST = 4.0, 30.0  # seconds of a film whose length was not asked for
+HELD_FIRST, HELD_LAST = 0.04, 0.12  # shares of the film that rest on the first and the last scan
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film, or with `day` a still picture.
+
+    size:    (width, height) in pixels.
+    fps:     frames a second.
+    seconds: length; None fits it to the number of scans.
+    turning: the camera goes round the plant once, and ends where it began.
+    day:     the one day of a still picture; None is the last.
+    """
+
+    size: tuple[int, int] = (1280, 720)
+    fps: int = 30
+    seconds: float | None = None
+    turning: bool = False
+    style: Style = field(default_factory=Style)
+    day: float | None = None
+
+    def length(self, clip: Clip) -> float:
+        """In seconds."""
+        if self.seconds is not None:
+            return self.seconds
+        return min(max(SECONDS_AN_INTERVAL * len(clip.intervals), SHORTEST), LONGEST)
+
+    def frame_count(self, clip: Clip) -> int:
+        return max(1, round(self.length(clip) * self.fps))
+
+    def days(self, clip: Clip) -> list[float]:
+        """The day of every frame: real time, with a rest on the first and the last scan."""
+        count, first, last = self.frame_count(clip), clip.times[0], clip.times[-1]
+        if count == 1:
+            return [last]
+        moving = 1.0 - HELD_FIRST - HELD_LAST
+        shares = [(i / (count - 1) - HELD_FIRST) / moving for i in range(count)]
+        return [first + min(max(share, 0.0), 1.0) * (last - first) for share in shares]
+
+    def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
+        """(height, width, 4) uint8 pictures, one after the other; memory stays constant."""
+        days = self.days(clip)
+        home = self.camera(clip)
+        for index, day in enumerate(days):
+            turn = 2.0 * math.pi * index / len(days) if self.turning else 0.0
+            yield offscreen.picture(day, home.orbit(turn, 0.0), self.style)
+
+    def camera(self, clip: Clip) -> Camera:
+        from player.camera import Camera
+
+        return Camera.home(clip, self.size[0] / self.size[1], turning=self.turning)

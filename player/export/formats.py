@@ -1,0 +1,93 @@
+"""What can be exported, by the suffix of the output's name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from player.errors import PlayerError
+from player.export import gif, mp4, png
+from player.export.film import Film
+from player.export.output import check_folder
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from gclip import Clip
+    from player.render import Offscreen
+
+Progress = Callable[[int, int], None]  # frames drawn, frames in all
+Writer = Callable[["Clip", Film, Path, Progress], None]
+
+
+def export(
+    clip: Clip, film: Film, path: Path, progress: Progress = lambda done, total: None
+) -> None:
+    """Draw a film or a picture into `path`: whole or not at all.
+
+    Raises PlayerError for an unknown suffix, a missing folder, a size or speed that the format
+    can't hold, no OpenGL, or an encoder that fails.
+    """
+    writer = format_of(path, film)
+    writer(clip, film, path, progress)
+
+
+def format_of(path: Path, film: Film) -> Writer:
+    """How to write `path`; refuses here, before any work, what can't come out well."""
+    writers = {".mp4": _mp4, ".gif": _gif, ".png": _png}
+    suffix = path.suffix.lower()
+    if suffix not in writers:
+        raise PlayerError(
+            f'{path}: "{suffix}" is not a known format; film.mp4, film.gif, still.png and '
+            "frames/%04d.png are."
+        )
+    check_folder(path)
+    if suffix == ".png" and not png.is_sequence(path):
+        return _still
+    if film.day is not None:
+        raise PlayerError(f"--day is for one picture, like still.png; {path.name} is a film.")
+    if suffix == ".mp4":
+        mp4.check(film)
+    if suffix == ".gif":
+        gif.check(film)
+    return writers[suffix]
+
+
+def _mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    with _offscreen(clip, film) as offscreen:
+        mp4.write(_counted(film, clip, offscreen, progress), film, path)
+
+
+def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    with _offscreen(clip, film) as offscreen:
+        days, camera = film.days(clip), film.camera(clip)
+        chosen = days[:: max(1, len(days) // gif.SAMPLES)]
+        samples = [offscreen.picture(day, camera, film.style)[::2, ::2] for day in chosen]
+        gif.write(_counted(film, clip, offscreen, progress), film, path, samples)
+
+
+def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    with _offscreen(clip, film) as offscreen:
+        png.write_sequence(_counted(film, clip, offscreen, progress), film, path)
+
+
+def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    day = clip.times[-1] if film.day is None else film.day
+    with _offscreen(clip, film) as offscreen:
+        png.write_one(offscreen.picture(day, film.camera(clip), film.style), film, path)
+    progress(1, 1)
+
+
+def _offscreen(clip: Clip, film: Film) -> Offscreen:
+    from player.render import Offscreen
+
+    return Offscreen(clip, film.size)
+
+
+def _counted(film: Film, clip: Clip, offscreen: Offscreen, progress: Progress) -> Iterator[NDArray]:
+    total = film.frame_count(clip)
+    progress(0, total)
+    for done, picture in enumerate(film.frames(clip, offscreen), start=1):
+        yield picture
+        progress(done, total)

@@ -1,0 +1,46 @@
+"""Outputs that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from player.errors import PlayerError
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A temporary file beside `path`, renamed to it when the work is done, else removed."""
+    with whole_folder(path) as folder:
+        part = folder / path.name
+        yield part
+        os.replace(part, path)
+
+
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """A temporary folder beside `path`, removed in the end with what is left in it.
+
+    Raises PlayerError where that folder can't be written to.
+    """
+    check_folder(path)
+    try:
+        folder = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    except OSError as error:
+        raise PlayerError(f"{path} can't be written: {error.strerror or error}.") from None
+
+
+def check_folder(path: Path) -> None:
+    """Raise PlayerError where the folder of `path` is missing, or `path` itself is a folder."""
+    if not path.parent.is_dir():
+        raise PlayerError(f"{path}: the folder {path.parent} does not exist.")
+    if path.is_dir():
+        raise PlayerError(f"{path} is a folder; a file's name is needed.")
