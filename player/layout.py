@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 LABEL_SIZE = 15.0  # of the dates under the timeline
 BAR = 124.0  # height of the strip at the bottom that holds the timeline
+TOP = 80.0  # height of the strip at the top that holds title and buttons
 TRACK_ABOVE_EDGE = 50.0
 REACH = 18.0  # how far from the timeline's line the cursor still takes hold of it
 ABOVE_PLANT, BELOW_PLANT = 68.0, 112.0  # what titles and timeline take from the picture

@@ -8,7 +8,7 @@ from player import keys
 from player.canvas import BOLD, ICONS, Canvas
 from player.dates import short_dates
 from player.help_card import draw_help
-from player.layout import BAR, TIMELINE, TOP_BUTTONS, Layout, Rectangle, arrange
+from player.layout import BAR, TIMELINE, TOP, Layout, Rectangle, arrange
 from player.theme import DARK, LIGHT, Theme
 from player.timeline import AtEnd
 from player.timeline_view import draw_timeline
@@ -73,6 +73,7 @@ class Overlay:
             over = held or layout.under(*cursor)
         clear, dense = (*theme.veil[:3], 0.0), (*theme.veil[:3], 0.85)
         canvas.gradient(0.0, size[1] - BAR, size[0], BAR, clear, dense)
+        canvas.gradient(0.0, 0.0, size[0], TOP, (*theme.veil[:3], 0.6), clear)
         self._draw_title(layout, theme)
         for name, place in layout.buttons.items():
             self._draw_button(name, place, scene, theme, over == name)
@@ -102,7 +103,7 @@ class Overlay:
 
     def _draw_title(self, layout: Layout, theme: Theme) -> None:
         canvas, x, y = self._canvas, layout.margin, layout.margin
-        room = layout.buttons[TOP_BUTTONS[0]].x - x - 12.0
+        room = layout.buttons["color"].x - x - 12.0
         name = canvas.fitted(self._name, TITLE_SIZE, room, BOLD)
         canvas.text(x, y + 9.0, name, TITLE_SIZE, theme.text, BOLD)
         scans, tracks = len(self._clip.scans), len(self._clip.track_table)

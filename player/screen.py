@@ -49,8 +49,9 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
                 f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
             )
         per_unit = glfw.get_window_size(handle)[0] / size[0]
-        least = [round(per_unit * length) for length in SMALLEST]
-        glfw.set_window_size_limits(handle, *least, glfw.DONT_CARE, glfw.DONT_CARE)
+        least_width, least_height = (round(per_unit * length) for length in SMALLEST)
+        any_size = (glfw.DONT_CARE, glfw.DONT_CARE)
+        glfw.set_window_size_limits(handle, least_width, least_height, *any_size)
         glfw.make_context_current(handle)
         glfw.swap_interval(1)
         yield handle

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from player.camera import Camera
 from player.controls import Controls
 from player.dates import date_at
+from player.detail import Enlarger, Pace
 from player.layout import ABOVE_PLANT, BELOW_PLANT
 from player.scene import Scene
 from player.screen import events_to, opened, shortest_frame, switch_fullscreen
@@ -108,12 +109,15 @@ class Window:
         self._name = name
         self._context: Any = from_window()
         self._renderer = Renderer(self._context, clip)
+        self._enlarger = Enlarger(self._context)
+        self._pace = Pace()
         self._overlay = Overlay(self._context, clip, name)
         self._measures = self._measured()
         home = home_camera(clip, self._measures.units if self._measures.visible else (16.0, 9.0))
         timeline = Timeline.of(clip.times).played()
         self._controls = Controls(Scene(timeline, home, home, style, clip.has_colors))
         self._drawn: object = None  # what the last picture showed
+        self._view: object = None  # its day, camera and size
         self._title = ""
         self._notice, self._notice_ends = "", 0.0
         self._watch: Callable[[Scene], None] = lambda scene: None
@@ -139,6 +143,7 @@ class Window:
 
     def release(self) -> None:
         self._overlay.release()
+        self._enlarger.release()
         self._renderer.release()
 
     @property
@@ -180,22 +185,30 @@ class Window:
         controls, measures = self._controls, self._measures
         cursor = None if controls.dragging else controls.cursor
         held = controls.held if isinstance(controls.held, str) else None
-        wanted = (controls.scene, measures, cursor, held)
+        scene, screen = controls.scene, self._context.screen
+        view = (scene.timeline.day, scene.camera, measures)
+        moves = view != self._view and not scene.wants_picture
+        detail = self._pace.detail if moves else 1.0
+        wanted = (scene, measures, cursor, held, detail)
         if not measures.visible or wanted == self._drawn:
             return
-        scene, screen = controls.scene, self._context.screen
+        began = self._glfw.get_time()
         screen.viewport = (0, 0, *measures.framebuffer)
-        self._renderer.draw(
-            screen, scene.timeline.day, scene.camera, scene.style, measures.framebuffer
-        )
+        self._enlarger.draw(screen, measures.framebuffer, detail, self._draw_plant)
         if scene.wants_picture:
             controls.scene = scene = self._with_screenshot(scene)
         controls.layout = self._overlay.draw(
             screen, scene, measures.units, measures.scale, cursor, held
         )
         self._glfw.swap_buffers(self._handle)
-        self._drawn = wanted
+        if moves:
+            self._pace.took(self._glfw.get_time() - began)
+        self._drawn, self._view = wanted, view
         self._watch(scene)
+
+    def _draw_plant(self, framebuffer: Any, size: tuple[int, int]) -> None:
+        scene = self._controls.scene
+        self._renderer.draw(framebuffer, scene.timeline.day, scene.camera, scene.style, size)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

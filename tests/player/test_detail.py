@@ -1,0 +1,74 @@
+"""Fewer pixels on slow machines, and the same picture."""
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+import pytest
+
+from player.context import headless
+from player.detail import BUDGET, LEVELS, Enlarger, Pace
+
+
+def test_a_fast_machine_keeps_every_pixel() -> None:
+    pace = Pace()
+    for _ in range(100):
+        pace.took(1 / 60)
+    assert pace.detail == 1.0
+
+
+def test_a_slow_machine_draws_less_and_recovers() -> None:
+    pace = Pace()
+    for _ in range(100):
+        pace.took(3 * BUDGET)
+    assert pace.detail == LEVELS[-1]
+    for _ in range(100):
+        pace.took(0.1 * BUDGET)
+    assert pace.detail == 1.0
+
+
+def test_one_slow_picture_changes_nothing() -> None:
+    pace = Pace()
+    for _ in range(20):
+        pace.took(3 * BUDGET)
+        pace.took(0.7 * BUDGET)
+    assert pace.detail == 1.0
+
+
+@pytest.mark.parametrize("cost", [0.2, 0.5, 1.2, 2.0, 4.0])
+def test_the_detail_settles_when_the_cost_follows_the_pixels(cost: float) -> None:
+    pace, seen = Pace(), []
+    for _ in range(200):
+        pace.took(cost * BUDGET * pace.detail**2)
+        seen.append(pace.detail)
+    assert len(set(seen[100:])) == 1
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[moderngl.Context]:
+    context = headless()
+    yield context
+    context.release()
+
+
+@pytest.mark.parametrize("detail", LEVELS)
+def test_the_enlarged_picture_covers_the_whole_window(
+    context: moderngl.Context, detail: float
+) -> None:
+    enlarger, window = Enlarger(context), context.simple_framebuffer((200, 100), 3)
+    sizes = []
+
+    def paint(framebuffer: moderngl.Framebuffer, size: tuple[int, int]) -> None:
+        sizes.append(size)
+        framebuffer.use()
+        framebuffer.clear(0.2, 0.4, 0.6)
+        # The left half in another colour: it must stay the left half.
+        framebuffer.clear(0.8, 0.4, 0.6, viewport=(0, 0, size[0] // 2, size[1]))
+
+    enlarger.draw(window, (200, 100), detail, paint)
+    pixels = np.frombuffer(window.read(components=3, alignment=1), np.uint8).reshape(100, 200, 3)
+    assert sizes == [(round(200 * detail), round(100 * detail))]
+    assert (pixels[:, :97] == (204, 102, 153)).all()
+    assert (pixels[:, 103:] == (51, 102, 153)).all()
+    assert context.error == "GL_NO_ERROR"
+    enlarger.release()
