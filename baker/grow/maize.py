@@ -47,9 +47,9 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
     order = rank / (LEAVES - 1)
     birth = -6.5 + 1.9 * rank + rng.uniform(-0.3, 0.3)
     length = np.interp(order, [0, 0.25, 0.6, 0.85, 1], [95, 260, 520, 560, 480])
-    half_width = np.interp(order, [0, 0.25, 0.6, 1], [8, 12, 22, 24])
+    half_width = np.interp(order, [0, 0.25, 0.6, 1], [8, 13, 26, 28])
     width = blade(half_width, 0.55, 0.45, 0.75 if rank else 0.4)
-    droop = np.interp(order, [0, 0.3, 1], [1.1, 2.2, 1.7]) + rng.normal(0, 0.15)
+    droop = np.interp(order, [0, 0.3, 1], [1.2, 2.4, 1.8]) + rng.normal(0, 0.15)
     return Part(
         label=rank + 1,
         kind="leaf",

@@ -7,7 +7,7 @@ from functools import cached_property
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.grow import KINDS
@@ -15,6 +15,8 @@ from baker.grow.color import shade
 from baker.grow.pose import Body
 from baker.grow.species import Species
 from baker.grow.surface import Material, areas, positions, sample
+
+SMALLEST = 8  # points; no scan shows an organ with fewer
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,13 @@ class Cloud:
 
 @dataclass(frozen=True)
 class Organ:
-    """One organ at one moment; `parent` is -1 for the stem or trunk, lengths in mm, area in mm²."""
+    """One organ at one moment, mm and mm².
+
+    parent:    the label of the organ that bears it, -1 for the stem or trunk.
+    length:    along the main axis; of a compound leaf along its stalk, without the leaflets.
+    area:      of all surfaces, each counted once.
+    base, tip: ends of the main axis; the base lies on the parent's surface.
+    """
 
     label: int
     kind: str
@@ -84,7 +92,7 @@ class Plant:
         count = self.default_points(day) if points is None else points
         pose = self._body.pose(day)
         rng = np.random.default_rng([self.seed, seed, _bits(day)])
-        material = sample(self._area(day), count, rng)
+        material = sample(self._seen(day, count), count, rng)
         exact = positions(self._body, pose, material)
         deviation = self.default_noise if noise is None else noise
         noisy = exact + rng.normal(0, 1, exact.shape) * deviation
@@ -106,27 +114,22 @@ class Plant:
     def organs(self, day: float) -> list[Organ]:
         """The organs born before `day`, in the order of their labels."""
         body, pose = self._body, self._body.pose(day)
-        area = np.bincount(body.label, self._area(day).sum((1, 2)))
-        found: dict[int, Organ] = {}
-        for index, part in enumerate(body.parts):
-            if part.label in found or part.birth >= day:
-                continue
-            base, tip = self.track(
-                Material(np.full(2, index), np.array([0.0, 1.0]), np.zeros(2)), day
-            )
-            if part.tube:
-                base, tip = pose.axis[index, 0], pose.axis[index, -1]
-            found[part.label] = Organ(
-                part.label,
-                part.kind,
-                -1 if part.parent < 0 else int(body.label[part.parent]),
-                part.birth,
+        area = np.bincount(body.label, areas(body, pose).sum((1, 2)))
+        main = np.unique(body.label, return_index=True)[1]
+        return [
+            Organ(
+                label,
+                body.parts[index].kind,
+                int(body.label[body.parent[index]]) if body.parent[index] >= 0 else -1,
+                body.parts[index].birth,
                 float(pose.length[index]),
-                float(area[part.label]),
-                tuple(base.tolist()),
-                tuple(tip.tolist()),
+                float(area[label]),
+                tuple(pose.axis[index, 0].tolist()),
+                tuple(pose.axis[index, -1].tolist()),
             )
-        return [found[label] for label in sorted(found)]
+            for label, index in enumerate(main.tolist())
+            if body.parts[index].birth < day
+        ]
 
     def default_points(self, day: float) -> int:
         """Points of the usual scan at `day`: first and last as given, between them by surface."""
@@ -139,6 +142,14 @@ class Plant:
     def _default_areas(self) -> tuple[float, float]:
         first, last = self.default_days[0], self.default_days[-1]
         return float(self._area(first).sum()), float(self._area(last).sum())
+
+    def _seen(self, day: float, count: int) -> NDArray[np.float64]:
+        """Areas, less those of organs too small yet to show a handful among `count` points."""
+        area = self._area(day)
+        of_organ = np.bincount(self._body.label, area.sum((1, 2)))
+        seen = of_organ * count >= SMALLEST * of_organ.sum()
+        seen[np.argmax(of_organ)] = True
+        return area * seen[self._body.label][:, None, None]
 
     def _area(self, day: float) -> NDArray[np.float64]:
         return areas(self._body, self._body.pose(day))
@@ -158,6 +169,3 @@ def grow_plant(kind: str, seed: int) -> Plant:
 
 def _bits(day: float) -> int:
     return int(np.float64(day + 0.0).view(np.uint64))
-
-
-__all__ = ["ArrayLike", "Cloud", "Organ", "Plant", "grow_plant"]

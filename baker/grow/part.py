@@ -51,6 +51,7 @@ class Part:
     mature: Color
     gradient: float = 0.0
 
+    lag: float = 0.7  # above 1 the width grows after the length, below 1 before it
     opening: float = 6.0  # days from birth to the mature posture
     upright: float = 0.0  # how far the base turns from the parent's axis (0) to the vertical (1)
     lean: Change = Change(0.0, 0.0)  # of the base, away from the parent's axis

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.grow.part import NODES, Change, Part
+from baker.grow.part import NODES, Part
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -74,7 +74,7 @@ class Body:
     def _law(self) -> dict[str, Array]:
         names = (
             "azimuth birth duration length gradient opening upright bend_power turn spin clasp "
-            "ruffle"
+            "ruffle lag"
         ).split()
         law = {name: self.column(name)[:, None] for name in names}
         none = np.zeros((NODES, 2))
@@ -100,7 +100,7 @@ class Body:
 
         # A stem is thin where its tissue is young; a grass leaf comes out of the whorl full wide.
         thickness = np.where(law["gradient"] > 0, growth, sigmoid(age / law["duration"]))
-        thickness = np.where(self.tube[:, None], thickness**0.6, thickness**0.8)
+        thickness = thickness ** law["lag"]
         spread = law["width"] * thickness * np.where(self.tube[:, None], np.pi, 1)
         opened = sigmoid(age / law["opening"])
         roll = self._change("roll", opened) + law["clasp"] * (1 - along) ** 6
@@ -180,6 +180,3 @@ def unit(vectors: Array) -> Array:
 def dot(a: Array, b: Array) -> Array:
     """Scalar products (..., 1)."""
     return np.sum(a * b, axis=-1, keepdims=True)
-
-
-__all__ = ["Body", "Change", "Pose", "at_node", "dot", "sigmoid", "unit"]
