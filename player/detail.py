@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import moderngl
 
-BUDGET = 1 / 20  # seconds that a picture may take while things move
+BUDGET = 1 / 15  # seconds that a picture may take while things move
 ROOMY = 0.4  # share of the budget below which more detail is tried
-LEVELS = (1.0, 0.75, 0.55, 0.4)  # shares of the window's width and height
+LEVELS = (1.0, 0.8, 0.62, 0.48)  # shares of the window's width and height
+PLENTY = 400_000  # pixels that are always drawn: below them it is the points that take the time
 PATIENCE = 3  # slow or fast pictures in a row before the level changes
 
 _VERTEX = """#version 330
@@ -38,9 +40,10 @@ class Pace:
         self._level = 0
         self._slow = self._fast = 0
 
-    @property
-    def detail(self) -> float:
-        return LEVELS[self._level]
+    def detail(self, size: tuple[int, int]) -> float:
+        """The share of the width and height of a framebuffer of `size` pixels to draw."""
+        least = math.sqrt(PLENTY / max(size[0] * size[1], 1))
+        return min(max(LEVELS[self._level], least), 1.0)
 
     def took(self, seconds: float) -> None:
         """A picture at the present detail took so long."""

@@ -188,7 +188,7 @@ class Window:
         scene, screen = controls.scene, self._context.screen
         view = (scene.timeline.day, scene.camera, measures)
         moves = view != self._view and not scene.wants_picture
-        detail = self._pace.detail if moves else 1.0
+        detail = self._pace.detail(measures.framebuffer) if moves else 1.0
         wanted = (scene, measures, cursor, held, detail)
         if not measures.visible or wanted == self._drawn:
             return

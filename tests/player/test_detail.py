@@ -7,24 +7,34 @@ import numpy as np
 import pytest
 
 from player.context import headless
-from player.detail import BUDGET, LEVELS, Enlarger, Pace
+from player.detail import BUDGET, LEVELS, PLENTY, Enlarger, Pace
+
+HUGE = (7680, 4320)
 
 
 def test_a_fast_machine_keeps_every_pixel() -> None:
     pace = Pace()
     for _ in range(100):
         pace.took(1 / 60)
-    assert pace.detail == 1.0
+    assert pace.detail(HUGE) == 1.0
 
 
 def test_a_slow_machine_draws_less_and_recovers() -> None:
     pace = Pace()
     for _ in range(100):
         pace.took(3 * BUDGET)
-    assert pace.detail == LEVELS[-1]
+    assert pace.detail(HUGE) == LEVELS[-1]
     for _ in range(100):
         pace.took(0.1 * BUDGET)
-    assert pace.detail == 1.0
+    assert pace.detail(HUGE) == 1.0
+
+
+def test_a_small_window_is_always_drawn_in_full() -> None:
+    pace = Pace()
+    for _ in range(100):
+        pace.took(3 * BUDGET)
+    assert pace.detail((640, 480)) == 1.0
+    assert pace.detail((1280, 720)) ** 2 * 1280 * 720 >= 0.999 * PLENTY
 
 
 def test_one_slow_picture_changes_nothing() -> None:
@@ -32,15 +42,15 @@ def test_one_slow_picture_changes_nothing() -> None:
     for _ in range(20):
         pace.took(3 * BUDGET)
         pace.took(0.7 * BUDGET)
-    assert pace.detail == 1.0
+    assert pace.detail(HUGE) == 1.0
 
 
 @pytest.mark.parametrize("cost", [0.2, 0.5, 1.2, 2.0, 4.0])
 def test_the_detail_settles_when_the_cost_follows_the_pixels(cost: float) -> None:
     pace, seen = Pace(), []
     for _ in range(200):
-        pace.took(cost * BUDGET * pace.detail**2)
-        seen.append(pace.detail)
+        pace.took(cost * BUDGET * pace.detail(HUGE) ** 2)
+        seen.append(pace.detail(HUGE))
     assert len(set(seen[100:])) == 1
 
 
