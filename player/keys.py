@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
 POINTS = "smaller, larger points"
-POINT_STEP, SMALLEST, LARGEST = 1.15, 0.2, 6.0
+POINT_STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # the command line allows the same
 ZOOM_STEP = 1.12  # factor of one wheel notch
 TURN = math.radians(180.0)  # orbit of a drag over the window's height
 
