@@ -89,6 +89,8 @@ class Renderer:
         order of `gclip.evaluate.layers_at`; read back by transform feedback, for tests.
         """
         parts = []
+        # Nothing is drawn, yet without a screen GL wants a complete framebuffer bound.
+        self._shadow_targets.framebuffers[0].use()
         for layer in layers_at(self.clip, day):
             buffers = self._buffers[layer.interval]
             shader = self._mover_program("positions", buffers.degree, buffers.colored)

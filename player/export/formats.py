@@ -37,9 +37,11 @@ def format_of(path: Path, film: Film) -> Writer:
     """How to write `path`; refuses here, before any work, what can't come out well."""
     writers = {".mp4": _mp4, ".gif": _gif, ".png": _png}
     suffix = path.suffix.lower()
+    if path.is_dir():
+        raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
     if suffix not in writers:
         raise PlayerError(
-            f'{path}: "{suffix}" is not a known format; film.mp4, film.gif, still.png and '
+            f'{path}: "{suffix}" is no known suffix; film.mp4, film.gif, still.png and '
             "frames/%04d.png are."
         )
     check_folder(path)

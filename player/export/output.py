@@ -39,8 +39,6 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 
 def check_folder(path: Path) -> None:
-    """Raise PlayerError where the folder of `path` is missing, or `path` itself is a folder."""
+    """Raise PlayerError where the folder of `path` is missing."""
     if not path.parent.is_dir():
         raise PlayerError(f"{path}: the folder {path.parent} does not exist.")
-    if path.is_dir():
-        raise PlayerError(f"{path} is a folder; a file's name is needed.")

@@ -1,0 +1,107 @@
+"""The command `play`: every wrong wish gets one sentence and exit code 2."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import moderngl
+import pytest
+
+from player.cli import main
+
+
+@pytest.fixture
+def saved(make_clip, tmp_path: Path) -> Path:
+    path = tmp_path / "plant.gclip"
+    make_clip().save(path)
+    return path
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    assert main([str(argument) for argument in arguments]) == 2
+    output, sentence = capsys.readouterr()
+    assert output == ""
+    assert sentence.startswith("play: ")
+    assert sentence.count("\n") == 1
+    assert "Traceback" not in sentence
+    return sentence
+
+
+def test_export_writes_and_tells(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    film = saved.with_name("film.mp4")
+    wish = [str(saved), "--export", str(film), "--size", "64x48", "--seconds", "0.3"]
+    assert main([*wish, "--fps", "10", "--camera", "turntable", "--ground", "light"]) == 0
+    assert film.stat().st_size > 500
+    assert "film.mp4" in capsys.readouterr().err
+    film.unlink()
+    assert main([*wish, "-q"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert film.exists()
+
+
+def test_info_tells_what_the_clip_holds(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(saved), "--info"]) == 0
+    text = capsys.readouterr().out
+    for word in ("a.ply", "1,600", "day 5", "16 bit", "mm", "made by hand"):
+        assert word in text
+    assert "leaf [bold]x[/bold]" in text
+
+
+def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    notes = tmp_path / "notes.gclip"
+    notes.write_text("not a clip at all")
+    cut = tmp_path / "cut.gclip"
+    cut.write_bytes(saved.read_bytes()[:-100])
+    out = tmp_path / "out.png"
+    assert "no such file" in refusal(capsys, tmp_path / "absent.gclip", "--info")
+    assert "not a growth clip" in refusal(capsys, notes, "--export", out)
+    assert "cut short" in refusal(capsys, cut, "--export", out)
+    assert "does not exist" in refusal(capsys, saved, "--export", tmp_path / "no" / "x.mp4")
+    assert "1280x720" in refusal(capsys, saved, "--export", out, "--size", "big")
+    assert "16" in refusal(capsys, saved, "--export", out, "--size", "0x100")
+    assert "runs from 0 to 5" in refusal(capsys, saved, "--export", out, "--day", "9")
+    assert "nan" in refusal(capsys, saved, "--export", out, "--day", "nan")
+    assert "--seconds" in refusal(capsys, saved, "--export", out, "--seconds", "nan")
+    assert "folder" in refusal(capsys, saved, "--export", tmp_path)
+    assert "--fps" in refusal(capsys, saved, "--export", out, "--fps", "0")
+    assert "CLIP" in refusal(capsys)
+    assert not out.exists()
+
+
+def test_no_egl_names_the_packages(
+    saved: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("libEGL.so: cannot open shared object file")
+
+    monkeypatch.setattr(moderngl, "create_context", fail)
+    sentence = refusal(capsys, saved, "--export", saved.with_name("x.png"))
+    assert "libegl1 libgl1" in sentence
+
+
+def test_no_display_names_the_way_out(saved: Path) -> None:
+    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    done = subprocess.run(
+        [sys.executable, "-m", "player", str(saved)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert "--export" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_help_needs_no_graphics() -> None:
+    probe = (
+        "import sys; from player.cli import main; main(['--help']); "
+        "heavy = {'moderngl', 'numpy', 'glfw', 'PIL', 'imageio'} & set(sys.modules); "
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "--export" in done.stdout

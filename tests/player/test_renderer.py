@@ -1,0 +1,156 @@
+"""The GPU's plant is the CPU's plant, and its pictures are smooth in time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+
+from gclip.clip import Clip, Motion
+from gclip.color import blend_srgb
+from player.camera import Camera
+from player.context import headless
+from player.renderer import Renderer
+from player.style import Style
+
+SIZE = (160, 120)
+PLAIN = Style(show_ground=False)
+DAYS = [0.0, 0.1, 1.0, 1.7, 2.0, 2.2, 2.449, 3.3, 4.99, 5.0]
+
+
+@contextmanager
+def drawing(clip: Clip, supersample: int = 1) -> Iterator:
+    """A function that draws a picture: (height, width, 3) int."""
+    context = headless()
+    renderer = Renderer(context, clip, supersample)
+    framebuffer = context.simple_framebuffer(SIZE)
+    camera = Camera.fit(clip.bounds, clip.up, SIZE[0] / SIZE[1])
+    camera = replace(camera, yaw=math.radians(-90), pitch=0.1)
+
+    def draw(day: float, style: Style = PLAIN) -> np.ndarray:
+        renderer.draw(framebuffer, day, camera, style, SIZE)
+        assert context.error == "GL_NO_ERROR"
+        pixels = np.frombuffer(framebuffer.read(), np.uint8)
+        return pixels.reshape(SIZE[1], SIZE[0], 3).astype(int)
+
+    yield draw
+    renderer.release()
+    framebuffer.release()
+    context.release()
+
+
+def cover(picture: np.ndarray) -> int:
+    """Pixels that the plant takes up on the dark ground."""
+    return int((picture.max(axis=2) > 60).sum())
+
+
+@pytest.mark.parametrize("lost", [Motion.FALL, Motion.FADE, Motion.REMOVE])
+@pytest.mark.parametrize("precision", ["auto", "float32"])
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_positions_on_the_gpu_are_those_of_the_cpu(
+    context: moderngl.Context, make_clip, degree: int, precision: str, lost: Motion
+) -> None:
+    clip = make_clip(degree=degree, precision=precision, lost=lost)
+    assert (clip.intervals[0].box is None) == (precision == "float32")
+    size = np.linalg.norm(np.subtract(*clip.bounds))
+    renderer = Renderer(context, clip)
+    for day in DAYS:
+        frame = clip.at(day)
+        parts = [frame.local] + ([frame.litter.local] if frame.litter else [])
+        expected = np.concatenate(parts)
+        found = renderer.positions(day)
+        assert found.shape == expected.shape
+        assert np.abs(found - expected).max() < 1e-4 * size
+    renderer.release()
+
+
+def test_the_same_picture_twice_whatever_was_drawn_between(make_clip) -> None:
+    with drawing(make_clip()) as draw:
+        style = Style()
+        first = draw(2.1, style)
+        draw(4.0, Style(ground="light"))
+        assert (draw(2.1, style) == first).all()
+        assert cover(first) > 500
+
+
+def test_the_middle_of_an_interval_is_as_dense_as_its_scans(make_clip) -> None:
+    with drawing(make_clip()) as draw:
+        start, middle, end = (cover(draw(day)) for day in (0.0, 1.0, 1.999))
+    assert start < middle < end
+    assert middle == pytest.approx((start + end) / 2, rel=0.03)
+
+
+def test_a_surface_has_no_holes(make_clip) -> None:
+    with drawing(make_clip()) as draw:
+        for day in (0.0, 1.0, 2.0):
+            filled = draw(day).max(axis=2) > 60
+            rows, columns = np.nonzero(filled)
+            inside = filled[rows.min() + 2 : rows.max() - 1, columns.min() + 2 : columns.max() - 1]
+            assert inside.mean() > 0.99
+
+
+def test_colors_blend_in_linear_light(make_clip) -> None:
+    start, end = (230, 40, 10, 255), (20, 60, 220, 255)
+    half = blend_srgb(np.array([start], np.uint8), np.array([end], np.uint8), 0.5)[0]
+    with drawing(make_clip(colors=(start, end))) as draw:
+        blended = draw(1.0, replace(PLAIN, color_by="scan"))
+        by_track = draw(1.0, replace(PLAIN, color_by="track"))
+    with drawing(make_clip(colors=(half, half))) as draw:
+        constant = draw(1.0, replace(PLAIN, color_by="auto"))
+    with drawing(make_clip()) as draw:
+        palette = draw(1.0, replace(PLAIN, color_by="scan"))
+    assert np.abs(blended - constant).max() <= 1
+    assert (by_track == palette).all()
+    assert np.abs(by_track - blended).max() > 40
+
+
+@pytest.mark.parametrize("lost", [Motion.FALL, Motion.FADE])
+def test_what_is_lost_never_pops(make_clip, lost: Motion) -> None:
+    """Around each event the picture changes little; over the whole fade it changes much."""
+    clip = make_clip(lost=lost)
+    still = replace(clip.intervals[1], start=5.0, end=8.0)
+    longer = replace(
+        clip,
+        scans=(*clip.scans, replace(clip.scans[-1], time=8.0)),
+        intervals=(*clip.intervals, still),
+    )
+    moments = {Motion.FALL: [5.4499], Motion.FADE: [2.0, 4.9999]}[lost]
+    with drawing(longer if lost is Motion.FALL else clip) as draw:
+        for moment in moments:
+            change = np.abs(draw(moment, Style()) - draw(moment + 2e-4, Style()))
+            assert change.mean() < 0.15
+
+
+def test_light_ground_is_light_and_dark_is_dark(make_clip) -> None:
+    with drawing(make_clip()) as draw:
+        for floor in (True, False):
+            assert draw(0.0, Style(ground="light", show_ground=floor))[2, 2].min() > 180
+            assert draw(0.0, Style(ground="dark", show_ground=floor))[2, 2].max() < 60
+
+
+def test_point_size_and_supersampling(make_clip) -> None:
+    with drawing(make_clip()) as draw:
+        natural = cover(draw(1.0))
+        assert cover(draw(1.0, replace(PLAIN, point_size=3.0))) > 1.05 * natural
+    with drawing(make_clip(), supersample=2) as draw:
+        assert cover(draw(1.0)) == pytest.approx(natural, rel=0.03)
+
+
+def test_few_intervals_stay_on_the_gpu(context: moderngl.Context, make_clip) -> None:
+    clip = make_clip()
+    first = clip.intervals[0]
+    many = replace(
+        clip,
+        intervals=tuple(replace(first, start=float(k), end=k + 1.0) for k in range(9)),
+        scans=tuple(replace(clip.scans[0], time=float(k)) for k in range(10)),
+    )
+    renderer = Renderer(context, many)
+    for day in np.linspace(0, 9, 30):
+        renderer.positions(float(day))
+    assert len(renderer._buffers._kept) <= 3
+    renderer.release()
