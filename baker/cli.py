@@ -42,10 +42,16 @@ class Up(StrEnum):
     minus_z = "-z"
 
 
+class Segment(StrEnum):
+    auto = "auto"
+    thin = "thin"
+
+
 class Transport(StrEnum):
     auto = "auto"
     exact = "exact"
     sinkhorn = "sinkhorn"
+    whole = "whole"
 
 
 class Decay(StrEnum):
@@ -72,6 +78,9 @@ def bake_command(
     labels: Annotated[
         Labels, typer.Option(help="Do labels name the same organs in all scans?")
     ] = Labels.auto,
+    segment: Annotated[
+        Segment, typer.Option(help="auto takes labels where there are any; thin cuts at forks.")
+    ] = Segment.auto,
     up: Annotated[Up, typer.Option(help="The axis along which the plant grows.")] = Up.auto,
     root: Annotated[
         str | None,
@@ -84,11 +93,20 @@ def bake_command(
         Path | None, typer.Option(metavar="FILE", help="Lines of: scan's name, day or date.")
     ] = None,
     transport: Annotated[
-        Transport, typer.Option(help="How the transport problems are solved.")
+        Transport, typer.Option(help="How transport is solved; whole: without any segments.")
     ] = Transport.auto,
     decay: Annotated[
         Decay, typer.Option(help="What organs do that a later scan no longer has.")
     ] = Decay.fall,
+    paper: Annotated[
+        bool, typer.Option("--paper", help="Choose as Golla et al. (2020) do, throughout.")
+    ] = False,
+    bifurcation: Annotated[
+        int | None,
+        typer.Option(
+            min=0, metavar="N", help="A branch longer than N edges makes a fork (segment thin)."
+        ),
+    ] = None,
     label_field: Annotated[
         str | None, typer.Option(metavar="NAME", help="The scans' field that holds the labels.")
     ] = None,
@@ -106,6 +124,9 @@ def bake_command(
     neighbors: Annotated[
         int, typer.Option(min=1, help="Neighbours in the transport's support (k).")
     ] = 15,
+    graph_neighbors: Annotated[
+        int, typer.Option(min=1, help="Neighbours in the segmentation's graph (k).")
+    ] = 15,
     precision: Annotated[
         Precision, typer.Option(help="auto stores 16 bits a coordinate where that is fine enough.")
     ] = Precision.auto,
@@ -122,6 +143,7 @@ def bake_command(
     options = Options(
         align=align,
         labels=labels,
+        segment=segment,
         up=up,
         root=_root(root),
         times=times,
@@ -130,6 +152,9 @@ def bake_command(
         outliers=outliers,
         transport=transport,
         neighbors=neighbors,
+        graph_neighbors=graph_neighbors,
+        bifurcation=bifurcation,
+        paper=paper,
         decay=decay,
         precision=precision,
         unit=unit,

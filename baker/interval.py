@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.tasks import Task
-from baker.transport.solve import TransportOptions
+from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from gclip.clip import Motion, SegmentPair
 from gclip.pack import Movers
@@ -65,7 +65,7 @@ def solve_task(
     movers = _movers(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
     )
-    pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error)
+    pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error, plan.notes)
     return Moved(movers, pair)
 
 
@@ -89,7 +89,9 @@ def _movers(
     )
 
 
-def _pair(task: Task, movers: int, solver: str, cost: float, error: float) -> SegmentPair:
+def _pair(
+    task: Task, movers: int, solver: str, cost: float, error: float, notes: tuple[str, ...] = ()
+) -> SegmentPair:
     return SegmentPair(
         track=task.organ,
         event=task.event,
@@ -99,6 +101,7 @@ def _pair(task: Task, movers: int, solver: str, cost: float, error: float) -> Se
         solver=solver,
         cost=cost,
         marginal_error=error,
+        notes=tuple(notes),
     )
 
 

@@ -17,12 +17,13 @@ from baker.scans.scan import Scan
 class LabelUse:
     """The labels to bake with.
 
-    labels:   for each scan (N,) int64, the same organ with the same label in all; None where the
-              scans are to be segmented without labels.
-    sentence: how they came about, for the user.
+    labels:     for each scan (N,) int64; None where the scans are segmented without labels.
+    consistent: the same organ has the same label in all scans.
+    sentence:   how they came about, for the user.
     """
 
     labels: tuple[NDArray[np.int64], ...] | None
+    consistent: bool
     sentence: str
 
 
@@ -31,26 +32,32 @@ def use_of_labels(
     clouds: Sequence[NDArray[np.floating]],
     root_points: Sequence[int],
     wanted: str,
+    match_by_shape: bool,
 ) -> LabelUse:
     """Decide how labels are used; `wanted` is auto, consistent, independent or ignore.
 
     clouds: aligned positions, (N, 3) each. root_points: each scan's stem base.
 
+    match_by_shape: give organs that are numbered anew consistent labels at once; else leave them as
+    they are, to be matched down the hierarchies.
+
     auto takes labels as names where most organs match the one of the same label in the next scan.
     Raises InputError where labels are asked for and a scan has none.
     """
     if wanted == "ignore":
-        return LabelUse(None, "labels ignored, as asked")
+        return LabelUse(None, False, "labels ignored, as asked")
     labels = [scan.labels for scan in scans if scan.labels is not None]
     if len(labels) < len(scans):
         if wanted != "auto":
             without = next(scan.name for scan in scans if scan.labels is None)
             raise InputError(f"{without} has no labels; --labels {wanted} needs them.")
-        return LabelUse(None, "the scans have no labels")
+        return LabelUse(None, False, "the scans have no labels")
     share = agreement(clouds, labels, root_points) if wanted == "auto" else 0.0
     if wanted == "consistent" or share > 0.5:
         found = "as asked" if wanted != "auto" else f"{share:.0%} of the organs match by shape too"
-        return LabelUse(tuple(labels), f"labels name the same organs in all scans: {found}")
+        return LabelUse(tuple(labels), True, f"labels name the same organs in all scans: {found}")
     found = "as asked" if wanted != "auto" else f"only {share:.0%} of the organs match by shape"
-    named = consistent_labels(clouds, labels, root_points)
-    return LabelUse(tuple(named), f"labels numbered anew in every scan, organs matched: {found}")
+    if match_by_shape:
+        labels = consistent_labels(clouds, labels, root_points)
+    sentence = f"labels are numbered anew in every scan: {found}"
+    return LabelUse(tuple(labels), match_by_shape, sentence)

@@ -25,6 +25,9 @@ class Options:
     outliers: float | None = None
     transport: str = "auto"
     neighbors: int = 15
+    graph_neighbors: int = 15
+    bifurcation: int | None = None
+    paper: bool = False
     decay: str = "fall"
     precision: str = "auto"
     unit: str = ""

@@ -9,7 +9,6 @@ import hashlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +18,17 @@ from numpy.typing import NDArray
 from baker.align import Alignment, align
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.labels import LabelUse, use_of_labels
-from baker.match import IntervalOrgans, Match, Organ, follow_organs, match_by_label
+from baker.match import IntervalOrgans, Match, Organ, follow_organs, match_series
 from baker.options import Options
 from baker.palette import organ_colors
+from baker.recipe import recipe_for
 from baker.scans import ReadOptions, Scan, Series, read_series
-from baker.segment.given import hierarchy_from_labels, root_point, under_virtual_root
-from baker.segment.hierarchy import Hierarchy, whole
+from baker.segment.given import root_point
+from baker.segment.hierarchy import Hierarchy
+from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
 from baker.spacing import point_spacing
 from baker.tasks import interval_tasks
-from baker.transport.solve import TransportOptions
+from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from baker.workers import worker_count
 from gclip.clip import Clip, Interval, Motion, ScanMark, Track
@@ -47,6 +48,7 @@ def bake(
     Raises InputError, with one sentence for the user, where the scans or options can't be baked.
     """
     chosen = options or Options()
+    recipe = recipe_for(chosen)
     tell: Progress = progress or (lambda stage, done, total: None)
     series = read_series(
         [Path(path) for path in paths],
@@ -55,7 +57,7 @@ def bake(
     )
     alignment = align(
         [scan.points for scan in series.scans],
-        method=chosen.align,
+        method=recipe.align,
         up=chosen.up,
         root=_local_root(series, chosen),
         progress=tell,
@@ -65,14 +67,20 @@ def bake(
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
     bases = [root_point(cloud, vertical, root) for cloud in clouds]
-    labels = use_of_labels(series.scans, clouds, bases, chosen.labels)
-    hierarchies = _hierarchies(keyframes, bases, labels, chosen, tell)
+    wanted = "ignore" if recipe.whole or chosen.segment == "thin" else chosen.labels
+    labels = use_of_labels(series.scans, clouds, bases, wanted, recipe.match_by_shape)
+    hierarchies = _hierarchies(clouds, bases, labels, recipe.whole, chosen, tell)
     tell("matching", 0, len(hierarchies) - 1)
-    matches = [match_by_label(a, b) for a, b in pairwise(hierarchies)]
-    organs, named = follow_organs(matches, consistent=labels.labels is not None)
-    tell("matching", len(matches), len(matches))
+    matches = match_series(
+        clouds,
+        hierarchies,
+        by_label=labels.consistent or recipe.whole,
+        rules=recipe.rules,
+        done=partial(_step, tell, "matching", len(hierarchies) - 1),
+    )
+    organs, named = follow_organs(matches, labels.consistent)
     intervals, spacing, floor = _intervals(
-        series, keyframes, matches, named, vertical, chosen, tell
+        series, keyframes, matches, named, vertical, recipe.transport, chosen, tell
     )
     origin = series.scans[0].origin
     return Clip(
@@ -119,35 +127,31 @@ def _keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 
 
 def _hierarchies(
-    keyframes: Sequence[Keyframe],
+    clouds: Sequence[NDArray[np.float32]],
     bases: Sequence[int],
     labels: LabelUse,
+    whole: bool,
     options: Options,
     tell: Progress,
 ) -> list[Hierarchy]:
-    tell("segmentation", 0, len(keyframes))
-    hierarchies = []
-    for k, frame in enumerate(keyframes):
-        if labels.labels is None:
-            hierarchies.append(whole(frame.positions))
-        elif options.root == "virtual":
-            hierarchies.append(under_virtual_root(labels.labels[k]))
-        else:
-            root = _root_label(labels.labels, bases, k)
-            hierarchies.append(hierarchy_from_labels(frame.positions, labels.labels[k], root))
-        tell("segmentation", k + 1, len(keyframes))
-    return hierarchies
+    tell("segmentation", 0, len(clouds))
+    done = partial(_step, tell, "segmentation", len(clouds))
+    if whole:
+        return whole_hierarchies(clouds)
+    if labels.labels is None:
+        return thin_hierarchies(clouds, bases, options.graph_neighbors, options.bifurcation, done)
+    return labelled_hierarchies(
+        clouds,
+        labels.labels,
+        bases,
+        consistent=labels.consistent,
+        virtual_root=options.root == "virtual",
+        done=done,
+    )
 
 
-def _root_label(labels: Sequence[NDArray[np.int64]], bases: Sequence[int], scan: int) -> int:
-    """The label that most scans have at their base, or the scan's own where it lacks that one.
-
-    In a late scan a drooping leaf may hang lower than the stem's foot.
-    """
-    at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
-    values, votes = np.unique(at_base, return_counts=True)
-    elected = int(values[np.argmax(votes)])
-    return elected if (labels[scan] == elected).any() else at_base[scan]
+def _step(tell: Progress, stage: str, total: int, done: int) -> None:
+    tell(stage, done, total)
 
 
 def _intervals(
@@ -156,6 +160,7 @@ def _intervals(
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     vertical: Vertical,
+    transport: TransportOptions,
     options: Options,
     tell: Progress,
 ) -> tuple[tuple[Interval, ...], float, float]:
@@ -163,7 +168,7 @@ def _intervals(
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     solve = partial(
         solve_task,
-        transport=TransportOptions(method=options.transport, neighbors=options.neighbors),
+        transport=transport,
         decay=Motion(options.decay),
         vertical=vertical,
         floor=floor,
