@@ -38,12 +38,13 @@ def spanning_tree(points: NDArray[np.floating], root: int, neighbors: int = 15) 
     from scipy.sparse.csgraph import minimum_spanning_tree as minimum_tree
 
     graph = _neighbor_graph(points, neighbors)
-    bridges, widest = 0, 0.0
-    while (parts := connected_components(graph, directed=False))[0] > 1:
+    parts = connected_components(graph, directed=False)
+    bridges, widest = parts[0] - 1, 0.0
+    while parts[0] > 1:
         joined, gaps = _bridges(points, *parts)
-        bridges += len(gaps)
         widest = max(widest, float(gaps.max()))
         graph = graph + joined
+        parts = connected_components(graph, directed=False)
     order, parent = breadth_first_order(minimum_tree(graph), root, directed=False)
     parent[root] = -1
     return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
