@@ -28,6 +28,7 @@ class Options:
     graph_neighbors: int = 15
     bifurcation: int | None = None
     paper: bool = False
+    holdout: int | None = None
     decay: str = "fall"
     precision: str = "auto"
     unit: str = ""

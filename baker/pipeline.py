@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align import Alignment, align
+from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.labels import LabelUse, use_of_labels
 from baker.match import IntervalOrgans, Match, Organ, follow_organs, match_series
 from baker.options import Options
 from baker.palette import organ_colors
 from baker.recipe import recipe_for
+from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import ReadOptions, Scan, Series, read_series
 from baker.segment.given import root_point
 from baker.segment.hierarchy import Hierarchy
@@ -47,23 +50,30 @@ def bake(
 
     Raises InputError, with one sentence for the user, where the scans or options can't be baked.
     """
+    return bake_recorded(paths, options, progress)[0]
+
+
+def bake_recorded(
+    paths: Sequence[str | Path], options: Options | None = None, progress: Progress | None = None
+) -> tuple[Clip, BakeRecord]:
+    """`bake`, and what its stages found: for the report and for verification."""
     chosen = options or Options()
     recipe = recipe_for(chosen)
     tell: Progress = progress or (lambda stage, done, total: None)
-    series = read_series(
+    found = read_series(
         [Path(path) for path in paths],
         _read_options(chosen),
         lambda done, total, name: tell("reading", done, total),
     )
     alignment = align(
-        [scan.points for scan in series.scans],
+        [scan.points for scan in found.scans],
         method=recipe.align,
         up=chosen.up,
-        root=_local_root(series, chosen),
+        root=_local_root(found, chosen),
         progress=tell,
     )
     vertical = Vertical.named(alignment.up)
-    keyframes = _keyframes(series, alignment)
+    series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
     bases = [root_point(cloud, vertical, root) for cloud in clouds]
@@ -83,7 +93,7 @@ def bake(
         series, keyframes, matches, named, vertical, recipe.transport, chosen, tell
     )
     origin = series.scans[0].origin
-    return Clip(
+    clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
         track_table=_tracks(series.scans, organs),
@@ -93,8 +103,20 @@ def bake(
         time_unit=series.unit,
         floor=floor,
         spacing=spacing,
-        provenance=_provenance(series, alignment, labels, hierarchies, chosen),
+        provenance=_provenance(found, series, alignment, labels, hierarchies, chosen),
     )
+    record = BakeRecord(
+        found=found,
+        series=series,
+        keyframes=tuple(keyframes),
+        alignment=alignment,
+        labels=labels.sentence,
+        hierarchies=tuple(hierarchies),
+        matches=tuple(matches),
+        organs=tuple(named),
+        held_out=held_out,
+    )
+    return clip, record
 
 
 def _read_options(options: Options) -> ReadOptions:
@@ -124,6 +146,26 @@ def _keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
         colors = None if scan.colors is None else np.hstack([scan.colors, opaque])
         keyframes.append(Keyframe(positions, colors))
     return keyframes
+
+
+def _hold_out(
+    found: Series, keyframes: Sequence[Keyframe], every: int | None
+) -> tuple[Series, list[Keyframe], tuple[HeldOut, ...]]:
+    """Part an aligned series into what is baked and what is left out for verification."""
+    if every is not None and every < 2:
+        raise InputError(f"--holdout is {every}; 2 or more is needed: 2 leaves every second out.")
+    numbers = left_out(len(found.scans), every)
+    if every is not None and not numbers:
+        raise InputError(
+            f"--holdout {every} leaves none of the {len(found.scans)} scans out; "
+            f"at least {every + 1} are needed, for the first and the last always stay."
+        )
+    kept = [k for k in range(len(found.scans)) if k not in numbers]
+    return (
+        replace(found, scans=tuple(found.scans[k] for k in kept)),
+        [keyframes[k] for k in kept],
+        tuple(HeldOut(found.scans[k], keyframes[k]) for k in numbers),
+    )
 
 
 def _hierarchies(
@@ -219,6 +261,7 @@ def _tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]
 
 
 def _provenance(
+    found: Series,
     series: Series,
     alignment: Alignment,
     labels: LabelUse,
@@ -227,6 +270,10 @@ def _provenance(
 ) -> dict[str, Any]:
     """What made this clip: enough to bake it again and to see that it is the same."""
     notes = [series.rule, labels.sentence, *alignment.notes]
+    if len(series.scans) < len(found.scans):
+        kept = {scan.time for scan in series.scans}
+        names = [scan.name for scan in found.scans if scan.time not in kept]
+        notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     return {
@@ -235,7 +282,7 @@ def _provenance(
         "options": options.provenance(),
         "inputs": [
             {"name": scan.name, "sha256": hashlib.sha256(scan.path.read_bytes()).hexdigest()}
-            for scan in series.scans
+            for scan in found.scans
         ],
         "transforms": [transform.tolist() for transform in alignment.transforms],
         "notes": notes,
