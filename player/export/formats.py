@@ -76,8 +76,10 @@ def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     day = clip.times[-1] if film.day is None else film.day
+    camera = film.camera(clip)
+    view = camera.projection(film.size[0] / film.size[1]) @ camera.view()
     with _offscreen(clip, film) as offscreen:
-        png.write_one(offscreen.picture(day, film.camera(clip), film.style), film, path)
+        png.write_one(offscreen.picture(day, camera, film.style), path, view)
     progress(1, 1)
 
 

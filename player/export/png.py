@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Iterable
@@ -26,9 +27,14 @@ def is_sequence(path: Path) -> bool:
     return rest != path.name
 
 
-def write_one(picture: NDArray, film: Film, path: Path) -> None:
+def write_one(picture: NDArray, path: Path, view: NDArray) -> None:
+    """A still picture, with the text "view" in its metadata: what it takes to draw on top of it.
+
+    view: (4, 4) from the clip's local coordinates to OpenGL's clip coordinates, M @ column; stored
+          as JSON, row by row.
+    """
     with whole_file(path) as part:
-        _save(picture, part)
+        _save(picture, part, {"view": json.dumps(view.tolist())})
 
 
 def write_sequence(pictures: Iterable[NDArray], film: Film, path: Path) -> None:
@@ -42,7 +48,11 @@ def write_sequence(pictures: Iterable[NDArray], film: Film, path: Path) -> None:
             os.replace(folder / name, path.parent / name)
 
 
-def _save(picture: NDArray, path: Path) -> None:
+def _save(picture: NDArray, path: Path, texts: dict[str, str] | None = None) -> None:
     from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
 
-    Image.fromarray(picture[..., :3]).save(path)
+    metadata = PngInfo()
+    for key, text in (texts or {}).items():
+        metadata.add_text(key, text)
+    Image.fromarray(picture[..., :3]).save(path, pnginfo=metadata)
