@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-ROOT = (150, 124, 92)  # bark: the stem carries the picture without asking for attention
+from colorsys import hls_to_rgb
+
+STEM = (122, 158, 72)  # a plant's own green: the stem carries the picture without asking for it
+GOLDEN_ANGLE = 0.381966  # of a turn: neighbours in age get hues that lie far apart
+FIRST_HUE = 0.095
 
 
 def organ_colors(count: int) -> list[tuple[int, int, int]]:
     """`count` sRGB colours for the tracks, the root's first.
 
-    Ten colours that stay apart for colour-blind eyes (Petroff 2021), then 256 that are as
-    different as they can be (Glasbey et al. 2007), over and over.
+    Hues go round by the golden angle; each round is a little lighter or darker than the last one.
     """
-    import cmap
+    return [STEM, *(_color(index) for index in range(count - 1))][:count]
 
-    names = ["petroff10", "glasbey"]
-    distinct = [stop.color for name in names for stop in cmap.Colormap(name).color_stops]
-    rgb = [(int(c.rgba8.r), int(c.rgba8.g), int(c.rgba8.b)) for c in distinct]
-    return [ROOT, *(rgb[i % len(rgb)] for i in range(count - 1))][:count]
+
+def _color(index: int) -> tuple[int, int, int]:
+    hue = (FIRST_HUE + GOLDEN_ANGLE * index) % 1.0
+    lightness = (0.56, 0.66, 0.46)[index // 8 % 3]
+    red, green, blue = (round(255 * value) for value in hls_to_rgb(hue, lightness, 0.72))
+    return red, green, blue
