@@ -111,6 +111,11 @@ class Plant:
         """Whether each point's part has been born by `day`, (N,)."""
         return self._body.column("birth")[material.part] < day
 
+    @property
+    def labels(self) -> NDArray[np.int64]:
+        """Labels of all organs there will ever be, 0, 1, 2, ..."""
+        return np.unique(self._body.label)
+
     def organs(self, day: float) -> list[Organ]:
         """The organs born before `day`, in the order of their labels."""
         body, pose = self._body, self._body.pose(day)
@@ -135,13 +140,15 @@ class Plant:
         """Points of the usual scan at `day`: first and last as given, between them by surface."""
         few, many = self._scan_points
         first, last = self._default_areas
-        now = float(self._area(day).sum())
-        return max(round(few + (many - few) * (now - first) / (last - first)), 1)
+        return max(round(few + (many - few) * (self.area(day) - first) / (last - first)), 1)
 
     @cached_property
     def _default_areas(self) -> tuple[float, float]:
-        first, last = self.default_days[0], self.default_days[-1]
-        return float(self._area(first).sum()), float(self._area(last).sum())
+        return self.area(self.default_days[0]), self.area(self.default_days[-1])
+
+    def area(self, day: float) -> float:
+        """The whole surface at `day`, mm²; it never shrinks."""
+        return float(self._area(day).sum())
 
     def _seen(self, day: float, count: int) -> NDArray[np.float64]:
         """Areas, less those of organs too small yet to show a handful among `count` points."""

@@ -25,6 +25,9 @@ class Change(NamedTuple):
     mature: float
 
 
+NEVER = Change(0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Part:
     """What one part will ever be; lengths in mm, times in days, angles in radians.
@@ -54,13 +57,13 @@ class Part:
     lag: float = 0.7  # above 1 the width grows after the length, below 1 before it
     opening: float = 6.0  # days from birth to the mature posture
     upright: float = 0.0  # how far the base turns from the parent's axis (0) to the vertical (1)
-    lean: Change = Change(0.0, 0.0)  # of the base, away from the parent's axis
-    bend: Change = Change(0.0, 0.0)  # from base to tip, away from the parent's axis
+    lean: Change = NEVER  # of the base, away from the parent's axis
+    bend: Change = NEVER  # from base to tip, away from the parent's axis
     bend_power: float = 1.0  # above 1 the bend gathers towards the tip
     turn: float = 0.0  # about the parent's axis while opening
-    twist: Change = Change(0.0, 0.0)  # about the own axis, from base to tip
+    twist: Change = NEVER  # about the own axis, from base to tip
     spin: float = 0.0  # about the own axis, all of it: which way a leaflet faces
-    roll: Change = Change(0.0, 0.0)  # half of the cross-section's arc; pi is a closed tube
+    roll: Change = NEVER  # half of the cross-section's arc; pi is a closed tube
     clasp: float = 0.0  # further roll at the base, around the stem
     fold: float = 0.0  # slope of the halves of the blade about the midrib
     ruffle: float = 0.0  # height of the waves along the margins

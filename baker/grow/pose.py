@@ -14,6 +14,11 @@ from baker.grow.part import NODES, Part
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
+COLUMNS = (
+    *("azimuth", "birth", "duration", "length", "gradient", "lag", "opening", "upright"),
+    *("bend_power", "turn", "spin", "clasp", "ruffle"),
+)
+
 
 def sigmoid(x: Array) -> Array:
     """A logistic curve stretched to be exactly 0 at 0 and exactly 1 at 1, constant outside."""
@@ -30,8 +35,10 @@ class Pose:
     frame:    (P, K, 3, 3) unit rows: along the axis, across the strip, normal to it.
     spread:   (P, K) half-width of the strip, measured over its surface.
     roll:     (P, K) half of the angle over which the cross-section is bent.
+    ruffle:   (P, K) height of the waves along the margins.
     growth:   (P, K) how grown the tissue is, 0 to 1.
     age:      (P,) days since birth, negative before it.
+    length:   (P,) of the axis.
     """
 
     axis: Array
@@ -45,7 +52,7 @@ class Pose:
 
 
 class Body:
-    """A plant's parts, ordered so that a parent comes before its children, as arrays."""
+    """A plant's P parts, parents before their children, as arrays (P,)."""
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self.parts = tuple(parts)
@@ -72,11 +79,8 @@ class Body:
 
     @cached_property
     def _law(self) -> dict[str, Array]:
-        names = (
-            "azimuth birth duration length gradient opening upright bend_power turn spin clasp "
-            "ruffle lag"
-        ).split()
-        law = {name: self.column(name)[:, None] for name in names}
+        """The parts' numbers as columns (P, 1), to meet the nodes of the axes in a row."""
+        law = {name: self.column(name)[:, None] for name in COLUMNS}
         none = np.zeros((NODES, 2))
         law["width"] = np.array([part.width for part in self.parts])
         law["wobble"] = np.array(

@@ -82,10 +82,9 @@ def areas(body: Body, pose: Pose) -> Array:
     """Surface of every cell between the nodes, (P, NODES - 1, STRIPES) mm²."""
     along = np.linspace(0, 1, NODES)[:, None]
     across = np.linspace(-1, 1, STRIPES + 1)
-    tube, fold, waves, phase = (
-        values[:, None, None] for values in (body.tube, body.fold, body.waves, body.phase)
-    )
-    section = Section(*(v[..., None] for v in (pose.spread, pose.roll, pose.ruffle)), tube, fold)
+    fold, waves, phase = (v[:, None, None] for v in (body.fold, body.waves, body.phase))
+    spread, roll, ruffle = (v[..., None] for v in (pose.spread, pose.roll, pose.ruffle))
+    section = Section(spread, roll, ruffle, body.tube[:, None, None], fold)
     sideways, height = section.at(across, 2 * np.pi * waves * along + phase, along)
     grid = pose.axis[:, :, None] + sideways[..., None] * pose.frame[:, :, None, 1]
     grid += height[..., None] * pose.frame[:, :, None, 2]
