@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gclip.evaluate import Layer, bernstein, layers_at, locate
 from player.buffers import BufferCache
 from player.camera import Camera, axes, outline
+from player.closing import ClosingDistances
 from player.glsl import feedback, give, program
 from player.style import GROUNDS, Style
 from player.targets import SHADOW_SIDE, ShadowTargets, Targets
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-DISC = 1.6  # natural disc radius in point spacings: the least that closes a scanned surface
+DISC = 2.3  # natural disc radius in closing distances: neighbours drift apart between scans
 THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
 SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
 LOOK = {
@@ -50,6 +51,7 @@ class Renderer:
         self.supersample = supersample
         self._buffers = BufferCache(context, clip)
         self._programs: dict[tuple[str, int, bool], moderngl.Program] = {}
+        self._closing = ClosingDistances(clip)
         self._palette = _palette_texture(context, clip)
         self._targets: Targets | None = None
         self._shadow_targets = ShadowTargets(context)
@@ -77,11 +79,17 @@ class Renderer:
         The framebuffer stays bound, with blending and depth test switched off.
         """
         targets = self._targets_for(size)
+        closing = self._closing.at(*locate(self.clip, day))
+        disc = {
+            "radius": DISC * style.point_size * closing,
+            "magnification": targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2)),
+            "smallest": SMALLEST * self.supersample,
+        }
         for layers, opacity in _stages(layers_at(self.clip, day)):
-            self._draw_surface(targets, layers, camera, style)
-            self._shade(targets, camera, style)
+            self._draw_surface(targets, layers, camera, style, disc)
+            self._shade(targets, camera, style, disc)
             if style.show_ground:
-                self._cast_shadow(layers, day)
+                self._cast_shadow(layers, day, closing)
             self._compose(framebuffer, targets, camera, style, size, opacity)
 
     def positions(self, day: float) -> NDArray[np.float32]:
@@ -125,7 +133,12 @@ class Renderer:
         return self._targets
 
     def _draw_surface(
-        self, targets: Targets, layers: list[Layer], camera: Camera, style: Style
+        self,
+        targets: Targets,
+        layers: list[Layer],
+        camera: Camera,
+        style: Style,
+        disc: dict[str, float],
     ) -> None:
         import moderngl
 
@@ -134,13 +147,13 @@ class Renderer:
         targets.surface.clear(0.0, 0.0, 0.0, 0.0)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
-        disc = self._disc(targets, camera, style) | {
+        uniforms = disc | {
             "view": camera.view(),
             "projection": camera.projection(targets.size[0] / targets.size[1]),
             "thickness": THICKNESS,
         }
         targets.surface.color_mask = [(False,) * 4] * 2  # type: ignore[assignment]
-        self._draw_layers("surface", layers, disc)
+        self._draw_layers("surface", layers, uniforms)
 
         targets.surface.color_mask = [(True,) * 4] * 2  # type: ignore[assignment]
         targets.surface.depth_mask = False
@@ -148,23 +161,16 @@ class Renderer:
         context.blend_func = moderngl.ONE, moderngl.ONE
         self._palette.use(0)
         self._draw_layers(
-            "splat", layers, disc | {"palette": 0, "by_track": style.color_by == "track"}
+            "splat", layers, uniforms | {"palette": 0, "by_track": style.color_by == "track"}
         )
         targets.surface.depth_mask = True
 
-    def _disc(self, targets: Targets, camera: Camera, style: Style) -> dict[str, Any]:
-        """Uniforms that tell a disc's size."""
-        return {
-            "radius": DISC * style.point_size * self.clip.spacing,
-            "magnification": targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2)),
-            "smallest": SMALLEST * self.supersample,
-        }
-
-    def _shade(self, targets: Targets, camera: Camera, style: Style) -> None:
+    def _shade(
+        self, targets: Targets, camera: Camera, style: Style, disc: dict[str, float]
+    ) -> None:
         import moderngl
 
         context, (width, height) = self.context, targets.size
-        disc = self._disc(targets, camera, style)
         targets.smoothed[0].depth_mask = True
         targets.smoothed[0].use()
         context.enable_only(moderngl.DEPTH_TEST)
@@ -203,7 +209,7 @@ class Renderer:
             haze=ground.haze,
         )
 
-    def _cast_shadow(self, layers: list[Layer], day: float) -> None:
+    def _cast_shadow(self, layers: list[Layer], day: float, closing: float) -> None:
         import moderngl
 
         context, (first, second) = self.context, self._shadow_targets.framebuffers
@@ -218,7 +224,7 @@ class Renderer:
             {
                 "from_above": self._from_above(),
                 "reach": 0.12 * self._floor_side,
-                "cover": self._mover_area(day) / texel**2,
+                "cover": self._mover_area(day, closing) / texel**2,
             },
         )
         context.enable_only(0)
@@ -319,12 +325,12 @@ class Renderer:
         matrix[:2] /= self._floor_side
         return matrix
 
-    def _mover_area(self, day: float) -> float:
+    def _mover_area(self, day: float, closing: float) -> float:
         """What one mover covers: the more movers share a scan's surface, the less."""
         index, _ = locate(self.clip, day)
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
         movers = max(len(self.clip.intervals[index]), 1)
-        return float(9.0 * self.clip.spacing**2 * points / movers)
+        return float(2.5 * closing**2 * points / movers)
 
 
 def _stages(layers: list[Layer]) -> Iterator[tuple[list[Layer], float]]:

@@ -1,0 +1,40 @@
+"""The natural point size follows the surface, not the nearest neighbour."""
+
+import numpy as np
+import pytest
+
+from player.closing import ClosingDistances, closing_distance
+
+
+def grid(along: float, across: float, noise: float = 0.0) -> np.ndarray:
+    x, y = np.meshgrid(np.arange(0, 40, along), np.arange(0, 40, across))
+    flat = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    return flat + np.random.default_rng(1).normal(0, noise, flat.shape)
+
+
+def test_a_square_grid_nearly_closes_at_half_its_diagonal() -> None:
+    assert 0.5 < closing_distance(grid(1.0, 1.0)) <= np.sqrt(0.5)
+
+
+def test_scan_lines_close_at_the_distance_of_the_lines() -> None:
+    fine = closing_distance(grid(0.2, 0.2))
+    assert closing_distance(grid(0.2, 1.0)) > 2.5 * fine
+
+
+def test_size_scales_and_repeats_do_not_count() -> None:
+    points = grid(1.0, 1.0, noise=0.2)
+    once = closing_distance(points)
+    assert closing_distance(3.0 * points) == pytest.approx(3.0 * once)
+    assert closing_distance(np.repeat(points, 3, axis=0)) == pytest.approx(once, rel=0.05)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3])
+def test_too_few_points_tell_nothing(count: int) -> None:
+    assert closing_distance(np.eye(3)[:count].reshape(-1, 3)) == 0.0
+
+
+def test_the_distance_is_continuous_in_time(make_clip) -> None:
+    distances = ClosingDistances(make_clip())
+    assert distances.at(0, 1.0) == distances.at(1, 0.0)
+    middle = (distances.at(1, 0.0) + distances.at(1, 1.0)) / 2
+    assert distances.at(1, 0.5) == pytest.approx(middle)
