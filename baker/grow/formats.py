@@ -35,10 +35,16 @@ def record(
 
 
 def write_ply(path: Path, rows: Record) -> None:
-    """Binary little-endian PLY."""
-    from plyfile import PlyData, PlyElement
-
-    PlyData([PlyElement.describe(rows, "vertex")], byte_order="<").write(path)
+    """Binary little-endian PLY. (The library for it, plyfile, is under the GPL; this is not.)"""
+    kinds = {"f4": "float", "u1": "uchar", "i4": "int"}
+    properties = [
+        f"property {kinds[rows.dtype[name].str[1:]]} {name}\n" for name in rows.dtype.names or ()
+    ]
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(rows)}\n"
+        f"{''.join(properties)}end_header\n"
+    )
+    path.write_bytes(header.encode() + rows.tobytes())
 
 
 def write_pcd(path: Path, rows: Record) -> None:
