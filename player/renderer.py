@@ -330,7 +330,7 @@ class Renderer:
         index, _ = locate(self.clip, day)
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
         movers = max(len(self.clip.intervals[index]), 1)
-        return float(2.5 * closing**2 * points / movers)
+        return float(4.0 * closing**2 * points / movers)
 
 
 def _stages(layers: list[Layer]) -> Iterator[tuple[list[Layer], float]]:
