@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.evaluate import Layer, bernstein, layers_at, locate
-from player.buffers import BufferCache
+from gclip.evaluate import Layer, layers_at, locate
 from player.camera import Camera, axes, outline
 from player.closing import ClosingDistances
-from player.glsl import feedback, give, program
+from player.glsl import give, program
+from player.movers import LOOK, Movers
 from player.style import GROUNDS, Style
 from player.targets import SHADOW_SIDE, ShadowTargets, Targets
 
@@ -30,13 +30,6 @@ if TYPE_CHECKING:
 DISC = 2.3  # natural disc radius in closing distances: neighbours drift apart between scans
 THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
 SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
-LOOK = {
-    "CORE": 0.7,  # share of its radius in which a disc hides what lies behind
-    "RIM_OUTSIDE": 0.16,  # summed weights where the plant's silhouette begins and is closed
-    "RIM_INSIDE": 0.30,
-    "SMOOTHING": 1.3,  # reach of the blur of distances, in disc radii
-}
-PALETTE_WIDTH = 1024  # texels in a row of the palette
 
 
 class Renderer:
@@ -49,10 +42,8 @@ class Renderer:
         self.context = context
         self.clip = clip
         self.supersample = supersample
-        self._buffers = BufferCache(context, clip)
-        self._programs: dict[tuple[str, int, bool], moderngl.Program] = {}
+        self._movers = Movers(context, clip)
         self._closing = ClosingDistances(clip)
-        self._palette = _palette_texture(context, clip)
         self._targets: Targets | None = None
         self._shadow_targets = ShadowTargets(context)
         self._screen = {
@@ -96,33 +87,18 @@ class Renderer:
         """(N, 3) positions about the clip's origin as the GPU computes them, layer by layer in the
         order of `gclip.evaluate.layers_at`; read back by transform feedback, for tests.
         """
-        parts = []
-        # Nothing is drawn, yet without a screen GL wants a complete framebuffer bound.
         self._shadow_targets.framebuffers[0].use()
-        for layer in layers_at(self.clip, day):
-            buffers = self._buffers[layer.interval]
-            shader = self._mover_program("positions", buffers.degree, buffers.colored)
-            self._give_layer(shader, layer)
-            result = self.context.buffer(reserve=max(12 * layer.group.count, 4))
-            buffers.array(shader).transform(
-                result, vertices=layer.group.count, first=layer.group.first
-            )
-            parts.append(np.frombuffer(result.read(12 * layer.group.count), np.float32))
-            result.release()
-        return np.concatenate(parts).reshape(-1, 3)
+        return self._movers.positions(layers_at(self.clip, day))
 
     def release(self) -> None:
         """Give the GPU's memory back."""
-        self._buffers.release()
+        self._movers.release()
         self._shadow_targets.release()
-        self._palette.release()
         if self._targets is not None:
             self._targets.release()
         for array in self._screen.values():
             array.program.release()
             array.release()
-        for shader in self._programs.values():
-            shader.release()
 
     def _targets_for(self, size: tuple[int, int]) -> Targets:
         samples = (size[0] * self.supersample, size[1] * self.supersample)
@@ -153,14 +129,14 @@ class Renderer:
             "thickness": THICKNESS,
         }
         targets.surface.color_mask = [(False,) * 4] * 2  # type: ignore[assignment]
-        self._draw_layers("surface", layers, uniforms)
+        self._movers.draw("surface", layers, uniforms)
 
         targets.surface.color_mask = [(True,) * 4] * 2  # type: ignore[assignment]
         targets.surface.depth_mask = False
         context.enable(moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
-        self._palette.use(0)
-        self._draw_layers(
+        self._movers.palette.use(0)
+        self._movers.draw(
             "splat", layers, uniforms | {"palette": 0, "by_track": style.color_by == "track"}
         )
         targets.surface.depth_mask = True
@@ -218,7 +194,7 @@ class Renderer:
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
         texel = 2.0 * self._floor_side / SHADOW_SIDE
-        self._draw_layers(
+        self._movers.draw(
             "shadow",
             layers,
             {
@@ -278,41 +254,6 @@ class Renderer:
         )
         self.context.enable_only(0)
 
-    def _draw_layers(self, name: str, layers: list[Layer], uniforms: dict[str, Any]) -> None:
-        import moderngl
-
-        for layer in layers:
-            buffers = self._buffers[layer.interval]
-            shader = self._mover_program(name, buffers.degree, buffers.colored)
-            give(shader, **uniforms, blend=layer.blend, opacity=layer.alpha)
-            self._give_layer(shader, layer)
-            buffers.array(shader).render(
-                moderngl.POINTS, vertices=layer.group.count, first=layer.group.first
-            )
-
-    def _give_layer(self, shader: moderngl.Program, layer: Layer) -> None:
-        interval = self.clip.intervals[layer.interval]
-        low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-        if interval.box is not None:
-            low, step = interval.box.low, tuple(interval.box.step)
-        give(
-            shader,
-            box_low=low,
-            box_step=step,
-            weights=tuple(bernstein(interval.degree, layer.parameter)),
-        )
-
-    def _mover_program(self, name: str, degree: int, colored: bool) -> moderngl.Program:
-        key = (name, degree, colored)
-        if key not in self._programs:
-            chosen: dict[str, int | float] = {"DEGREE": degree, "SCAN_COLORS": int(colored)}
-            self._programs[key] = (
-                feedback(self.context, name, "out_position", **chosen)
-                if name == "positions"
-                else program(self.context, name, name, **LOOK, **chosen)
-            )
-        return self._programs[key]
-
     def _fill(self, name: str, **uniforms: Any) -> None:
         give(self._screen[name].program, **uniforms)
         self._screen[name].render(vertices=3)
@@ -345,11 +286,3 @@ def _stages(layers: list[Layer]) -> Iterator[tuple[list[Layer], float]]:
 def _half_field(camera: Camera, aspect: float) -> tuple[float, float]:
     slope = math.tan(camera.field_of_view / 2)
     return slope * aspect, slope
-
-
-def _palette_texture(context: moderngl.Context, clip: Clip) -> moderngl.Texture:
-    rows = -(-len(clip.track_table) // PALETTE_WIDTH)
-    texels = np.zeros((rows * PALETTE_WIDTH, 4), np.uint8)
-    texels[: len(clip.track_table)] = clip.palette
-    texture = context.texture((PALETTE_WIDTH, rows), 4, texels)
-    return texture

@@ -152,5 +152,5 @@ def test_few_intervals_stay_on_the_gpu(context: moderngl.Context, make_clip) -> 
     renderer = Renderer(context, many)
     for day in np.linspace(0, 9, 30):
         renderer.positions(float(day))
-    assert len(renderer._buffers._kept) <= 3
+    assert len(renderer._movers.buffers._kept) <= 3
     renderer.release()
