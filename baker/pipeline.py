@@ -179,7 +179,7 @@ def _hierarchies(
     tell("segmentation", 0, len(clouds))
     done = partial(_step, tell, "segmentation", len(clouds))
     if whole:
-        return whole_hierarchies(clouds)
+        return whole_hierarchies(clouds, done)
     if labels.labels is None:
         return thin_hierarchies(clouds, bases, options.graph_neighbors, options.bifurcation, done)
     return labelled_hierarchies(

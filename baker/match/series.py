@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,16 +24,16 @@ def match_series(
 
     What is merged in a scan for the interval before it stays merged in the interval after it.
     """
-    if by_label:
-        return [match_by_label(a, b) for a, b in pairwise(hierarchies)]
-
     from baker.transport.distance import wasserstein
 
     matches: list[Match] = []
-    current = hierarchies[0]
     for k, following in enumerate(hierarchies[1:]):
-        match = match_greedily((clouds[k], clouds[k + 1]), (current, following), wasserstein, rules)
+        current = matches[-1].second if matches else hierarchies[0]
+        if by_label:
+            match = match_by_label(current, following)
+        else:
+            pair = clouds[k], clouds[k + 1]
+            match = match_greedily(pair, (current, following), wasserstein, rules)
         matches.append(match)
-        current = match.second
         done(k + 1)
     return matches

@@ -12,9 +12,13 @@ from baker.segment.hierarchy import Hierarchy, whole
 from baker.segment.thin import segment_thin
 
 
-def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]:
+def whole_hierarchies(
+    clouds: Sequence[NDArray[np.floating]], done: Callable[[int], None]
+) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
-    return [whole(cloud) for cloud in clouds]
+    hierarchies = [whole(cloud) for cloud in clouds]
+    done(len(hierarchies))
+    return hierarchies
 
 
 def thin_hierarchies(

@@ -1,0 +1,124 @@
+"""The command `bake`: exit codes, one-sentence errors, nothing half-written."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import gclip
+from baker.cli import main
+
+
+def test_a_bake_from_the_command_line(write_scans, tmp_path, capsys):
+    out = tmp_path / "plant.gclip"
+    assert main([str(write_scans()), "-o", str(out), "--align", "none"]) == 0
+    assert len(gclip.open(out).intervals) == 2
+    told = capsys.readouterr().err
+    for word in ("scans", "points", "births", "movers", "seconds", "transport", "MB"):
+        assert word in told
+    assert {p.name for p in tmp_path.iterdir()} == {"scans", "out", "plant.gclip"}
+
+
+def test_quiet_is_silent(write_scans, tmp_path, capsys):
+    out = tmp_path / "plant.gclip"
+    assert main([str(write_scans()), "-o", str(out), "--align", "none", "-q"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == captured.err == ""
+
+
+def test_verbose_names_the_fields(write_scans, tmp_path, capsys):
+    out = tmp_path / "plant.gclip"
+    assert main([str(write_scans()), "-o", str(out), "--align", "none", "-v"]) == 0
+    assert "labels from" in capsys.readouterr().err
+
+
+def refused(argv, capsys, *words) -> None:
+    assert main([str(word) for word in argv]) == 2
+    captured = capsys.readouterr()
+    lines = captured.err.strip().splitlines()
+    assert lines[-1].startswith("bake: ")
+    assert "Traceback" not in captured.err
+    for word in words:
+        assert word in lines[-1]
+
+
+@pytest.fixture
+def out(tmp_path):
+    return tmp_path / "out" / "plant.gclip"
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_written(tmp_path):
+    (tmp_path / "out").mkdir()
+    yield
+    assert not list((tmp_path / "out").iterdir())
+
+
+def test_wrong_usage(capsys, out):
+    refused([], capsys, "INPUT")
+    refused(["x", "-o", out, "--align", "sideways"], capsys, "align")
+    refused(["x", "-o", out, "--nope"], capsys, "--nope")
+    refused(["x", "-o", out, "--root", "1,2"], capsys, "--root", "1,2")
+    refused(["x", "-o", out, "--workers", "-1"], capsys, "workers")
+
+
+def test_bad_outputs(capsys, write_scans, tmp_path):
+    folder = write_scans()
+    refused([folder, "-o", tmp_path / "plant.mp4"], capsys, ".gclip")
+    refused([folder, "-o", tmp_path / "nowhere" / "plant.gclip"], capsys, "nowhere", "not exist")
+
+
+def test_bad_inputs(capsys, write_scans, tmp_path, out):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    refused([empty, "-o", out], capsys, "empty")
+    refused([tmp_path / "missing", "-o", out], capsys, "missing")
+    one = write_scans(days=(0,), name="one")
+    refused([one, "-o", out], capsys, "day00.txt")
+    twins = write_scans(name="twins")
+    (twins / "Day0.txt").write_text((twins / "day00.txt").read_text())
+    refused([twins, "-o", out], capsys, "day00.txt", "Day0.txt")
+    broken = write_scans(name="broken")
+    (broken / "day01.txt").write_text("1 2 3 0\n4 five 6 0\n")
+    refused([broken, "-o", out], capsys, "day01.txt", "line 2", "five")
+    nothing = write_scans(name="nothing")
+    (nothing / "day01.txt").write_text("")
+    refused([nothing, "-o", out], capsys, "day01.txt")
+    nans = write_scans(name="nans")
+    (nans / "day01.txt").write_text("nan nan nan 0\n" * 5)
+    refused([nans, "-o", out], capsys, "day01.txt")
+    some = write_scans(name="some")
+    np.savetxt(some / "day02.txt", np.loadtxt(some / "day02.txt")[:, :3])
+    refused([some, "-o", out], capsys, "day02.txt", "label")
+    unknown = tmp_path / "scan.docx"
+    unknown.write_text("x")
+    refused([unknown, unknown, "-o", out], capsys, "scan.docx", ".ply")
+
+
+def test_ctrl_c_leaves_nothing_behind(write_scans, tmp_path):
+    folder = write_scans(days=tuple(range(8)))
+    out = tmp_path / "out" / "plant.gclip"
+    command = [sys.executable, "-m", "baker", str(folder), "-o", str(out), "--align", "none"]
+    bake = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ})
+    assert bake.stderr is not None
+    bake.stderr.readline()  # the first stage is done: the bake is under way
+    time.sleep(0.05)
+    bake.send_signal(signal.SIGINT)
+    rest = bake.stderr.read()
+    assert bake.wait(timeout=30) == 130
+    assert rest.strip().splitlines()[-1].startswith("bake: stopped")
+
+
+def test_help_needs_nothing_heavy():
+    code = (
+        "import sys; from baker.cli import main; main(['--help']); "
+        "heavy = {'numpy', 'scipy', 'open3d', 'ot', 'ortools', 'moderngl'} & set(sys.modules); "
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "--align" in done.stdout
