@@ -1,0 +1,115 @@
+"""Recursive bisection: cut a cloud into even blocks, and carry plans between blocks to points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.transport.plan import Edges, Masses, Points
+
+
+def order(
+    points: Points, depth: int, seed: int, like: list[NDArray[np.int64]] | None = None
+) -> tuple[NDArray[np.int64], list[NDArray[np.int64]]]:
+    """Indices of the points along `depth` levels of halving, and the axis of each cut.
+
+    Every part is cut across its longest extent, in a frame turned at random by the seed; or, with
+    the axes that another cloud was cut along, `like` that one.
+    """
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    turned, rank = points @ turn, np.arange(len(points))
+    result, axes = rank, []
+    for level in range(depth):
+        part = (rank << level) // len(points)
+        if like is None:
+            first = np.searchsorted(part, np.arange(2**level))
+            extent = np.maximum.reduceat(turned[result], first)
+            extent -= np.minimum.reduceat(turned[result], first)
+            axes.append(extent.argmax(axis=1))
+        else:
+            axes.append(like[level])
+        along = turned[result, axes[level][part]]
+        result = result[np.lexsort((along, part))]
+    return result, axes
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """A cloud cut into compact blocks that hold equally many points, to within one.
+
+    order: (n,) indices of the points, block after block.
+    first: (blocks,) where in `order` each block begins.
+    """
+
+    order: NDArray[np.int64]
+    first: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def masses(self, masses: Masses) -> Masses:
+        return np.add.reduceat(masses[self.order], self.first)
+
+    def centres(self, points: Points) -> NDArray[np.float64]:
+        sizes = np.diff(self.first, append=len(self.order))
+        return np.add.reduceat(points[self.order], self.first) / sizes[:, None]
+
+
+def cut(points: Points, count: int, seed: int) -> Blocks:
+    """`count` blocks; another seed cuts elsewhere."""
+    n = len(points)
+    count = min(count, n)
+    depth = max(1, int(count - 1).bit_length())
+    return Blocks(order(points, depth, seed)[0], np.arange(count) * n // count)
+
+
+def expand(
+    rows: Blocks, columns: Blocks, supply: Masses, demand: Masses, edges: Edges, mass: Masses
+) -> tuple[Edges, Masses]:
+    """A feasible plan between points from a feasible plan between blocks.
+
+    Along each pair of blocks the north-west corner rule hands out the mass in the blocks' order.
+    With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
+    equal sizes). Whole masses, so feasible for any sizes; at most n + m pairs and the blocks' own.
+    """
+    by_row, by_column = np.lexsort(edges[::-1]), np.lexsort(edges)
+    row_end, column_end = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
+    # All of the mass lies on one line in the order of the rows, and once more in that of the
+    # columns; along an edge the two run side by side, `shift` apart.
+    edge_end = np.cumsum(mass[by_row])
+    in_columns = np.empty_like(mass)
+    in_columns[by_column] = np.cumsum(mass[by_column])
+    shift = in_columns[by_row] - edge_end
+    edge_of_column_end = by_row.argsort()[
+        by_column[np.searchsorted(np.cumsum(mass[by_column]), column_end)]
+    ]
+    steps = np.concatenate([row_end, edge_end, column_end - shift[edge_of_column_end]])
+    steps.sort()
+    steps = steps[np.diff(steps, prepend=0) > 0]
+    edge = np.searchsorted(edge_end, steps)
+    return (
+        rows.order[np.searchsorted(row_end, steps)],
+        columns.order[np.searchsorted(column_end, steps + shift[edge])],
+    ), np.diff(steps, prepend=0)
+
+
+def couple(
+    start: Points, end: Points, supply: Masses, demand: Masses, seed: int
+) -> tuple[Edges, Masses]:
+    """A feasible plan that pairs what lies at the same place of both bisections."""
+    depth = max(1, (min(len(start), len(end)) - 1).bit_length())
+    columns, axes = order(end, depth, seed)
+    rows, _ = order(start, depth, seed, like=axes)
+    whole = np.zeros(1, np.int64)
+    return expand(
+        Blocks(rows, whole), Blocks(columns, whole),
+        supply, demand, (whole, whole), np.array([supply.sum()]),
+    )  # fmt: skip
+
+
+def sample(points: Points, count: int, seed: int) -> NDArray[np.int64]:
+    """Indices of `count` points that stand for equally many each; all if there are fewer."""
+    blocks = cut(points, count, seed)
+    return np.sort(blocks.order[(blocks.first + np.append(blocks.first[1:], len(points))) // 2])

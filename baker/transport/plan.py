@@ -1,0 +1,148 @@
+"""The transport stage's types: what is asked for and what comes back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Points = NDArray[np.floating]
+Indices = NDArray[np.integer]
+Masses = NDArray[np.int64]  # whole units: n points supply m / g each, m points demand n / g each
+Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry mass
+
+
+class Method(StrEnum):
+    """How the plan is found; `auto` is `exact`."""
+
+    AUTO = "auto"
+    EXACT = "exact"
+    SINKHORN = "sinkhorn"
+
+
+@dataclass(frozen=True)
+class TransportOptions:
+    """How to solve the transport problem of one pair of segments.
+
+    method:     `exact` (also `auto`), or `sinkhorn`, the paper's regularised transport (3.4).
+    power:      2, the squared Euclidean distance, or 1, the distance itself (the paper's).
+    neighbors:  k of the k-nearest-neighbour support, both ways.
+    gamma:      Sinkhorn's regularisation, relative to the median cost of the support.
+    feasible:   Sinkhorn only: add a feasible plan's pairs to the support. False is the paper's
+                plain support, on which often not all of the mass can flow.
+    tolerance:  Sinkhorn stops at this L1 error of the marginals ...
+    iterations: ... or after so many iterations.
+    seed:       directions of the bisections that give first plans; any value gives a good plan.
+    """
+
+    method: Method | str = Method.AUTO
+    power: Literal[1, 2] = 2
+    neighbors: int = 15
+    gamma: float = 0.1
+    feasible: bool = True
+    tolerance: float = 1e-3
+    iterations: int = 2000
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        Method(self.method)
+        if self.power not in (1, 2):
+            raise ValueError(f"the power of the distance is 1 or 2, not {self.power}")
+        if self.neighbors < 1 or self.iterations < 1:
+            raise ValueError("neighbors and iterations are at least 1")
+        if not (self.gamma > 0 and self.tolerance > 0):
+            raise ValueError("gamma and tolerance are above 0")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sparse coupling of two segments, each of uniform mass 1.
+
+    rows, columns:  (E,) int32, points of the start and of the end, ordered by row, then column.
+    mass:           (E,) float64, what flows between them.
+    cost:           sum of mass times distance ** power.
+    distance:       cost ** (1 / power), the Wasserstein distance in the points' unit.
+    marginal_error: L1 error of the row sums plus that of the column sums.
+    solver:         what found the plan: "emd dense", "emd sparse", "assignment", "sinkhorn", ...
+    feasible:       whether all of the mass could flow on the support.
+    iterations:     sweeps of the exact solver, iterations of Sinkhorn's algorithm.
+    notes:          what a reader of the report should know, one sentence each.
+    """
+
+    rows: NDArray[np.int32]
+    columns: NDArray[np.int32]
+    mass: NDArray[np.float64]
+    cost: float
+    distance: float
+    marginal_error: float
+    solver: str
+    feasible: bool = True
+    iterations: int = 1
+    notes: tuple[str, ...] = ()
+
+
+def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
+    """(E,) float64: distance ** power along each pair of the support."""
+    squared = np.zeros(len(edges[0]))
+    for axis in range(start.shape[1]):
+        difference = start[edges[0], axis].astype(np.float64)
+        difference -= end[edges[1], axis]
+        squared += difference**2
+    return squared if power == 2 else np.sqrt(squared)
+
+
+def make_plan(
+    start: Points,
+    end: Points,
+    edges: Edges,
+    mass: ArrayLike,
+    power: int,
+    solver: str,
+    *,
+    feasible: bool = True,
+    iterations: int = 1,
+    notes: Sequence[str] = (),
+) -> Plan:
+    """Order the pairs, and measure the cost on the points as given and the marginals' error."""
+    order = np.lexsort((edges[1], edges[0]))
+    rows, columns = edges[0][order], edges[1][order]
+    masses = np.asarray(mass, np.float64)[order]
+    cost = float(masses @ costs(start, end, (rows, columns), power))
+    return Plan(
+        rows.astype(np.int32),
+        columns.astype(np.int32),
+        masses,
+        cost,
+        cost ** (1.0 / power),
+        marginal_error(rows, masses, len(start)) + marginal_error(columns, masses, len(end)),
+        solver,
+        feasible,
+        iterations,
+        tuple(notes),
+    )
+
+
+def marginal_error(indices: Indices, mass: NDArray[np.float64], count: int) -> float:
+    """L1 distance of one side's sums from the uniform masses 1 / count."""
+    return float(np.abs(np.bincount(indices, mass, count) - 1.0 / count).sum())
+
+
+def checked(points: Points) -> NDArray[np.float64]:
+    """A segment as float64; ValueError where it is empty, not (n, 3), or not finite."""
+    segment = np.asarray(points, np.float64)
+    if segment.ndim != 2 or segment.shape[1] != 3 or len(segment) == 0:
+        raise ValueError(f"a segment is (n, 3) with at least one point, not {segment.shape}")
+    if not np.isfinite(segment).all():
+        raise ValueError("a segment's points are finite")
+    return segment
+
+
+def uniform_masses(n: int, m: int) -> tuple[Masses, Masses]:
+    """The smallest whole masses that are uniform on either side and have the same sum."""
+    common = math.gcd(n, m)
+    return np.full(n, m // common), np.full(m, n // common)

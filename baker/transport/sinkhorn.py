@@ -1,0 +1,184 @@
+"""The paper's regularised transport (3.4, equations 2-5) on a sparse support, in the log domain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.transport import bisection
+from baker.transport.linear import share_that_can_flow
+from baker.transport.plan import (
+    Edges,
+    Indices,
+    Plan,
+    Points,
+    TransportOptions,
+    costs,
+    make_plan,
+    uniform_masses,
+)
+from baker.transport.support import balance, nearest, unique
+
+_PLANS = 4  # bisections whose pairs make the support feasible; one alone is a bottleneck
+_RELAXATION = 1.8  # 7 to 10 times fewer iterations than 1
+_BLOCK = 50  # cheap iterations after one in the log domain
+_PATIENCE = 5  # on an infeasible support, blocks without progress before giving up
+_PROGRESS = 0.01  # the share by which the error must fall meanwhile
+_TRACE = 1e-12  # share of a point's mass below which a pair carries nothing
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Where Sinkhorn's iterations ended.
+
+    mass:       (E,) float64, T's entries on the support.
+    error:      L1 error of the row sums; the column sums are exact to rounding.
+    iterations: updates of both u and v.
+    """
+
+    mass: NDArray[np.float64]
+    error: float
+    iterations: int
+
+
+def regularized_plan(start: Points, end: Points, options: TransportOptions) -> Plan:
+    """Sinkhorn's plan between two segments (n, 3) and (m, 3) float64; always a usable one.
+
+    On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
+    plan is then where the iterations stall, `feasible` is False, and the notes say how much.
+    """
+    n, m = len(start), len(end)
+    here, there, support = _support(start, end, options)
+    cost = costs(here, there, support, options.power)
+    flowing = 1.0 if options.feasible else share_that_can_flow(support, n, m)
+    found = scale(
+        support, cost / (options.gamma * _typical(cost)), n, m,
+        options.tolerance, options.iterations, feasible=flowing == 1.0,
+    )  # fmt: skip
+    notes = []
+    if flowing < 1.0:
+        notes.append(
+            f"only {flowing:.1%} of the mass can flow on the {len(cost)} pairs of the support"
+        )
+    if found.error >= options.tolerance:
+        notes.append(
+            f"stopped after {found.iterations} iterations at a marginal error of {found.error:.2g}"
+        )
+    kept, mass = _usable(support, cost, found.mass, n, m)
+    return make_plan(
+        start, end, kept, mass, options.power, "sinkhorn",
+        feasible=flowing == 1.0, iterations=found.iterations, notes=notes,
+    )  # fmt: skip
+
+
+def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:
+    """The points whose distances are the costs, and the pairs that may carry mass."""
+    here, there = start - start.mean(axis=0), end - start.mean(axis=0)
+    if not options.feasible:
+        return here, there, nearest(here, there, options.neighbors)
+    balanced = balance(start, end)
+    if options.power == 2:
+        # The same plan solves both, regularised or not: the costs differ by terms of the row and
+        # of the column alone, which u and v take in.
+        here, there = balanced
+    masses = uniform_masses(len(start), len(end))
+    plans = [bisection.couple(*balanced, *masses, options.seed + i)[0] for i in range(_PLANS)]
+    return here, there, unique(nearest(here, there, options.neighbors), *plans)
+
+
+def _typical(cost: NDArray[np.float64]) -> float:
+    """The unit of gamma: the median cost, or where most are zero the mean, or 1."""
+    return float(np.median(cost) or cost.mean() or 1.0)
+
+
+def scale(
+    support: Edges,
+    cost: NDArray[np.float64],
+    n: int,
+    m: int,
+    tolerance: float,
+    iterations: int,
+    feasible: bool = True,
+) -> Scaling:
+    """Sinkhorn's iterations u = a / Kv, v = b / K'u with K = exp(-cost), a = 1 / n, b = 1 / m.
+
+    Over-relaxed (Lehmann et al., Optim. Lett. 16, 2022) where the support is feasible.
+
+    support: rows and columns of the pairs, ordered by row; every row and column is in a pair.
+    cost:    (E,) costs in units of gamma, however large: every 50 iterations u and v go into
+             potentials, with one iteration in the log domain (after Schmitzer, SIAM J. Sci.
+             Comput. 41, 2019); cheap iterations that would leave the range of floats are dropped.
+    """
+    from scipy.sparse import csr_matrix
+
+    rows, columns = support
+    by_column = np.argsort(columns, kind="stable")
+    row_start = np.searchsorted(rows, np.arange(n))
+    column_start = np.searchsorted(columns[by_column], np.arange(m))
+    potential = np.zeros(m)
+    errors: list[float] = []
+    done, relaxation = 0, _RELAXATION if feasible else 1.0
+    while True:
+        row_potential = -np.log(n) - _log_sum_exp(potential[columns] - cost, rows, row_start)
+        exponent = row_potential[rows] - cost
+        potential = -np.log(m) - _log_sum_exp(exponent[by_column], columns[by_column], column_start)
+        mass = np.exp(exponent + potential[columns])
+        done += 1
+        errors.append(float(np.abs(np.bincount(rows, mass, n) - 1.0 / n).sum()))
+        stalled = (
+            not feasible
+            and len(errors) > _PATIENCE
+            and errors[-1] > (1.0 - _PROGRESS) * errors[-1 - _PATIENCE]
+        )
+        if errors[-1] < tolerance or done >= iterations or stalled:
+            return Scaling(mass, errors[-1], done)
+        if errors[-1] > 1.5 * min(errors):  # over-relaxation is only sure to converge near the end
+            relaxation = (1.0 + relaxation) / 2.0
+        kernel = csr_matrix((mass, columns, np.append(row_start, len(rows))), shape=(n, m))
+        v, cheap = _iterate(kernel, min(_BLOCK, iterations - done - 1), relaxation)
+        potential += np.log(v)
+        done += cheap
+
+
+def _iterate(kernel: Any, count: int, relaxation: float) -> tuple[NDArray[np.float64], int]:
+    """v after up to `count` over-relaxed iterations from u = v = 1, and how many those were."""
+    n, m = kernel.shape
+    u, v = np.ones(n), np.ones(m)
+    for taken in range(count):
+        with np.errstate(all="ignore"):
+            next_u = u ** (1.0 - relaxation) * (n * (kernel @ v)) ** -relaxation
+            next_v = v ** (1.0 - relaxation) * (m * (kernel.T @ next_u)) ** -relaxation
+            size = max(next_u.max(), next_v.max(), 1.0 / next_u.min(), 1.0 / next_v.min())
+        if not size < 1e100:
+            return v, taken
+        u, v = next_u, next_v
+    return v, count
+
+
+def _log_sum_exp(
+    values: NDArray[np.float64], group: Indices, first: Indices
+) -> NDArray[np.float64]:
+    """log(sum(exp(values))) of each group of neighbouring entries."""
+    top = np.maximum.reduceat(values, first)
+    return top + np.log(np.add.reduceat(np.exp(values - top[group]), first))
+
+
+def _usable(
+    support: Edges,
+    cost: NDArray[np.float64],
+    mass: NDArray[np.float64],
+    n: int,
+    m: int,
+) -> tuple[Edges, NDArray[np.float64]]:
+    """Drop pairs that carry next to nothing; a point left without any keeps its nearest pair."""
+    kept = mass > _TRACE / max(n, m)
+    by_cost = np.argsort(cost, kind="stable")
+    for side, count in zip(support, (n, m), strict=True):
+        touched = np.zeros(count, bool)
+        touched[side[kept]] = True
+        points, first = np.unique(side[by_cost], return_index=True)
+        kept[by_cost[first[~touched[points]]]] = True
+    return (support[0][kept], support[1][kept]), mass[kept]

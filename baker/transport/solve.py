@@ -1,0 +1,44 @@
+"""One pair of segments in, one transport plan out (paper, section 3.4)."""
+
+from __future__ import annotations
+
+from baker.transport.multiscale import Search, couple
+from baker.transport.plan import (
+    Method,
+    Plan,
+    Points,
+    TransportOptions,
+    checked,
+    make_plan,
+    uniform_masses,
+)
+from baker.transport.sinkhorn import regularized_plan
+from baker.transport.support import balance, explained_cost
+
+_SLACK = 1e-4  # share of the whole cost below which an improvement is not worth a sweep
+
+
+def solve(start: Points, end: Points, options: TransportOptions | None = None) -> Plan:
+    """The transport plan between a segment's points at two times, each side of uniform mass 1.
+
+    start, end: (n, 3) and (m, 3) finite floats, in any order, duplicates allowed.
+
+    The exact method minimises sum(T * distance ** power) over couplings T: up to a million pairs
+    by the dense linear program, above that by the multiscale solver, within 0.5 % of it. Raises
+    ValueError where a side is empty, not (n, 3), or not finite.
+    """
+    options = options or TransportOptions()
+    start, end = checked(start), checked(end)
+    if options.method == Method.SINKHORN:
+        return regularized_plan(start, end, options)
+
+    here, there, slack = start - start.mean(axis=0), end - start.mean(axis=0), 0.0
+    if options.power == 2:
+        here, there = balance(start, end)
+        slack = _SLACK * explained_cost(start, end, here, there)
+    search = Search(options.power, options.neighbors, options.seed, slack)
+    found = couple(here, there, *uniform_masses(len(start), len(end)), search)
+    return make_plan(
+        start, end, found.edges, found.mass / found.mass.sum(), options.power, found.solver,
+        iterations=found.sweeps, notes=found.notes,
+    )  # fmt: skip

@@ -1,0 +1,101 @@
+"""Which pairs of points may carry mass.
+
+Two ideas make a few neighbours enough where the paper's k = 15 usually can't carry all of the
+mass: look for neighbours after the part of the motion that a linear map explains has been taken
+out (`balance`), and add a plan that is feasible by construction (`bisection`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.transport.plan import Edges, Points
+
+_RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible
+
+
+def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both clouds centred and mapped so that their covariances agree; the optimal plan stays.
+
+    The plan of least squared distance is the one of the largest sum of <p, q>, and
+    <p, q> = <A p, A^-T q> for every invertible A. With S the optimal map between the Gaussians of
+    the same moments (S Cov(p) S = Cov(q); Gelbrich 1990), A = S^1/2 turns translation, growth and
+    stretching into nothing, and what is left of the cost is what the solver must decide.
+    """
+    p = np.asarray(start, np.float64) - np.mean(start, axis=0, dtype=np.float64)
+    q = np.asarray(end, np.float64) - np.mean(end, axis=0, dtype=np.float64)
+    source, target = p.T @ p / len(p), q.T @ q / len(q)
+    if np.trace(source) == 0 or np.trace(target) == 0:
+        return p, q
+    source += _RIDGE * np.trace(source) / 3 * np.eye(3)
+    target += _RIDGE * np.trace(target) / 3 * np.eye(3)
+    root, inverse = matrix_power(source, 0.5), matrix_power(source, -0.5)
+    gauss_map = inverse @ matrix_power(root @ target @ root, 0.5) @ inverse
+    return p @ matrix_power(gauss_map, 0.5), q @ matrix_power(gauss_map, -0.5)
+
+
+def explained_cost(start: Points, end: Points, here: Points, there: Points) -> float:
+    """What `balance` took out: every plan's squared-distance cost falls by this much."""
+    way = np.mean(end, axis=0) - np.mean(start, axis=0)
+    before = _moment(start - np.mean(start, axis=0)) + _moment(end - np.mean(end, axis=0))
+    return float(way @ way) + before - _moment(here) - _moment(there)
+
+
+def _moment(points: Points) -> float:
+    return float(np.einsum("ij,ij->", points, points)) / len(points)
+
+
+def matrix_power(matrix: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
+    """A power of a symmetric positive (semi-)definite matrix."""
+    values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
+    values = np.maximum(values, np.finfo(float).tiny) if exponent < 0 else np.maximum(values, 0.0)
+    return (vectors * values**exponent) @ vectors.T
+
+
+def nearest(start: Points, end: Points, k: int) -> Edges:
+    """Pairs of every point with its k nearest on the other side, both ways (3.4)."""
+    from scipy.spatial import cKDTree
+
+    n, m = len(start), len(end)
+    ahead = cKDTree(end).query(start, min(k, m))[1].reshape(n, -1)
+    back = cKDTree(start).query(end, min(k, n))[1].reshape(m, -1)
+    return unique(
+        (np.repeat(np.arange(n), ahead.shape[1]), ahead.ravel()),
+        (back.ravel(), np.repeat(np.arange(m), back.shape[1])),
+    )
+
+
+def unique(*supports: Edges) -> Edges:
+    """The union of supports, ordered by row, then column."""
+    rows = np.concatenate([rows for rows, _ in supports]).astype(np.int64)
+    columns = np.concatenate([columns for _, columns in supports]).astype(np.int64)
+    width = int(columns.max(initial=0)) + 1
+    keys = rows * width + columns
+    keys.sort()  # np.unique hashes integers, ten times slower here
+    return np.divmod(keys[np.diff(keys, prepend=-1) > 0], width)
+
+
+def shield(start: Points, end: Points, plan: Edges, k: int) -> Edges:
+    """Pairs of each point with the partners of its k nearest neighbours, both ways.
+
+    For the squared distance a plan that is optimal against its neighbours' partners is optimal
+    against everything (the "shielding" of Schmitzer, J. Math. Imaging Vis. 56, 2016), so adding
+    these pairs and solving again goes to the optimum of the dense problem.
+    """
+    from scipy.sparse import csr_matrix
+
+    carried = csr_matrix((np.ones(len(plan[0]), bool), plan), shape=(len(start), len(end)))
+    ahead = (_neighbour_graph(start, k) @ carried).tocoo()
+    back = (carried @ _neighbour_graph(end, k).T).tocoo()
+    return unique((ahead.row, ahead.col), (back.row, back.col))
+
+
+def _neighbour_graph(points: Points, k: int):  # type: ignore[no-untyped-def]
+    from scipy.sparse import csr_matrix
+    from scipy.spatial import cKDTree
+
+    n = len(points)
+    near = cKDTree(points).query(points, min(k + 1, n))[1].reshape(n, -1)
+    first = np.arange(n + 1) * near.shape[1]
+    return csr_matrix((np.ones(near.size, bool), near.ravel(), first), shape=(n, n))
