@@ -114,6 +114,7 @@ def bake_command(
         float | None,
         typer.Option(metavar="SIZE", help="Keep one point per organ and cube of this size."),
     ] = None,
+    every: Annotated[int, typer.Option(min=1, metavar="N", help="Use only each N-th scan.")] = 1,
     outliers: Annotated[
         float | None,
         typer.Option(
@@ -150,6 +151,7 @@ def bake_command(
         label_field=label_field,
         voxel=voxel,
         outliers=outliers,
+        every=every,
         transport=transport,
         neighbors=neighbors,
         graph_neighbors=graph_neighbors,

@@ -23,6 +23,7 @@ class Options:
     label_field: str | None = None
     voxel: float | None = None
     outliers: float | None = None
+    every: int = 1
     transport: str = "auto"
     neighbors: int = 15
     graph_neighbors: int = 15

@@ -58,13 +58,14 @@ def bake_recorded(
 ) -> tuple[Clip, BakeRecord]:
     """`bake`, and what its stages found: for the report and for verification."""
     chosen = options or Options()
-    recipe = recipe_for(chosen)
     tell: Progress = progress or (lambda stage, done, total: None)
     found = read_series(
         [Path(path) for path in paths],
         _read_options(chosen),
         lambda done, total, name: tell("reading", done, total),
     )
+    chosen = _told_by(found, chosen)
+    recipe = recipe_for(chosen)
     alignment = align(
         [scan.points for scan in found.scans],
         method=recipe.align,
@@ -126,7 +127,16 @@ def _read_options(options: Options) -> ReadOptions:
         outliers=options.outliers,
         voxel=options.voxel,
         use_labels=options.labels != "ignore",
+        every=options.every,
     )
+
+
+def _told_by(series: Series, options: Options) -> Options:
+    """The options, with what the series itself knows where they leave it open."""
+    if series.fixed:
+        align = "none" if options.align == "auto" else options.align
+        options = replace(options, align=align, up="z" if options.up == "auto" else options.up)
+    return options if options.root is not None else replace(options, root=series.root)
 
 
 def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
@@ -281,9 +291,17 @@ def _provenance(
         "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
         "options": options.provenance(),
         "inputs": [
-            {"name": scan.name, "sha256": hashlib.sha256(scan.path.read_bytes()).hexdigest()}
+            {"name": scan.name, "sha256": _digest((scan.path, *scan.beside))}
             for scan in found.scans
         ],
         "transforms": [transform.tolist() for transform in alignment.transforms],
         "notes": notes,
     }
+
+
+def _digest(paths: Sequence[Path]) -> str:
+    """SHA-256 over the bytes of all files a scan was read from, one after the other."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

@@ -13,6 +13,8 @@ from baker.scans.times import FoundScans, natural_key, without_time
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
 """Stems of the text files that often lie beside scans."""
 
+IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
+
 
 def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
     """The scans among `inputs`: one folder with one series, or files in order.
@@ -56,6 +58,11 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     if times_file is not None and times_file.exists():
         scans = [path for path in scans if not path.samefile(times_file)]
     if not scans:
+        if any(path.suffix.lower() in IMAGES for path in entries):
+            raise InputError(
+                f"'{folder}' holds images, but no camera.toml (or camera.json) that says how the "
+                "camera sees; it needs at least fx, fy, cx and cy, in pixels."
+            )
         below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
         raise InputError(f"'{folder}' holds no scans ({', '.join(SUFFIXES)}){below}.")
     if len(scans) == 1:

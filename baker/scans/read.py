@@ -12,7 +12,9 @@ from baker.errors import InputError
 from baker.scans.scan import Scan, Series
 
 if TYPE_CHECKING:
+    from baker.rgbd.series import ImageSeries
     from baker.scans.cloud import Cloud
+    from baker.scans.times import Schedule
 
 Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
@@ -31,6 +33,7 @@ class ReadOptions:
                   (2 is usual, smaller drops more).
     voxel:        None keeps all points; a length (unit of the scans) keeps one point for each cube
                   of that size and label.
+    every:        1 reads all scans; n only the first and then each n-th, in the order of time.
     """
 
     label_field: str | None = None
@@ -38,11 +41,14 @@ class ReadOptions:
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None
+    every: int = 1
 
     def __post_init__(self) -> None:
         for name, value in (("outliers", self.outliers), ("voxel", self.voxel)):
             if value is not None and not (isfinite(value) and value > 0):
                 raise InputError(f"{name} must be a number above 0, not {value}.")
+        if self.every < 1:
+            raise InputError(f"every must be a whole number, 1 or more, not {self.every}.")
 
 
 def read_series(
@@ -52,8 +58,9 @@ def read_series(
 ) -> Series:
     """Read the scans of one plant, clean them and put them in the order of time.
 
-    `inputs` is one folder that holds one series, or two or more files. All scans share one
-    `origin`, chosen from the first one (`baker.scans.place.shared_origin`).
+    `inputs` is one folder that holds one series, or two or more files; a folder with a camera's
+    file holds colour and depth images (`baker.rgbd`). All scans share one `origin`, chosen from
+    the first one (`baker.scans.place.shared_origin`).
 
     Raises InputError for everything that can't be read as one series: see the modules `find`,
     `times`, `formats`, `fields` and `clean` for each step's own rules.
@@ -63,15 +70,23 @@ def read_series(
     from baker.scans.times import schedule_scans
 
     options = options or ReadOptions()
-    found = find_scans(inputs, options.times_file)
-    schedule = schedule_scans(found, options.times_file)
+    images = _open_images(inputs, options)
+    if images:
+        schedule = images.schedule
+    else:
+        schedule = schedule_scans(find_scans(inputs, options.times_file), options.times_file)
+    schedule = _thin_out(schedule, options.every)
 
     scans: list[Scan] = []
     origin = None
     for done, entry in enumerate(schedule.entries):
         if progress:
             progress(done, len(schedule.entries), entry.name)
-        cloud = clean.drop_non_finite(_load(entry.path, options), entry.path)
+        if images:
+            cloud = images.read(entry.path, options.use_labels)
+        else:
+            cloud = _load(entry.path, options)
+        cloud = clean.drop_non_finite(cloud, entry.path)
         if origin is None:
             origin = place.shared_origin(cloud.points)
         cloud = clean.drop_non_finite(place.relative_to(origin, cloud), entry.path)
@@ -91,11 +106,48 @@ def read_series(
                 colors=cloud.colors,
                 date=entry.moment.date,
                 notes=cloud.notes,
+                beside=images.beside(entry.path) if images else (),
             )
         )
     if progress:
         progress(len(scans), len(scans), "")
-    return Series(_agree(scans, options), schedule.rule, schedule.unit)
+    return Series(
+        _agree(scans, options),
+        schedule.rule,
+        schedule.unit,
+        fixed=images is not None,
+        root="virtual" if images and images.has_labels and options.use_labels else None,
+    )
+
+
+def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | None:
+    """The series of images in the one folder given, or None where there is none."""
+    from baker.rgbd.camera import find_camera
+
+    camera = find_camera(inputs[0]) if len(inputs) == 1 else None
+    if camera is None:
+        return None
+    if options.label_field is not None:
+        raise InputError(
+            f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
+            "--label-field."
+        )
+    from baker.rgbd.series import ImageSeries
+
+    return ImageSeries(camera, options.times_file)
+
+
+def _thin_out(schedule: Schedule, every: int) -> Schedule:
+    if every == 1:
+        return schedule
+    kept = schedule.entries[::every]
+    count = len(schedule.entries)
+    if len(kept) < 2:
+        raise InputError(
+            f"of {count} scans, every {every} leaves only the first one; growth needs at least two."
+        )
+    rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {every}."
+    return replace(schedule, entries=kept, rule=rule)
 
 
 def _load(path: Path, options: ReadOptions) -> Cloud:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,6 +24,7 @@ class Scan:
     colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
     date:    how the time is written for people: "2020-03-08", "day 5", "2".
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
+    beside:  further files the scan was made from (the depth and label images of a colour image).
     """
 
     name: str
@@ -35,6 +36,7 @@ class Scan:
     colors: NDArray[np.uint8] | None = None
     date: str = ""
     notes: tuple[str, ...] = field(default=())
+    beside: tuple[Path, ...] = field(default=())
 
     def __len__(self) -> int:
         return len(self.points)
@@ -46,8 +48,13 @@ class Series:
 
     rule:  how the times were found, one sentence for the user.
     unit:  "days" where times are real, "scans" where they are only an order.
+    fixed: whether all scans share one frame with z up, above the ground: those of a camera that
+           stays where it is. Aligning them could only do harm.
+    root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
     """
 
     scans: tuple[Scan, ...]
     rule: str
     unit: str = "days"
+    fixed: bool = False
+    root: Literal["virtual"] | None = None
