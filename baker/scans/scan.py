@@ -17,7 +17,7 @@ class Scan:
 
     name:    what the user calls it: the file's name, without folders.
     path:    where it was read from.
-    time:    days since the epoch of the series' time rule (only differences matter).
+    time:    days: the number in the name, or days since the first scan where names are dates.
     origin:  (3,) float64, the world position of the local coordinates' zero.
     points:  (N, 3) float32, positions relative to `origin`, in the scan's own unit.
     labels:  (N,) int64, the organ of each point, or None where the scan has no labels.

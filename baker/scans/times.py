@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
@@ -44,10 +44,11 @@ class FoundScans:
 
 @dataclass(frozen=True)
 class Moment:
-    """time: days (since 1970 for dates); date: the same as people write it."""
+    """time: days (since 1970 where `dated`); date: the same as people write it."""
 
     time: float
     date: str
+    dated: bool = False
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,18 @@ def _in_time(
     rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
     if in_time != entries and not found.from_folder:
         rule += " (in the order of time, not in the order given)"
-    return Schedule(tuple(in_time), rule + ".", "days")
+    return Schedule(tuple(_from_the_first(in_time)), rule + ".", "days")
+
+
+def _from_the_first(entries: list[Entry]) -> list[Entry]:
+    """Dates become days since the first scan: the plant's age, not the calendar's."""
+    first = entries[0].moment.time
+    if not all(entry.moment.dated for entry in entries):
+        return entries
+    return [
+        replace(entry, moment=replace(entry.moment, time=entry.moment.time - first))
+        for entry in entries
+    ]
 
 
 def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
@@ -184,7 +196,7 @@ def _date_of(match: re.Match[str]) -> Moment | None:
         return None  # 2020-13-40
     written = moment.strftime("%Y-%m-%d %H:%M:%S")
     written = written[: {3: 10, 5: 16}.get(len(numbers), 19)]
-    return Moment((moment - _EPOCH).total_seconds() / 86400, written)
+    return Moment((moment - _EPOCH).total_seconds() / 86400, written, dated=True)
 
 
 def _find_day(text: str) -> Moment | None:

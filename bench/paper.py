@@ -1,0 +1,148 @@
+"""The paper's Table 1, run again: `python -m bench.paper [ROW ...]`.
+
+For every row a stand-in of the same size is grown and baked with `--paper` choices and with ours;
+the plain numpy/scipy recipe (bench/recipe.py) runs on the same scans in the same process. Seconds
+of segmentation, and of matching and transport; the paper's were taken on another machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from baker import Options, bake
+from baker.grow.cli import main as grow
+from bench import recipe
+
+ALIGNED = {"align": "none", "up": "z"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of Table 1: who writes its scans, how they are baked, and the paper's seconds."""
+
+    name: str
+    write: Callable[[Path], None]
+    options: dict
+    paper_segmentation: str
+    paper_transport: str
+
+
+def maize(folder: Path) -> None:
+    grow(["maize", str(folder), "--unlabelled", "-q"])
+
+
+def cropped(folder: Path, backwards: bool = False) -> None:
+    """A maize of 5,080 points, and the same without one leaf: 4,100 points."""
+    from baker.grow import plant
+
+    cloud = plant("maize").cloud(14.0, points=60_000)
+    labels = cloud.labels
+    sizes = np.bincount(labels)
+    leaf = int(np.argmin(np.abs(sizes[1:] / sizes.sum() - 980 / 5080))) + 1
+    rng = np.random.default_rng(0)
+    rest = rng.choice(np.flatnonzero(labels != leaf), 4100, replace=False)
+    whole = np.r_[rest, rng.choice(np.flatnonzero(labels == leaf), 980, replace=False)]
+    folder.mkdir()
+    for day, kept in enumerate((whole, rest) if backwards else (rest, whole)):
+        np.savetxt(folder / f"day{day}.txt", cloud.points[kept], fmt="%.4f")
+
+
+def tree1(folder: Path) -> None:
+    grow(["tree1", str(folder), "--unlabelled", "-q"])
+
+
+def tree2(folder: Path) -> None:
+    grow(["tree2", str(folder), "-q"])
+
+
+def komatsuna(folder: Path) -> None:
+    grow(["komatsuna", str(folder), "-q"])
+
+
+THIN = {"labels": "ignore", **ALIGNED}
+GIVEN = {"labels": "consistent", **ALIGNED}
+ROWS = [
+    Row("maize, 8 scans", maize, THIN, "12.1", "50"),
+    Row("cropped maize, grows", cropped, THIN, "3", "6"),
+    Row("cropped maize, falls", lambda f: cropped(f, backwards=True), THIN, "3", "6"),
+    Row("synthetic tree 1", tree1, THIN, "4.2", "42"),
+    Row("synthetic tree 2", tree2, GIVEN, "-", "88"),
+    Row("komatsuna, 60 frames", komatsuna, GIVEN, "-", "105"),
+    Row("komatsuna, every 10th", komatsuna, {**GIVEN, "every": 10}, "-", "8"),
+]
+
+
+def time_bake(folder: Path, options: Options) -> tuple[dict[str, float], int]:
+    """Seconds of each stage of a bake, and the points baked."""
+    seconds: dict[str, float] = {}
+    stage, began = "", time.perf_counter()
+
+    def progress(name: str, done: int, total: int) -> None:
+        nonlocal stage, began
+        if name != stage:
+            now = time.perf_counter()
+            seconds[stage] = seconds.get(stage, 0.0) + now - began
+            stage, began = name, now
+
+    clip = bake([folder], options, progress)
+    seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - began
+    return seconds, sum(scan.points for scan in clip.scans)
+
+
+def time_recipe(folder: Path, options: Options) -> tuple[float, float]:
+    """Seconds that the plain recipe needs for segmentation, and for matching and transport."""
+    from baker.scans import ReadOptions, read_series
+
+    every = getattr(options, "every", 1)
+    series = read_series([folder], ReadOptions(**({"every": every} if every > 1 else {})))
+    began = time.perf_counter()
+    labels = [
+        recipe.segment(scan.points) if options.labels == "ignore" else scan.labels
+        for scan in series.scans
+    ]
+    between = time.perf_counter()
+    for k in range(len(labels) - 1):
+        first = series.scans[k].points, labels[k]
+        if options.labels == "ignore":
+            labels[k + 1] = recipe.match(first, (series.scans[k + 1].points, labels[k + 1]))
+        recipe.upsample(first, (series.scans[k + 1].points, labels[k + 1]))
+    return between - began, time.perf_counter() - between
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("rows", nargs="*", help="parts of rows' names; all by default")
+    wanted = parser.parse_args().rows
+    recipe.quietly()
+    head = ("row", "points", "paper", "plain recipe", "--paper", "default", "recipe / default")
+    print(f"{head[0]:24}{head[1]:>9}" + "".join(f"{text:>17}" for text in head[2:]))
+    for row in ROWS:
+        if wanted and not any(part in row.name for part in wanted):
+            continue
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "scans"
+            row.write(folder)
+            plain = time_recipe(folder, Options(**row.options))
+            paper, points = time_bake(folder, Options(paper=True, **row.options))
+            ours, _ = time_bake(folder, Options(**row.options))
+        cells = [
+            f"{row.paper_segmentation} / {row.paper_transport}",
+            "{:.1f} / {:.1f}".format(*plain),
+        ]
+        for s in (paper, ours):
+            cells.append(f"{s['segmentation']:.1f} / {s['matching'] + s['transport']:.1f}")
+        solved = ours["segmentation"] + ours["matching"] + ours["transport"]
+        cells.append(f"{sum(plain) / solved:.1f}")
+        print(f"{row.name:24}{points:>9,}" + "".join(f"{cell:>17}" for cell in cells), flush=True)
+    print("seconds of segmentation / of matching and transport")
+
+
+if __name__ == "__main__":
+    main()
