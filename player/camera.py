@@ -165,6 +165,10 @@ class Camera:
             ]
         )
 
+    def matrix(self, aspect: float) -> Vector:
+        """(4, 4) from local coordinates to OpenGL's clip coordinates: M @ column."""
+        return self.projection(aspect) @ self.view()
+
     def _frame(self) -> Vector:
         """(3, 3) rows: right, above, and from the target to the eye."""
         first, second, upward = axes(self.up)

@@ -62,8 +62,11 @@ def play_command(
         ),
     ] = None,
     day: Annotated[
-        float | None,
-        typer.Option(help="The moment of still.png, in the clip's own time; the last scan's."),
+        list[float] | None,
+        typer.Option(
+            help="The moment of still.png, in the clip's own time; the last scan's if not given. "
+            "Give it several times for frames/%04d.png.",
+        ),
     ] = None,
     camera: Annotated[
         View, typer.Option(help="turntable goes round the plant once in a film.")
@@ -87,7 +90,10 @@ def play_command(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures."""
-    _check_finite(seconds=seconds, day=day, point_size=point_size, shading=shading)
+    days = tuple(day or ())
+    _check_finite(seconds=seconds, point_size=point_size, shading=shading)
+    for moment in days:
+        _check_finite(day=moment)
     style = Style(
         color_by=color,
         ground=ground,
@@ -102,7 +108,7 @@ def play_command(
     if export is not None:
         from player.export import Film
 
-        film = Film(pixels, fps, seconds, camera is View.turntable, style, day)
+        film = Film(pixels, fps, seconds, camera is View.turntable, style, days)
         _export(clip, film, Path(export), quiet)
     elif info:
         from rich.console import Console
@@ -125,8 +131,9 @@ def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:
     format_of(output, film)
     clip = _open(path)
     first, last = clip.times[0], clip.times[-1]
-    if film.day is not None and not first <= film.day <= last:
-        raise PlayerError(f"--day is {film.day:g}; the clip runs from {first:g} to {last:g}.")
+    for day in film.at:
+        if not first <= day <= last:
+            raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
     with FrameProgress(quiet) as progress:
         export(clip, film, output, progress)
     if not quiet:

@@ -29,7 +29,7 @@ class Film:
     fps:     frames a second.
     seconds: length; None fits it to the number of scans.
     turning: the camera goes round the plant once, and ends where it began.
-    day:     the one day of a still picture; None is the last.
+    at:      the days of still pictures, one each; empty films real time, first to last scan.
     """
 
     size: tuple[int, int] = (1280, 720)
@@ -37,7 +37,11 @@ class Film:
     seconds: float | None = None
     turning: bool = False
     style: Style = field(default_factory=Style)
-    day: float | None = None
+    at: tuple[float, ...] = ()
+
+    @property
+    def aspect(self) -> float:
+        return self.size[0] / self.size[1]
 
     def length(self, clip: Clip) -> float:
         """In seconds."""
@@ -46,10 +50,12 @@ class Film:
         return min(max(SECONDS_AN_INTERVAL * len(clip.intervals), SHORTEST), LONGEST)
 
     def frame_count(self, clip: Clip) -> int:
-        return max(1, round(self.length(clip) * self.fps))
+        return len(self.at) or max(1, round(self.length(clip) * self.fps))
 
     def days(self, clip: Clip) -> list[float]:
         """The day of every frame: real time, with a rest on the first and the last scan."""
+        if self.at:
+            return list(self.at)
         count, first, last = self.frame_count(clip), clip.times[0], clip.times[-1]
         if count == 1:
             return [last]
@@ -59,13 +65,16 @@ class Film:
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
         """(height, width, 4) uint8 pictures, one after the other; memory stays constant."""
-        days = self.days(clip)
-        home = self.camera(clip)
-        for index, day in enumerate(days):
-            turn = 2.0 * math.pi * index / len(days) if self.turning else 0.0
-            yield offscreen.picture(day, home.orbit(turn, 0.0), self.style)
+        for day, camera in zip(self.days(clip), self.cameras(clip), strict=True):
+            yield offscreen.picture(day, camera, self.style)
+
+    def cameras(self, clip: Clip) -> list[Camera]:
+        """From where each frame is seen."""
+        home, count = self.camera(clip), self.frame_count(clip)
+        turn = 2.0 * math.pi / count if self.turning else 0.0
+        return [home.orbit(turn * index, 0.0) for index in range(count)]
 
     def camera(self, clip: Clip) -> Camera:
         from player.camera import Camera
 
-        return Camera.home(clip, self.size[0] / self.size[1], turning=self.turning)
+        return Camera.home(clip, self.aspect, turning=self.turning)

@@ -46,9 +46,11 @@ def format_of(path: Path, film: Film) -> Writer:
         )
     check_folder(path)
     if suffix == ".png" and not png.is_sequence(path):
+        if len(film.at) > 1:
+            raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
         return _still
-    if film.day is not None:
-        raise PlayerError(f"--day is for one picture, like still.png; {path.name} is a film.")
+    if film.at and suffix != ".png":
+        raise PlayerError(f"--day is for pictures, like still.png; {path.name} is a film.")
     if suffix == ".mp4":
         mp4.check(film)
     if suffix == ".gif":
@@ -70,16 +72,17 @@ def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
     with _offscreen(clip, film) as offscreen:
-        png.write_sequence(_counted(film, clip, offscreen, progress), film, path)
+        png.write_sequence(_counted(film, clip, offscreen, progress), path, views)
 
 
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    day = clip.times[-1] if film.day is None else film.day
+    day = film.at[0] if film.at else clip.times[-1]
     camera = film.camera(clip)
-    view = camera.projection(film.size[0] / film.size[1]) @ camera.view()
     with _offscreen(clip, film) as offscreen:
-        png.write_one(offscreen.picture(day, camera, film.style), path, view)
+        picture = offscreen.picture(day, camera, film.style)
+        png.write_one(picture, path, camera.matrix(film.aspect))
     progress(1, 1)
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
-from player.export.film import Film
 from player.export.output import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -34,25 +33,27 @@ def write_one(picture: NDArray, path: Path, view: NDArray) -> None:
           as JSON, row by row.
     """
     with whole_file(path) as part:
-        _save(picture, part, {"view": json.dumps(view.tolist())})
+        _save(picture, part, view)
 
 
-def write_sequence(pictures: Iterable[NDArray], film: Film, path: Path) -> None:
-    """Frames are numbered from 0; all appear together once the last one is drawn."""
+def write_sequence(pictures: Iterable[NDArray], path: Path, views: Iterable[NDArray]) -> None:
+    """Frames are numbered from 0; all appear together once the last one is drawn.
+
+    views: of each picture, as in `write_one`.
+    """
     with whole_folder(path) as folder:
         names = []
-        for index, picture in enumerate(pictures):
+        for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
             names.append(path.name % index)
-            _save(picture, folder / names[-1])
+            _save(picture, folder / names[-1], view)
         for name in names:
             os.replace(folder / name, path.parent / name)
 
 
-def _save(picture: NDArray, path: Path, texts: dict[str, str] | None = None) -> None:
+def _save(picture: NDArray, path: Path, view: NDArray) -> None:
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
     metadata = PngInfo()
-    for key, text in (texts or {}).items():
-        metadata.add_text(key, text)
+    metadata.add_text("view", json.dumps(view.tolist()))
     Image.fromarray(picture[..., :3]).save(path, pnginfo=metadata)

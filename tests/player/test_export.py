@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import stat
 from pathlib import Path
 
@@ -91,10 +92,22 @@ def test_gif_loops_and_holds_the_frames(clip: Clip, tmp_path: Path) -> None:
 def test_png_sequence_and_still(clip: Clip, tmp_path: Path) -> None:
     export(clip, SMALL, tmp_path / "f%03d.png")
     assert only(tmp_path) == [f"f{i:03d}.png" for i in range(6)]
-    day = Film(size=(64, 48), day=1.0)
+    day = Film(size=(64, 48), at=(1.0,))
     export(clip, day, tmp_path / "still.png")
     still = iio.imread(tmp_path / "still.png")
     assert (still == render(clip, 1.0, size=(64, 48))[..., :3]).all()
+
+
+def test_pictures_of_chosen_days_carry_their_view(clip: Clip, tmp_path: Path) -> None:
+    from PIL import Image
+
+    export(clip, Film(size=(64, 48), at=(4.0, 1.0)), tmp_path / "f%d.png")
+    assert only(tmp_path) == ["f0.png", "f1.png"]
+    second = Image.open(tmp_path / "f1.png")
+    assert (np.asarray(second) == render(clip, 1.0, size=(64, 48))[..., :3]).all()
+    view = np.array(json.loads(second.info["view"]))
+    seen = np.column_stack([clip.at(1.0).local, np.ones(len(clip.at(1.0)))]) @ view.T
+    assert (np.abs(seen[:, :2]) < seen[:, 3:]).all(), "the whole plant is in the picture"
 
 
 def test_the_turntable_turns_and_the_still_camera_does_not(make_clip) -> None:
@@ -120,7 +133,8 @@ def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) ->
         ("film", SMALL, "film.mp4, film.gif"),
         ("missing/film.mp4", SMALL, "does not exist"),
         ("film.mp4", Film(size=(63, 48)), "64x48"),
-        ("film.mp4", Film(day=1.0), "one picture"),
+        ("film.mp4", Film(at=(1.0,)), "for pictures"),
+        ("still.png", Film(at=(1.0, 2.0)), "several"),
         ("film.gif", Film(fps=60), "50"),
         ("%s.png", SMALL, "%04d"),
         ("a%03d-%03d.png", SMALL, "%04d"),
