@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -19,6 +19,7 @@ class Kind(StrEnum):
     tree = "tree"
     tree1 = "tree1"
     tree2 = "tree2"
+    komatsuna = "komatsuna"
 
 
 class Format(StrEnum):
@@ -35,7 +36,10 @@ class Format(StrEnum):
 def grow_command(
     kind: Annotated[
         Kind,
-        typer.Argument(help="The plant; tree1 and tree2 are bare trees of the sizes in the paper."),
+        typer.Argument(
+            help="The plant; tree1 and tree2 are bare trees of the sizes in the paper, "
+            "komatsuna is a rosette, seen by a depth camera instead of scanned."
+        ),
     ],
     folder: Annotated[Path, typer.Argument(metavar="OUTDIR", help="Where to write the scans.")],
     scans: Annotated[int | None, typer.Option(help="How many, evenly spread.")] = None,
@@ -66,6 +70,16 @@ def grow_command(
     pose: Annotated[
         bool, typer.Option("--pose", help="Turn and shift every scan but the first at random.")
     ] = False,
+    per_day: Annotated[
+        int | None, typer.Option(metavar="N", help="komatsuna: images a day, 6 unless told.")
+    ] = None,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="komatsuna: pixels, 480x360 unless told.")
+    ] = None,
+    label_shift: Annotated[
+        float | None,
+        typer.Option(metavar="PIXELS", help="komatsuna: how badly labels are misplaced; 0."),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace scans that are in OUTDIR.")
     ] = False,
@@ -75,6 +89,37 @@ def grow_command(
 
     Example: grow maize scans --truth 5,6.5 && bake scans -o maize.gclip
     """
+    for_images: dict[str, object] = {
+        "--per-day": per_day,
+        "--size": size,
+        "--label-shift": label_shift,
+    }
+    for_scans: dict[str, object] = {
+        "--scans": scans,
+        "--points": points,
+        "--no-colors": not colors,
+        "--format": suffix is not Format.ply,
+        "--truth": truth,
+        "--shuffle-labels": shuffle_labels,
+        "--pose": pose,
+    }
+    _refuse(kind, for_scans if kind is Kind.komatsuna else for_images)
+
+    def tell(name: str, count: int) -> None:
+        if not quiet:
+            what = "labelled pixels" if kind is Kind.komatsuna else "points"
+            print(f"{name}  {count:,} {what}", flush=True)
+
+    if kind is Kind.komatsuna:
+        from baker.grow.faults import Faults
+        from baker.grow.images import ImagePlan, write_images
+
+        faults = Faults(**_given(noise=noise, labels=label_shift))
+        series = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
+        images = ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **series)
+        write_images(images, folder, force, tell)
+        return
+
     from baker.grow.series import Plan, write_series
 
     plan = Plan(
@@ -91,12 +136,40 @@ def grow_command(
         shuffle=shuffle_labels,
         pose=pose,
     )
-
-    def tell(name: str, count: int) -> None:
-        if not quiet:
-            print(f"{name}  {count:,} points", flush=True)
-
     write_series(plan, folder, force, tell)
+
+
+def _refuse(kind: Kind, options: dict[str, object]) -> None:
+    """Raise InputError for options that were given, but mean nothing for this plant."""
+    from baker.errors import InputError
+
+    for name, value in options.items():
+        if value is not None and value is not False:
+            raise InputError(f"{name} means nothing for {kind.value}; see grow --help.")
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """The values that were given; what is None stays as usual."""
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _whole_days(days: float | None) -> int | None:
+    from baker.errors import InputError
+
+    if days is not None and not days.is_integer():
+        raise InputError(f"--days {days:g}: komatsuna takes whole days.")
+    return None if days is None else int(days)
+
+
+def _size(text: str | None) -> tuple[int, int] | None:
+    from baker.errors import InputError
+
+    if text is None:
+        return None
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {text}: width and height are needed, as 480x360.")
+    return int(width), int(height)
 
 
 def _points(text: str | None) -> tuple[int, int] | None:

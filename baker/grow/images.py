@@ -144,6 +144,8 @@ def _check(plan: ImagePlan, plant: Plant) -> None:
         raise InputError(
             f"images of {plan.size[0]}x{plan.size[1]} pixels: each side must have 32 to {LARGEST}."
         )
+    if not 0 <= plan.faults.noise < np.inf:
+        raise InputError(f"the noise is {plan.faults.noise:g} mm; it must be 0 or more.")
     if not 0 <= plan.faults.labels < 100:
         raise InputError(
             f"labels misplaced by {plan.faults.labels:g} pixels: 0 to 100 are possible."
