@@ -133,6 +133,18 @@ def bake_command(
     ] = Precision.auto,
     unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
     workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    holdout: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            metavar="N",
+            help="Bake without every Nth scan (never the first or last), then compare with them.",
+        ),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.html", help="Write what was done and found, with pictures."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Say what was found in each scan.")
@@ -157,30 +169,59 @@ def bake_command(
         graph_neighbors=graph_neighbors,
         bifurcation=bifurcation,
         paper=paper,
+        holdout=holdout,
         decay=decay,
         precision=precision,
         unit=unit,
         workers=workers,
     )
     _check_output(output)
-    _bake(inputs, output, options, quiet, verbose)
+    if report is not None:
+        _check_report(report)
+    _bake(inputs, output, report, options, quiet, verbose)
 
 
-def _bake(inputs: list[Path], output: Path, options: Options, quiet: bool, verbose: bool) -> None:
+def _bake(
+    inputs: list[Path],
+    output: Path,
+    report: Path | None,
+    options: Options,
+    quiet: bool,
+    verbose: bool,
+) -> None:
     from rich.console import Console
 
-    from baker.pipeline import bake
+    from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
     from baker.summary import print_summary
+    from baker.verify import print_errors, verify
 
     console = Console(stderr=True, quiet=quiet, soft_wrap=True)
     with StageProgress(quiet) as progress:
-        clip = bake(inputs, options, progress)
+        clip, record = bake_recorded(inputs, options, progress)
         progress("writing", 0, 1)
         clip.save(output)
         progress("writing", 1, 1)
+        errors = verify(clip, record, progress)
+        if report is not None:
+            from baker.report import write_report
+
+            write_report(
+                report,
+                clip,
+                record,
+                title=output.name,
+                errors=errors,
+                seconds=progress.seconds,
+                workers=options.workers,
+                progress=progress,
+            )
     _print_notes(console, clip, verbose)
     print_summary(console, clip, output, progress.seconds)
+    if errors:
+        print_errors(console, errors)
+    if report is not None:
+        console.print(f"report: {report}", markup=False, highlight=False)
 
 
 def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
@@ -215,6 +256,17 @@ def _check_output(output: Path) -> None:
         raise InputError(f"{output} is a folder; a file's name is needed.")
     if not output.parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist.")
+
+
+def _check_report(report: Path) -> None:
+    from baker.errors import InputError
+
+    if report.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{report}: a report's name ends in .html.")
+    if report.is_dir():
+        raise InputError(f"{report} is a folder; a file's name is needed.")
+    if not report.parent.is_dir():
+        raise InputError(f"{report}: the folder {report.parent} does not exist.")
 
 
 def main(argv: list[str] | None = None) -> int:

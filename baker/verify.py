@@ -11,6 +11,7 @@ cube: the longest side of the box around all scans, those left out too, is 1.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -58,10 +59,23 @@ class HoldoutError:
     distances: NDArray[np.float64] = field(repr=False, compare=False)
 
 
-def verify(clip: Clip, record: BakeRecord) -> list[HoldoutError]:
-    """Compare a clip with the scans that were held out of it; none where none were."""
-    side = unit_length(record)
-    return [_compare(clip, held, side) for held in record.held_out]
+def verify(
+    clip: Clip, record: BakeRecord, progress: Callable[[str, int, int], None] | None = None
+) -> list[HoldoutError]:
+    """Compare a clip with the scans that were held out of it; none where none were.
+
+    progress: called with "verification", the scans compared and the scans in all.
+    """
+    if not record.held_out:
+        return []
+    side, errors = unit_length(record), []
+    for number, held in enumerate(record.held_out):
+        if progress is not None:
+            progress("verification", number, len(record.held_out))
+        errors.append(_compare(clip, held, side))
+    if progress is not None:
+        progress("verification", len(errors), len(errors))
+    return errors
 
 
 def unit_length(record: BakeRecord) -> float:

@@ -1,0 +1,215 @@
+"""What the report shows of scans, intervals and scans left out, pictures included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.record import BakeRecord
+from baker.report.errormap import Bar, Scale, histogram
+from baker.report.graph import Graph, draw_over, draw_tree, middles
+from baker.report.organs import ScanOrgans
+from baker.report.pictures import PIXELS, Picture, Plate, take_pictures
+from baker.report.reasons import Nearness, Reason, nearness, reasons
+from baker.verify import HoldoutError
+from gclip.clip import Clip, ScanMark
+
+PLAIN = (122, 146, 110)  # scans without colours of their own, where organs don't matter
+FEW = 12  # intervals up to which the state half-way through each is pictured too
+MANY = 24  # pictures from which on they are smaller
+
+
+@dataclass(frozen=True)
+class ScanFigure:
+    """One scan: its hierarchy as a graph, alone and over the plant's picture where there is one.
+
+    notes:     what segmenting it found.
+    new, gone: organs that appear with this scan, and those of the scan before that it lacks.
+    """
+
+    number: int
+    mark: ScanMark
+    notes: tuple[str, ...]
+    segments: int
+    organs: ScanOrgans
+    new: tuple[int, ...]
+    gone: tuple[int, ...]
+    tree: Graph
+    over: Graph | None = None
+    picture: Picture | None = None
+
+
+@dataclass(frozen=True)
+class IntervalFigure:
+    """One interval: each segment's way through it, and why it was this one."""
+
+    number: int
+    start: ScanMark
+    end: ScanMark
+    movers: int
+    reasons: tuple[Reason, ...]
+    notes: tuple[str, ...]
+    near: Nearness | None
+    picture: Picture | None = None
+
+    def count(self, event: str) -> int:
+        return sum(reason.pair.event == event for reason in self.reasons)
+
+    @property
+    def solvers(self) -> dict[str, int]:
+        """How many segment pairs each solver solved."""
+        names = [reason.pair.solver for reason in self.reasons if reason.pair.event != "loss"]
+        return {name: names.count(name) for name in sorted(set(names))}
+
+    @property
+    def cost(self) -> float:
+        """Root mean square of the matched pairs' costs, weighed by their movers."""
+        pairs = [r.pair for r in self.reasons if r.pair.event == "match" and r.pair.movers]
+        weights = [pair.movers for pair in pairs] or [1]
+        return float(np.average([p.cost**2 for p in pairs] or [0.0], weights=weights) ** 0.5)
+
+    @property
+    def marginal_error(self) -> float:
+        """The worst of all segment pairs."""
+        return max((reason.pair.marginal_error for reason in self.reasons), default=0.0)
+
+
+@dataclass(frozen=True)
+class HoldoutFigure:
+    """One scan left out (Figure 13): real, rebuilt, and the error in colours; pictures or none."""
+
+    error: HoldoutError
+    bars: tuple[Bar, ...]
+    real: Picture | None = None
+    rebuilt: Picture | None = None
+    map: Picture | None = None
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """All pictures of a report, each None or missing where the player could not draw."""
+
+    scans: tuple[Picture | None, ...]
+    intervals: tuple[Picture | None, ...]
+    holdouts: tuple[tuple[Picture, Picture, Picture] | tuple[None, None, None], ...]
+
+    @classmethod
+    def none(cls, scans: int, holdouts: int) -> Pictures:
+        return cls((None,) * scans, (None,) * (scans - 1), ((None, None, None),) * holdouts)
+
+
+def take_all(
+    clip: Clip,
+    record: BakeRecord,
+    organs: Sequence[ScanOrgans],
+    errors: Sequence[HoldoutError],
+    scale: Scale | None,
+    workers: int,
+    tell: Callable[[int, int], None],
+) -> Pictures:
+    """All pictures from one camera. Raises NoPicture where the player can't draw."""
+    palette = clip.palette[:, :3]
+    plates = [
+        Plate(frame.positions, palette[scan.points])
+        for frame, scan in zip(record.keyframes, organs, strict=True)
+    ]
+    between = clip.intervals if len(clip.intervals) <= FEW else ()
+    for interval in between:
+        frame = clip.at((interval.start + interval.end) / 2)
+        plates.append(Plate(frame.local, palette[frame.tracks]))
+    for held, error in zip(record.held_out, errors, strict=True):
+        assert scale is not None
+        real, rebuilt = held.keyframe.colors, clip.at(error.time)
+        own = clip.has_colors and real is not None
+        points = held.keyframe.positions
+        plates += [
+            Plate(points, real[:, :3] if own and real is not None else _plain(points)),
+            Plate(error.rebuilt, rebuilt.colors[:, :3] if own else _plain(error.rebuilt)),
+            Plate(error.rebuilt, scale.colors(error.distances)),
+        ]
+    tell(0, len(plates))
+    taken = take_pictures(
+        plates,
+        clip,
+        workers,
+        lambda done: tell(done, len(plates)),
+        PIXELS if len(plates) < MANY else PIXELS // 2,
+    )
+    scans, halfway = len(organs), len(between)
+    rest = taken[scans + halfway :]
+    return Pictures(
+        scans=tuple(taken[:scans]),
+        intervals=tuple(taken[scans : scans + halfway]) or (None,) * len(clip.intervals),
+        holdouts=tuple((rest[i], rest[i + 1], rest[i + 2]) for i in range(0, len(rest), 3)),
+    )
+
+
+def _plain(points: NDArray[np.floating]) -> NDArray[np.uint8]:
+    return np.tile(np.array(PLAIN, np.uint8), (len(points), 1))
+
+
+def scan_figures(
+    clip: Clip, record: BakeRecord, organs: Sequence[ScanOrgans], pictures: Pictures
+) -> list[ScanFigure]:
+    """One figure a scan; the graph lies over the picture where each segment's middle is."""
+    figures = []
+    for k, (hierarchy, scan, picture) in enumerate(
+        zip(record.hierarchies, organs, pictures.scans, strict=True)
+    ):
+        before = set(organs[k - 1].counts) if k else set(scan.counts)
+        over = None
+        if picture is not None:
+            places = picture.place(middles(hierarchy, record.keyframes[k].positions))
+            over = draw_over(hierarchy, scan.segments, places, picture.size)
+        figures.append(
+            ScanFigure(
+                number=k,
+                mark=clip.scans[k],
+                notes=hierarchy.notes,
+                segments=len(hierarchy.segments),
+                organs=scan,
+                new=tuple(sorted(set(scan.counts) - before)),
+                gone=tuple(sorted(before - set(scan.counts))),
+                tree=draw_tree(hierarchy, scan.segments),
+                over=over,
+                picture=picture,
+            )
+        )
+    return figures
+
+
+def interval_figures(
+    clip: Clip, record: BakeRecord, organs: Sequence[ScanOrgans], pictures: Pictures
+) -> list[IntervalFigure]:
+    """One figure an interval."""
+    figures = []
+    for k, (match, picture) in enumerate(zip(record.matches, pictures.intervals, strict=True)):
+        near = nearness(record, k)
+        figures.append(
+            IntervalFigure(
+                number=k,
+                start=clip.scans[k],
+                end=clip.scans[k + 1],
+                movers=len(clip.intervals[k]),
+                reasons=tuple(reasons(clip, record, k, organs[k], near)),
+                notes=match.notes,
+                near=near,
+                picture=picture,
+            )
+        )
+    return figures
+
+
+def holdout_figures(
+    errors: Sequence[HoldoutError], scale: Scale | None, pictures: Pictures
+) -> list[HoldoutFigure]:
+    """One figure a scan left out."""
+    if scale is None:
+        return []
+    return [
+        HoldoutFigure(error, tuple(histogram(error, scale)), *taken)
+        for error, taken in zip(errors, pictures.holdouts, strict=True)
+    ]
