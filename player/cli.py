@@ -12,6 +12,7 @@ import typer
 
 from gclip.console import run_app
 from player.errors import PlayerError
+from player.keys import help_text
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -39,7 +40,16 @@ class GroundChoice(StrEnum):
     light = "light"
 
 
-@app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+AS_IT_IS = "\n\n\b\n"  # typer reflows a paragraph unless it begins like this
+EPILOG = AS_IT_IS.join(
+    [
+        "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.",
+        *help_text().split("\n\n"),
+    ]
+)
+
+
+@app.command(epilog=EPILOG)
 def play_command(
     clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
     export: Annotated[
@@ -69,7 +79,7 @@ def play_command(
         ),
     ] = None,
     camera: Annotated[
-        View, typer.Option(help="turntable goes round the plant once in a film.")
+        View, typer.Option(help="turntable goes round the plant, in a film once.")
     ] = View.still,
     color: Annotated[
         ColorBy, typer.Option(help="Colours: the scans' own, or one for each organ's track.")
@@ -121,7 +131,13 @@ def play_command(
     else:
         from player.window import show
 
-        show(_open(clip), style, name=clip.stem, size=pixels)
+        show(
+            _open(clip),
+            style,
+            name=clip.stem,
+            size=pixels,
+            turning=camera is View.turntable,
+        )
 
 
 def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:

@@ -36,6 +36,7 @@ def show(
     *,
     name: str = "plant",
     size: tuple[int, int] = (1280, 720),
+    turning: bool = False,
     watch: Callable[[Scene], None] | None = None,
 ) -> None:
     """Play a clip in a window until the user closes it.
@@ -43,11 +44,12 @@ def show(
     style: how it looks at first.
     name:  what to call the clip in the titles.
     size:  (width, height) of the window in units of 1/96 inch.
+    turning: the camera goes round the plant from the start.
     watch: called with the scene after each picture.
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
     with opened(size, name) as handle:
-        window = Window(handle, clip, style or Style(), name)
+        window = Window(handle, clip, style or Style(), name, turning)
         try:
             window.run(watch or (lambda scene: None))
         finally:
@@ -96,7 +98,9 @@ def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
 class Window:
     """One clip in one open window, whose OpenGL context is current."""
 
-    def __init__(self, handle: Any, clip: Clip, style: Style, name: str) -> None:
+    def __init__(
+        self, handle: Any, clip: Clip, style: Style, name: str, turning: bool = False
+    ) -> None:
         import glfw
 
         from player.context import from_window
@@ -115,7 +119,8 @@ class Window:
         self._measures = self._measured()
         home = home_camera(clip, self._measures.units if self._measures.visible else (16.0, 9.0))
         timeline = Timeline.of(clip.times).played()
-        self._controls = Controls(Scene(timeline, home, home, style, clip.has_colors))
+        scene = Scene(timeline, home, home, style, clip.has_colors, turning=turning)
+        self._controls = Controls(scene)
         self._drawn: object = None  # what the last picture showed
         self._view: object = None  # its day, camera and size
         self._title = ""

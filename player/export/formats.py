@@ -44,8 +44,9 @@ def format_of(path: Path, film: Film) -> Writer:
             f'{path}: "{suffix}" is no known suffix; film.mp4, film.gif, still.png and '
             "frames/%04d.png are."
         )
-    check_folder(path)
-    if suffix == ".png" and not png.is_sequence(path):
+    sequence = suffix == ".png" and png.is_sequence(path)
+    check_folder(path.parent if sequence else path)
+    if suffix == ".png" and not sequence:
         if len(film.at) > 1:
             raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
         return _still

@@ -22,6 +22,23 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
+def made_folder(folder: Path) -> Iterator[None]:
+    """`folder`, made where only itself is missing, and removed again if the work in it fails."""
+    missing = not folder.exists()
+    if missing and folder.parent.is_dir():
+        try:
+            folder.mkdir()
+        except OSError as error:
+            raise PlayerError(f"{folder} can't be made: {error.strerror or error}.") from None
+    try:
+        yield
+    except BaseException:
+        if missing and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
+
+
+@contextmanager
 def whole_folder(path: Path) -> Iterator[Path]:
     """A temporary folder beside `path`, removed in the end with what is left in it.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
-from player.export.output import whole_file, whole_folder
+from player.export.output import made_folder, whole_file, whole_folder
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,9 +39,10 @@ def write_one(picture: NDArray, path: Path, view: NDArray) -> None:
 def write_sequence(pictures: Iterable[NDArray], path: Path, views: Iterable[NDArray]) -> None:
     """Frames are numbered from 0; all appear together once the last one is drawn.
 
+    The folder they go to is made if only itself is missing.
     views: of each picture, as in `write_one`.
     """
-    with whole_folder(path) as folder:
+    with made_folder(path.parent), whole_folder(path) as folder:
         names = []
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
             names.append(path.name % index)

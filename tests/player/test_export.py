@@ -171,3 +171,18 @@ def test_stopping_half_way_leaves_nothing(clip: Clip, tmp_path: Path) -> None:
         with pytest.raises(KeyboardInterrupt):
             export(clip, SMALL, tmp_path / name, stop)
     assert only(tmp_path) == []
+
+
+def test_a_sequence_makes_its_own_folder_and_takes_it_back(clip: Clip, tmp_path: Path) -> None:
+    film = Film((32, 32), 5, 0.4)
+    export(clip, film, tmp_path / "frames" / "%04d.png", lambda done, total: None)
+    assert only(tmp_path / "frames")[0] == "0000.png"
+
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        export(clip, film, tmp_path / "stopped" / "%04d.png", stop)
+    assert only(tmp_path) == ["frames"]
+    with pytest.raises(PlayerError, match="does not exist"):
+        export(clip, film, tmp_path / "no" / "where" / "%04d.png", stop)
