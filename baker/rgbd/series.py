@@ -45,19 +45,20 @@ class ImageSeries:
         """The cloud of the frame whose colour image is `color`: points as `unproject` gives them.
 
         With label images only labelled pixels become points, after `repair`; without them every
-        pixel that has a depth. use_labels=False still uses them so, but hands no labels on.
+        pixel that has a depth and is not masked. use_labels=False still cuts the plant out by its
+        labels, but hands none on.
         """
         frame = self.frames[color]
         colors, depth = read_color(frame.color), self._depth(frame)
         self._require_size(frame.depth, depth, frame.color, colors)
+        painted = np.zeros(depth.shape, bool) if frame.mask is None else read_mask(frame.mask)
+        if frame.mask is not None:
+            self._require_size(frame.mask, painted, frame.color, colors)
         notes: tuple[str, ...] = ()
         if frame.label is None:
-            labels, chosen = None, depth > 0
+            labels, chosen = None, (depth > 0) & ~painted
         else:
             labels = self._labels(frame, colors)
-            painted = None if frame.mask is None else read_mask(frame.mask)
-            if frame.mask is not None and painted is not None:
-                self._require_size(frame.mask, painted, frame.color, colors)
             repaired = repair(depth, labels, self.camera.background, painted, self.camera.repair)
             depth, chosen = repaired.depth, repaired.depth > 0
             notes = _notes(repaired.labels)

@@ -158,10 +158,34 @@ def test_a_label_without_depth_is_left_out_and_said(make_images: FolderMaker) ->
 
 
 def test_without_label_images_all_depth_becomes_points(make_images: FolderMaker) -> None:
-    series = read_series([make_images(without="label_*.png")])
-    assert [len(scan) for scan in series.scans] == [SIZE[0] * SIZE[1]] * 3
+    painted = np.where(leaf(0), 9, 0).astype(np.uint8)
+    series = read_series([make_images(without="label_*.png", extra={"mask_000_00.png": painted})])
+    whole = SIZE[0] * SIZE[1]
+    assert [len(scan) for scan in series.scans] == [whole - leaf(0).sum(), whole, whole]
     assert series.scans[0].labels is None
     assert series.root is None
+
+
+def test_images_in_folders_of_their_own(make_images: FolderMaker) -> None:
+    """As the Komatsuna data has them: depth for all plants, colour and labels for each."""
+    patterns = (
+        '[images]\ncolor = "plants/rgb_00_*.png"\ndepth = "depths/depth_*.png"\n'
+        'label = "labels/label_00_*.png"\n'
+    )
+    folder = make_images(camera=CAMERA + patterns)
+    for what, parent, plant in (
+        ("rgb", "plants", "00_"),
+        ("depth", "depths", ""),
+        ("label", "labels", "00_"),
+    ):
+        (folder / parent).mkdir()
+        for path in folder.glob(f"{what}_*.png"):
+            path.rename(folder / parent / path.name.replace(f"{what}_", f"{what}_{plant}"))
+    series = read_series([folder])
+    assert [scan.name for scan in series.scans] == [
+        f"rgb_00_{name}.png" for name in ("000_00", "000_03", "001_00")
+    ]
+    assert [len(scan) for scan in series.scans] == [leaf(k).sum() for k in range(3)]
 
 
 def test_labels_can_be_ignored_but_still_cut_out_the_plant(make_images: FolderMaker) -> None:
