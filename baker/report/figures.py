@@ -23,10 +23,20 @@ MANY = 24  # pictures from which on they are smaller
 
 
 @dataclass(frozen=True)
+class Bud:
+    """Where in a scan's picture, in pixels, the next scan's new organ unfolds from."""
+
+    organ: int
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
 class ScanFigure:
     """One scan: its hierarchy as a graph, alone and over the plant's picture where there is one.
 
     notes:     what segmenting it found.
+    buds:      of the organs that the next scan has more.
     new, gone: organs that appear with this scan, and those of the scan before that it lacks.
     """
 
@@ -39,6 +49,7 @@ class ScanFigure:
     gone: tuple[int, ...]
     tree: Graph
     over: Graph | None = None
+    buds: tuple[Bud, ...] = ()
     picture: Picture | None = None
 
 
@@ -152,16 +163,23 @@ def _plain(points: NDArray[np.floating]) -> NDArray[np.uint8]:
 
 
 def scan_figures(
-    clip: Clip, record: BakeRecord, organs: Sequence[ScanOrgans], pictures: Pictures
+    clip: Clip,
+    record: BakeRecord,
+    organs: Sequence[ScanOrgans],
+    intervals: Sequence[IntervalFigure],
+    pictures: Pictures,
 ) -> list[ScanFigure]:
     """One figure a scan; the graph lies over the picture where each segment's middle is."""
-    figures = []
+    figures, last = [], len(organs) - 1
     for k, (hierarchy, scan, picture) in enumerate(
         zip(record.hierarchies, organs, pictures.scans, strict=True)
     ):
         before = set(organs[k - 1].counts) if k else set(scan.counts)
-        over = None
+        over, buds = None, []
         if picture is not None:
+            born = [r for r in intervals[k].reasons if r.bud is not None] if k < last else []
+            spots = picture.place(np.array([r.bud for r in born]).reshape(-1, 3))
+            buds = [Bud(r.pair.track, *map(float, xy)) for r, xy in zip(born, spots, strict=True)]
             places = picture.place(middles(hierarchy, record.keyframes[k].positions))
             over = draw_over(hierarchy, scan.segments, places, picture.size)
         figures.append(
@@ -175,6 +193,7 @@ def scan_figures(
                 gone=tuple(sorted(before - set(scan.counts))),
                 tree=draw_tree(hierarchy, scan.segments),
                 over=over,
+                buds=tuple(buds),
                 picture=picture,
             )
         )

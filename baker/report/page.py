@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import os
+import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -89,20 +90,23 @@ def render_page(
         no_pictures = str(error)
         pictures = Pictures.none(len(organs), len(errors))
     tell("report", 0, 1)
+    intervals = interval_figures(clip, record, organs, pictures)
     return _template().render(
         title=title or "growth clip",
         clip=clip,
         record=record,
         no_pictures=no_pictures,
         timeline=draw_timeline(clip, organs),
-        scans=scan_figures(clip, record, organs, pictures),
-        intervals=interval_figures(clip, record, organs, pictures),
+        scans=scan_figures(clip, record, organs, intervals, pictures),
+        intervals=intervals,
         holdouts=holdout_figures(errors, scale, pictures),
         overall=overall(list(errors)) if errors else None,
         scale=scale,
         seconds=dict(seconds or {}),
         options=_options(clip.provenance["options"]),
         notes=_notes(record),
+        names={track.id: track.name for track in clip.track_table},
+        tags=_tags(clip),
         colors={track.id: "#" + bytes(track.color).hex() for track in clip.track_table},
         inks={track.id: _ink(track.color) for track in clip.track_table},
     )
@@ -147,6 +151,15 @@ def _options(chosen: Mapping[str, Any]) -> list[tuple[str, str, bool]]:
         (name.replace("_", "-"), "–" if value in (None, "") else str(value), value == usual[name])
         for name, value in chosen.items()
     ]
+
+
+def _tags(clip: Clip) -> dict[int, str]:
+    """A number for each organ: the one its name ends in where that tells all apart, else its id."""
+    ends = [re.search(r"\d+$", track.name) for track in clip.track_table]
+    numbers = [end[0] for end in ends if end is not None]
+    if len(set(numbers)) < len(ends):
+        numbers = [str(track.id) for track in clip.track_table]
+    return {track.id: number for track, number in zip(clip.track_table, numbers, strict=True)}
 
 
 def _notes(record: BakeRecord) -> list[tuple[str, str]]:

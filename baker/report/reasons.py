@@ -48,12 +48,18 @@ class Nearness:
 class Reason:
     """One segment's way through an interval, and why it was this one.
 
-    host: for a birth, the organ whose points are the bud.
+    labels: what the two scans' own labels call it, None where they don't.
+    apart:  how near what it was is to what it becomes; `other` the organ of the second scan that
+            is nearest else, and how near. None where unknown.
+    host:   for a birth, the organ whose points are the bud; `bud` (3,) the middle of them.
     """
 
     pair: SegmentPair
-    why: str
+    labels: tuple[int, int] | None = None
+    apart: float | None = None
+    other: tuple[int, float] | None = None
     host: int | None = None
+    bud: NDArray[np.float64] | None = None
 
 
 def nearness(record: BakeRecord, interval: int) -> Nearness | None:
@@ -77,53 +83,47 @@ def reasons(
 
     scan: the organs of the interval's first scan; near: of the same interval, None if unknown.
     """
-    labels, hosts = _labels(record, interval), _hosts(record, interval, scan)
+    labels, buds = _labels(record, interval), _buds(record, interval, scan)
     found = []
     for pair in clip.intervals[interval].segments:
+        organ = pair.track
+        known = near is not None and organ in near.rows and organ in near.columns
         if pair.event == "birth":
-            bud = f"new: unfolds from a bud of {pair.start_points} points"
-            found.append(Reason(pair, bud, hosts.get(pair.track)))
-        elif pair.event == "loss":
-            found.append(Reason(pair, "no segment of the next scan is this organ"))
+            host, bud = buds[organ]
+            found.append(Reason(pair, host=host, bud=bud))
+        elif pair.event == "match" and near is not None and known:
+            apart, other = near.between(organ, organ), near.next_best(organ)
+            found.append(Reason(pair, labels.get(organ), apart, other))
         else:
-            found.append(Reason(pair, _why(pair.track, labels.get(pair.track), near)))
+            found.append(Reason(pair, labels.get(organ) if pair.event == "match" else None))
     return found
 
 
-def _why(organ: int, label: str | None, near: Nearness | None) -> str:
-    said = [] if label is None else [label]
-    if near is not None and organ in near.rows and organ in near.columns:
-        own, other = near.between(organ, organ), near.next_best(organ)
-        said.append(f"{own:.3g} apart")
-        if other is not None and other[1] < own:
-            said.append(f"although organ {other[0]} is nearer, {other[1]:.3g}")
-        elif other is not None:
-            said.append(f"next nearest organ {other[0]}, {other[1]:.3g}")
-    return "; ".join(said)
-
-
-def _labels(record: BakeRecord, interval: int) -> dict[int, str]:
+def _labels(record: BakeRecord, interval: int) -> dict[int, tuple[int, int]]:
     """By organ, what the scans' own labels called the two segments that were matched."""
     match, named = record.matches[interval], record.organs[interval]
     first, second = (record.series.scans[k].labels for k in (interval, interval + 1))
     if first is None or second is None:
         return {}
-    said = {}
+    called = {}
     for a, b in match.pairs:
         before, after = match.first.segments[a], match.second.segments[b]
         if len(before) and len(after):
-            one, other = _most(first[before]), _most(second[after])
-            same = f"label {one} in both scans"
-            said[named.second[b]] = same if one == other else f"label {one}, then {other}"
-    return said
+            called[named.second[b]] = _most(first[before]), _most(second[after])
+    return called
 
 
-def _hosts(record: BakeRecord, interval: int, scan: ScanOrgans) -> dict[int, int]:
-    """By organ that is born, the organ whose points are its bud."""
-    frames = record.keyframes[interval : interval + 2]
-    clouds = frames[0].positions, frames[1].positions
-    tasks = interval_tasks(clouds, record.matches[interval], record.organs[interval])
-    return {task.organ: _most(scan.points[task.start]) for task in tasks if task.event == "birth"}
+def _buds(
+    record: BakeRecord, interval: int, scan: ScanOrgans
+) -> dict[int, tuple[int, NDArray[np.float64]]]:
+    """By organ that is born: the organ whose points are its bud, and the middle of them."""
+    first, second = (record.keyframes[k].positions for k in (interval, interval + 1))
+    tasks = interval_tasks((first, second), record.matches[interval], record.organs[interval])
+    return {
+        task.organ: (_most(scan.points[task.start]), first[task.start].mean(axis=0, dtype=float))
+        for task in tasks
+        if task.event == "birth"
+    }
 
 
 def _most(values: NDArray[np.integer]) -> int:
