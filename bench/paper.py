@@ -100,8 +100,7 @@ def time_recipe(folder: Path, options: Options) -> tuple[float, float]:
     """Seconds that the plain recipe needs for segmentation, and for matching and transport."""
     from baker.scans import ReadOptions, read_series
 
-    every = getattr(options, "every", 1)
-    series = read_series([folder], ReadOptions(**({"every": every} if every > 1 else {})))
+    series = read_series([folder], ReadOptions(every=options.every))
     began = time.perf_counter()
     labels = [
         recipe.segment(scan.points) if options.labels == "ignore" else scan.labels
@@ -136,8 +135,9 @@ def main() -> None:
             f"{row.paper_segmentation} / {row.paper_transport}",
             "{:.1f} / {:.1f}".format(*plain),
         ]
-        for s in (paper, ours):
-            cells.append(f"{s['segmentation']:.1f} / {s['matching'] + s['transport']:.1f}")
+        cells += [
+            f"{s['segmentation']:.1f} / {s['matching'] + s['transport']:.1f}" for s in (paper, ours)
+        ]
         solved = ours["segmentation"] + ours["matching"] + ours["transport"]
         cells.append(f"{sum(plain) / solved:.1f}")
         print(f"{row.name:24}{points:>9,}" + "".join(f"{cell:>17}" for cell in cells), flush=True)

@@ -1,4 +1,4 @@
-"""The paper's recipe, written down plainly with numpy and scipy: the peer our bake is timed against.
+"""The paper's recipe, written down plainly with numpy and scipy: the peer of our bake.
 
 One thread, one scan and one pair of segments after the other, as a reader of Golla et al. (2020)
 would first write it: kNN graph, spanning tree, a walk over it; Wasserstein distances and transport
@@ -18,7 +18,7 @@ K, ITERATIONS, SHARE = 15, 200, 0.18
 
 
 def segment(points: np.ndarray) -> np.ndarray:
-    """(N,) segment of each point, by section 3.2.2; parts apart from the root's stay one segment."""
+    """(N,) segment of each point, by section 3.2.2; parts apart from the root's stay whole."""
     count, k = len(points), min(K + 1, len(points))
     distances, neighbors = cKDTree(points).query(points, k=k)
     rows = np.repeat(np.arange(count), k)
