@@ -110,23 +110,20 @@ def _distances(nearest: NDArray[np.float64]) -> Distances:
 
 
 def print_errors(console: Console, errors: list[HoldoutError]) -> None:
-    """Print a table of the errors, one row a scan left out and their mean."""
+    """Print a table of the errors, two rows a scan left out, and of all together."""
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(box=None, padding=(0, 2, 0, 0), title_justify="left")
-    table.title = "left out and rebuilt; distances in the unit cube"
-    table.add_column("scan")
-    for way in ("rebuilt to real", "real to rebuilt"):
-        for figure in (f"{way}: mean", "std", "max"):
-            table.add_column(figure, justify="right")
-    for error in errors:
-        table.add_row(
-            escape(f"{error.name} ({error.date})"),
-            *(f"{figure:.6f}" for way in both_ways(error) for figure in _figures(way)),
-        )
-    if len(errors) > 1:
-        table.add_row("all", *(f"{figure:.6f}" for w in overall(errors) for figure in _figures(w)))
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("left out, rebuilt")
+    table.add_column("distance, unit cube")
+    for figure in ("mean", "std", "max"):
+        table.add_column(figure, justify="right")
+    rows = [(f"{error.name} ({error.date})", both_ways(error)) for error in errors]
+    rows += [("all", overall(errors))] if len(errors) > 1 else []
+    for name, (made, missed) in rows:
+        table.add_row(escape(name), "rebuilt to real", *_figures(made))
+        table.add_row("", "real to rebuilt", *_figures(missed))
     console.print(table, highlight=False)
 
 
@@ -148,5 +145,5 @@ def overall(errors: list[HoldoutError]) -> tuple[Distances, Distances]:
     return made, missed
 
 
-def _figures(way: Distances) -> tuple[float, float, float]:
-    return way.mean, way.deviation, way.maximum
+def _figures(way: Distances) -> tuple[str, str, str]:
+    return f"{way.mean:.6f}", f"{way.deviation:.6f}", f"{way.maximum:.6f}"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from baker.errors import InputError
 from baker.options import Options
 from baker.record import BakeRecord
-from baker.verify import HoldoutError, both_ways, overall
+from baker.verify import HoldoutError, both_ways, overall, verify
 from baker.workers import worker_count
 from gclip.clip import Clip
 
@@ -29,7 +29,7 @@ def write_report(
     record: BakeRecord,
     *,
     title: str = "",
-    errors: Sequence[HoldoutError] = (),
+    errors: Sequence[HoldoutError] | None = None,
     seconds: Mapping[str, float] | None = None,
     workers: int = 0,
     progress: Progress | None = None,
@@ -37,7 +37,7 @@ def write_report(
     """Write the report of a bake to `path`, one self-contained HTML file; whole or not at all.
 
     title:    what the page is called, for example the clip's name.
-    errors:   of `verify`, where scans were left out.
+    errors:   of `verify`, where scans were left out; None has them found out here.
     seconds:  the stages' durations, for the timing table; None leaves it out.
     workers:  pictures drawn at a time, 0 for as many as there are cores.
     progress: called with a stage's name, the steps done and the steps in all.
@@ -46,7 +46,8 @@ def write_report(
     Raises InputError where the file can't be written.
     """
     tell: Progress = progress or (lambda stage, done, total: None)
-    page = render_page(clip, record, title, errors, seconds, workers, tell)
+    found = verify(clip, record, tell) if errors is None else errors
+    page = render_page(clip, record, title, found, seconds, workers, tell)
     _write(Path(path), page)
     tell("report", 1, 1)
 

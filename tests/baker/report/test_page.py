@@ -1,0 +1,178 @@
+"""The report as a whole: everything there, nothing from outside, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from baker import InputError
+from baker.cli import main
+from baker.report import write_report
+
+SECTIONS = [
+    "organs",
+    "scans",
+    "intervals",
+    "verification",
+    "alignment",
+    "timing",
+    "settings",
+    "notes",
+]  # in this order
+
+
+class Page(HTMLParser):
+    """What a page holds: its ids, its addresses, its text."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.addresses: list[str] = []
+        self.tags: list[str] = []
+        self.text = ""
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value or "")
+            if name in ("href", "src", "action", "srcset", "poster", "data", "xlink:href"):
+                self.addresses.append(value or "")
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory, player_draws) -> Path:
+    """Of a bake from the command line, with awkward names: a stem whose second leaf is new."""
+    folder = tmp_path_factory.mktemp("report")
+    scans = folder / "scans"
+    scans.mkdir()
+    along = np.linspace(0, 1, 200)[:, None]
+    for day in range(5):
+        rods = [along * [0, 0, 10], [0, 0, 6] + along * [2.0 + day, 0, 2]]
+        rods += [[0, 0, 8] + along * [0, -1.0 * day, 1]] if day >= 2 else []
+        rows = [np.column_stack([rod, np.full(200, k + 1)]) for k, rod in enumerate(rods)]
+        np.savetxt(scans / f"<b>&amp;day{day}.txt", np.concatenate(rows), fmt="%.4f")
+    clip, path = folder / "plant <u>.gclip", folder / "report.html"
+    options = ["--align", "none", "--holdout", "2", "--unit", "<script>", "--report", str(path)]
+    assert main([str(scans), "-o", str(clip), *options]) == 0
+    return path
+
+
+def test_everything_is_there_and_nothing_comes_from_outside(report):
+    html = report.read_text()
+    page = Page(html)
+    assert [name for name in page.ids if name in SECTIONS] == SECTIONS
+    assert len(set(page.ids)) == len(page.ids)
+    for name in ("scan-0", "scan-2", "interval-0", "interval-1", "holdout-0", "holdout-1"):
+        assert name in page.ids
+    for address in page.addresses:
+        assert address.startswith(("data:image/png;base64,", "#"))
+    fragments = {a[1:] for a in page.addresses if a.startswith("#")}
+    assert fragments <= set(page.ids)
+    assert not re.search(r"https?:|url\(|@import|//[a-z]+\.", re.sub(r"base64,[^\"]*", "", html))
+    assert page.addresses.count("#picture-scan-0") == 1
+    assert html.count("data:image/png") == 3 + 2 + 3 * 2  # scans, half-way, left out
+    for words in ("unfolds from a bud of", "label 1 in both scans", "holdout", "POT", "transport"):
+        assert words in page.text
+
+
+def test_the_terminal_tells_the_errors_too(write_scans, tmp_path, capsys):
+    out = str(tmp_path / "plant.gclip")
+    assert main([str(write_scans()), "-o", out, "--align", "none", "--holdout", "2"]) == 0
+    told = capsys.readouterr().err
+    for words in ("day01.txt", "rebuilt to real", "real to rebuilt", "mean", "std", "max"):
+        assert words in told
+
+
+def test_what_users_name_is_text_and_never_markup(report):
+    page = Page(report.read_text())
+    assert "<b>&amp;day2.txt" in page.text
+    assert "plant <u>.gclip" in page.text
+    assert page.tags.count("script") == 1
+    assert "<b>&amp;day" not in report.read_text()
+    assert "u" not in page.tags
+
+
+@pytest.mark.usefixtures("player_draws")
+def test_the_report_does_not_change_the_clip(write_scans, tmp_path):
+    folder = write_scans()
+    clips = [tmp_path / "with.gclip", tmp_path / "without.gclip"]
+    more = ["--report", str(tmp_path / "r.html")], []
+    for clip, options in zip(clips, more, strict=True):
+        assert main([str(folder), "-o", str(clip), "--align", "none", "-q", *options]) == 0
+    assert clips[0].read_bytes() == clips[1].read_bytes()
+
+
+def test_without_opengl_the_report_says_so(baked, tmp_path, player_fails):
+    write_report(tmp_path / "r.html", *baked)
+    page = Page((tmp_path / "r.html").read_text())
+    assert "play: no EGL here." in page.text
+    assert "image" not in page.tags
+    assert [name for name in page.ids if name in SECTIONS] == SECTIONS
+
+
+def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_fails):
+    (tmp_path / "r.html").mkdir()
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match=r"r\.html can't be written"):
+        write_report(tmp_path / "r.html", *baked)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("report", "words"),
+    [("r.pdf", "ends in .html"), ("nowhere/r.html", "does not exist"), ("d.html", "is a folder")],
+)
+def test_reports_are_refused_before_the_work(tmp_path, capsys, report, words):
+    (tmp_path / "d.html").mkdir()
+    out, target = str(tmp_path / "p.gclip"), str(tmp_path / report)
+    assert main([str(tmp_path / "no scans"), "-o", out, "--report", target]) == 2
+    assert words in capsys.readouterr().err
+
+
+LOOK = """<script>
+document.title = JSON.stringify({
+  fetched: performance.getEntriesByType("resource").map((e) => e.name.slice(0, 30)),
+  heights: [...document.querySelectorAll("main > section")].map((s) => [s.id, s.offsetHeight]),
+  images: [...document.querySelectorAll("svg image, svg use")].map((i) => i.getBBox().width),
+  wide: document.documentElement.scrollWidth,
+  seen: innerWidth,
+});
+</script>"""
+
+
+@pytest.mark.parametrize("width", [1280, 480])
+def test_a_browser_without_a_network_shows_all_of_it(report, tmp_path, width):
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("needs chromium (apt-get install chromium)")
+    looked = tmp_path / "looked.html"
+    looked.write_text(report.read_text().replace("</body>", LOOK + "</body>"))
+    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    offline = ["--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={tmp_path / 'profile'}"]
+    shown = subprocess.run(
+        [*command, *offline, f"--window-size={width},900", looked.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    title = re.search(r"<title>(.*?)</title>", shown.stdout)
+    assert title, shown.stderr
+    seen = json.loads(title[1])
+    assert all(name.startswith("data:") for name in seen["fetched"])
+    assert [name for name, _ in seen["heights"]] == list(SECTIONS)
+    assert all(height > 60 for _, height in seen["heights"])
+    assert len(seen["images"]) == 3 + 3 + 2 + 3 * 2
+    assert all(size > 0 for size in seen["images"])
+    assert seen["wide"] <= seen["seen"], "nothing sticks out sideways"

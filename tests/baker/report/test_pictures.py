@@ -1,0 +1,54 @@
+"""Pictures taken by the player."""
+
+from __future__ import annotations
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from baker.report import pictures
+from baker.report.pictures import NoPicture, Plate, take_pictures
+
+
+@pytest.fixture
+def plates(baked) -> list[Plate]:
+    """The first scan in grey with its highest point in red; the last scan in grey."""
+    _, record = baked
+    grey = []
+    for frame in (record.keyframes[0], record.keyframes[-1]):
+        colors = np.full((len(frame.positions), 3), 120, np.uint8)
+        grey.append(Plate(frame.positions, colors))
+    grey[0].colors[grey[0].points[:, 2].argmax()] = (255, 0, 0)
+    return grey
+
+
+@pytest.mark.usefixtures("player_draws")
+def test_a_picture_shows_its_plate_and_says_where_everything_is(baked, plates):
+    first, last = take_pictures(plates, baked[0], workers=2)
+    image = np.asarray(Image.open(BytesIO(first.png))).astype(int)
+    assert image.shape == (first.size[1], first.size[0], 3)
+    top = plates[0].points[plates[0].points[:, 2].argmax()]
+    ((x, y),) = first.place(top[None])
+    red = (image[:, :, 0] - image[:, :, 1:].max(axis=2) > 60).nonzero()
+    assert np.hypot(red[1] - x, red[0] - y).min() < 3.0
+    assert np.allclose(first.view, last.view), "one camera for all"
+    spots = last.place(plates[1].points)
+    assert (spots >= 0).all()
+    assert (spots <= last.size).all()
+
+
+@pytest.mark.usefixtures("player_draws")
+def test_batches_do_not_matter(baked, plates, monkeypatch):
+    together = take_pictures(plates, baked[0], workers=1)
+    monkeypatch.setattr(pictures, "BATCH", 1)
+    counts: list[int] = []
+    alone = take_pictures(plates, baked[0], workers=2, done=counts.append)
+    assert [p.png for p in together] == [p.png for p in alone]
+    assert counts == [1, 2]
+
+
+def test_a_player_that_cannot_draw_is_quoted(baked, plates, player_fails):
+    with pytest.raises(NoPicture, match="no EGL here"):
+        take_pictures(plates, baked[0], workers=1)
