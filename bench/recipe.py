@@ -59,7 +59,7 @@ def transport(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
         u = (1 / n) / (kernel @ v)
         v = (1 / m) / (transposed @ u)
     plan = (sp.diags(u) @ kernel @ sp.diags(v)).tocsr()
-    cost = float((plan.data * -np.log(kernel.data) * lengths.max()).sum())
+    cost = float(plan.multiply(sp.csr_matrix((lengths, (rows, columns)), (n, m))).sum())
     best = np.asarray(plan.argmax(axis=1)).ravel(), np.asarray(plan.argmax(axis=0)).ravel()
     pairs = np.c_[np.r_[np.arange(n), best[1]], np.r_[best[0], np.arange(m)]]
     return np.unique(pairs, axis=0).T, cost
