@@ -107,9 +107,3 @@ def couple(
         Blocks(rows, whole), Blocks(columns, whole),
         supply, demand, (whole, whole), np.array([supply.sum()]),
     )  # fmt: skip
-
-
-def sample(points: Points, count: int, seed: int) -> NDArray[np.int64]:
-    """Indices of `count` points that stand for equally many each; all if there are fewer."""
-    blocks = cut(points, count, seed)
-    return np.sort(blocks.order[(blocks.first + np.append(blocks.first[1:], len(points))) // 2])

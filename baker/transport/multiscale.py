@@ -21,9 +21,9 @@ from baker.transport.support import nearest, shield, unique
 _DENSE = 1_000_000  # pairs up to which the dense problem is solved directly
 _FEWEST_BLOCKS = 700
 _BLOCK = 4  # points in a block, more where the blocks would outnumber the next line
-_BLOCKS = 20_000  # blocks of both sides
+_BLOCKS = 10_000  # blocks of both sides
 _WHOLE = 25_000  # points of both sides up to which a sweep has one cell
-_CELL = 5_000  # points of both sides in a cell above that
+_CELL = 2_500  # points of both sides in a cell above that
 _WHOLE_BIJECTION = 200_000  # the same where both sides have as many points: assignment is faster
 _CELL_BIJECTION = 40_000
 _SHIELD = 8  # neighbours whose partners are tried

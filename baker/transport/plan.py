@@ -43,7 +43,7 @@ class TransportOptions:
     method: Method | str = Method.AUTO
     power: Literal[1, 2] = 2
     neighbors: int = 15
-    gamma: float = 0.1
+    gamma: float = 0.3
     feasible: bool = True
     tolerance: float = 1e-3
     iterations: int = 2000

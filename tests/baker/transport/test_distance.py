@@ -1,0 +1,81 @@
+"""Distances between segments: exact, estimated, bounded from below."""
+
+import numpy as np
+import pytest
+from transport_clouds import grown_leaf, leaf
+
+from baker.transport.distance import Moments, gaussian_distance, wasserstein
+from baker.transport.plan import TransportOptions
+from baker.transport.solve import solve
+
+
+def test_exact_for_small_segments():
+    start, end = grown_leaf(120, 90)
+    assert wasserstein(start, end) == solve(start, end).distance
+    assert wasserstein(start, end, power=1) == solve(start, end, TransportOptions(power=1)).distance
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [
+        grown_leaf(1500, 2000),
+        (leaf(1500), leaf(1200, 1.1, seed=9)),
+        (leaf(1500), leaf(1500, seed=3)[:, [2, 0, 1]]),
+        (
+            leaf(1500),
+            np.concatenate([leaf(800, seed=4), leaf(700, seed=5) + np.array([0.5, 0.5, 0])]),
+        ),
+    ],
+    ids=["grown", "a little grown", "turned", "doubled"],
+)
+def test_the_estimate_is_within_two_percent(start, end):
+    exact = solve(start, end).distance
+    for seed in range(3):
+        assert wasserstein(start, end, seed=seed) == pytest.approx(exact, rel=0.02)
+    assert wasserstein(start, end, power=1) == pytest.approx(
+        solve(start, end, TransportOptions(power=1)).distance, rel=0.05
+    )
+
+
+def test_one_scan_twice_is_near_zero_and_translation_is_exact():
+    points = leaf(3000)
+    assert wasserstein(points, points) == pytest.approx(0.0, abs=1e-6)
+    assert wasserstein(points, points + np.array([0, 3.0, 4.0])) == pytest.approx(5.0)
+
+
+def test_the_estimate_is_exact_as_soon_as_every_point_is_a_block():
+    start, end = grown_leaf(300, 280)
+    exact = solve(start, end).distance
+    assert wasserstein(start, end, samples=299) == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_gaussian_distance_never_exceeds_the_true_one(seed):
+    random = np.random.default_rng(seed)
+    start = random.normal(size=(40, 3)) ** 3 @ random.normal(size=(3, 3))
+    end = random.exponential(size=(55, 3)) @ random.normal(size=(3, 3)) + random.normal(size=3)
+    bound = gaussian_distance(Moments.of(start), Moments.of(end))
+    assert 0 < bound <= solve(start, end).distance * (1 + 1e-9)
+
+
+def test_the_gaussian_distance_of_affine_copies_is_the_true_one():
+    start = leaf(200)
+    end = start @ np.diag([2.0, 1.5, 0.5]) + (1.0, 0, 0)
+    bound = gaussian_distance(Moments.of(start), Moments.of(end))
+    assert bound == pytest.approx(solve(start, end).distance, rel=1e-6)
+
+
+def test_moments_merge():
+    first, second = leaf(70), leaf(110, 2.0, seed=2) + 1.0
+    together, merged = (
+        Moments.of(np.concatenate([first, second])),
+        Moments.of(first) + Moments.of(second),
+    )
+    assert merged.count == 180
+    np.testing.assert_allclose(merged.mean, together.mean)
+    np.testing.assert_allclose(merged.covariance, together.covariance)
+
+
+def test_a_single_point_has_moments():
+    moments = Moments.of(np.array([[1.0, 2.0, 3.0]]))
+    assert gaussian_distance(moments, moments) == 0.0

@@ -1,0 +1,139 @@
+"""The regularised plan: POT's on feasible supports, a usable one with a clear note on others."""
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+from transport_clouds import grown_leaf, leaf
+
+from baker.transport.linear import share_that_can_flow
+from baker.transport.movers import movers
+from baker.transport.plan import TransportOptions
+from baker.transport.sinkhorn import scale
+from baker.transport.solve import solve
+from baker.transport.support import nearest
+
+PLAIN = TransportOptions("sinkhorn", power=1, feasible=False)
+
+
+@pytest.mark.parametrize("gamma", [1.0, 0.1, 0.02])
+@pytest.mark.parametrize(("n", "m"), [(30, 30), (25, 40)])
+def test_equals_pot_on_dense_supports(n, m, gamma):
+    from ot.bregman import sinkhorn_log
+
+    start, end = grown_leaf(n, m)
+    cost = cdist(start, end) ** 2
+    epsilon = gamma * np.median(cost)
+    expected = sinkhorn_log(
+        np.full(n, 1 / n), np.full(m, 1 / m), cost, epsilon, numItermax=100_000, stopThr=1e-12
+    )
+    every = np.divmod(np.arange(n * m), m)
+    found = scale(every, cost.ravel() / epsilon, n, m, 1e-11, 100_000)
+    np.testing.assert_allclose(found.mass, expected.ravel(), atol=1e-6 / max(n, m))
+
+
+def test_the_option_reaches_the_same_plan_through_balancing():
+    from ot.bregman import sinkhorn_log
+
+    from baker.transport.support import balance
+
+    start, end = grown_leaf(20, 28)
+    options = TransportOptions(
+        "sinkhorn", neighbors=50, gamma=0.5, tolerance=1e-11, iterations=50_000
+    )
+    plan = solve(start, end, options)
+    epsilon = 0.5 * np.median(cdist(*balance(start, end)) ** 2)
+    expected = sinkhorn_log(
+        np.full(20, 1 / 20), np.full(28, 1 / 28), cdist(start, end) ** 2, epsilon,
+        numItermax=100_000, stopThr=1e-12,
+    )  # fmt: skip
+    found = np.zeros((20, 28))
+    found[plan.rows, plan.columns] = plan.mass
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_costs_of_any_size_stay_in_range():
+    start, end = grown_leaf(40, 50)
+    cost = (cdist(start, end) ** 2).ravel()
+    every = np.divmod(np.arange(2000), 50)
+    for size in (1e-6, 1.0, 1e4, 1e8):
+        found = scale(every, size * cost / np.median(cost), 40, 50, 1e-3, 300)
+        assert np.isfinite(found.mass).all()
+        np.testing.assert_allclose(np.bincount(every[1], found.mass), 1 / 50)
+
+
+def test_feasible_support_converges_near_the_exact_plan():
+    start, end = grown_leaf(500, 640)
+    plan = solve(start, end, TransportOptions("sinkhorn"))
+    assert plan.feasible
+    assert plan.marginal_error < 1.1e-3
+    assert plan.iterations < 2000
+    assert not plan.notes
+    assert plan.cost == pytest.approx(solve(start, end).cost, rel=0.02)
+
+
+def test_infeasible_support_is_said_and_the_plan_stays_usable():
+    start, end = grown_leaf(500, 640)
+    plan = solve(start, end, PLAIN)
+    assert not plan.feasible
+    assert "of the mass can flow" in plan.notes[0]
+    assert "marginal error" in plan.notes[1]
+    assert plan.marginal_error > 0.1
+    assert plan.iterations < 2000
+    assert np.isfinite(plan.mass).all()
+    rows, columns, _ = movers(plan, 500, 640)
+    assert (len(np.unique(rows)), len(np.unique(columns))) == (500, 640)
+    assert len(rows) <= 1140
+
+
+def test_a_point_without_mass_keeps_its_nearest_neighbour():
+    # Nine points crowd at 0, one is far out; the far one's only neighbours are taken by the crowd.
+    start = np.array([[0.001 * i, 0, 0] for i in range(9)] + [[50.0, 0, 0]])
+    end = np.array([[0.001 * i, 0, 0] for i in range(10)])
+    options = TransportOptions("sinkhorn", power=1, feasible=False, neighbors=1, gamma=1e-3)
+    plan = solve(start, end, options)
+    assert np.isfinite(plan.mass).all()
+    rows, columns, _ = movers(plan, 10, 10)
+    assert set(rows) == set(columns) == set(range(10))
+    assert columns[rows == 9] == [9]
+
+
+def test_the_share_that_can_flow():
+    rows, columns = np.array([0, 1, 2, 2]), np.array([0, 0, 1, 2])
+    assert share_that_can_flow((rows, columns), 3, 3) == pytest.approx(2 / 3)
+    every = np.divmod(np.arange(12), 4)
+    assert share_that_can_flow(every, 3, 4) == 1.0
+
+
+def test_the_papers_support_can_rarely_carry_the_mass_of_a_leaf_that_grows():
+    start, end = grown_leaf(500, 640)
+    shares = [share_that_can_flow(nearest(start, end, k), 500, 640) for k in (5, 15, 640)]
+    assert shares[0] < shares[1] < shares[2] == 1.0
+
+
+def test_iteration_limit_is_kept_and_reported():
+    plan = solve(*grown_leaf(500, 640), TransportOptions("sinkhorn", iterations=7))
+    assert plan.iterations == 7
+    assert "7 iterations" in plan.notes[0]
+    assert plan.marginal_error > 1e-3
+
+
+@pytest.mark.parametrize("options", [TransportOptions("sinkhorn"), PLAIN], ids=["own", "paper"])
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [
+        (np.zeros((30, 3)), np.zeros((20, 3))),
+        (np.zeros((1, 3)), leaf(40)),
+        (leaf(2), leaf(3, 2.0)),
+        (leaf(50)[:, :1] * [1.0, 0.0, 0.0], leaf(60)[:, :1] * [1.0, 1.0, 0.0]),
+        (leaf(50), leaf(50)),
+        (leaf(50), leaf(70) + 1e5),
+    ],
+    ids=["one place", "one point", "two", "lines", "same", "far"],
+)
+def test_degenerate_clouds(options, start, end):
+    plan = solve(start, end, options)
+    assert np.isfinite(plan.mass).all()
+    assert np.isfinite(plan.cost)
+    rows, columns, _ = movers(plan, len(start), len(end))
+    assert len(np.unique(rows)) == len(start)
+    assert len(np.unique(columns)) == len(end)
