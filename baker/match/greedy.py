@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match.assignment import assign_by_minima, assign_with_dummies
-from baker.match.match import Match, from_pairs
+from baker.match.match import Match, Merge, from_pairs
 from baker.segment.hierarchy import Hierarchy
 
 Distance = Callable[[NDArray[np.floating], NDArray[np.floating]], float]
@@ -79,27 +79,27 @@ def match_greedily(
     """
     first, second = (_Side(p, h) for p, h in zip(points, hierarchies, strict=True))
     queue = [(first.hierarchy.root, second.hierarchy.root)]
-    matched, notes = [], []
+    matched, merges = [], []
     while queue:
         a, b = queue.pop(0)
         matched.append((a, b))
         first.groups[a], second.groups[b] = [a], [b]
-        notes += _merge(first, a, second, b, distance, rules)
+        merges += _merge(first, a, second, b, distance, rules)
         queue += _match_children(first, a, second, b, distance, rules)
     merged_first, number_first = first.merged()
     merged_second, number_second = second.merged()
     pairs = [(number_first[a], number_second[b]) for a, b in matched]
-    return from_pairs(merged_first, merged_second, pairs, tuple(notes))
+    return from_pairs(merged_first, merged_second, pairs, tuple(merges))
 
 
 def _merge(
     first: _Side, a: int, second: _Side, b: int, distance: Distance, rules: GreedyRules
-) -> list[str]:
+) -> list[Merge]:
     """Merge children into the matched segments, the largest gain first, while one gains."""
-    notes: list[str] = []
+    merges: list[Merge] = []
     one, other = first.groups[a], second.groups[b]
     if not (len(first.cloud(one)) and len(second.cloud(other))):
-        return notes
+        return merges
     current = distance(first.cloud(one), second.cloud(other))
     while True:
         trials = [
@@ -112,15 +112,12 @@ def _merge(
                 for child in first.children(a)
             ]
         if not trials:
-            return notes
+            return merges
         best, side, child = min(trials)
         if best >= current * (1.0 - rules.least_gain):
-            return notes
+            return merges
         (other if side else one).append(child)
-        notes.append(
-            f"segment {child} of the {'second' if side else 'first'} scan merged into segment "
-            f"{b if side else a}: distance {current:.3g} to {best:.3g}"
-        )
+        merges.append(Merge(side, b if side else a, child, current, best))
         current = best
 
 
