@@ -3,11 +3,12 @@
     python -m bench.transport [--sizes 500,1000,...] [--large]
 
 A leaf that grows by half, bends, and is scanned anew with half as many points again, so that the
-two scans share no point and their sizes no common factor; and the same with equal sizes. Every row
-is solved by all solvers in the same run; a solver is left out, with a dash, where it would need more
-than a few gigabytes or minutes. `--large` adds sizes that only our solvers reach. Costs are relative
-to POT's dense `emd`, or, where that is out of reach, to our exact plan (marked ~); below zero means
-that the marginals are not met, as on the paper's support, on which not all of the mass can flow.
+two scans share no point and their sizes no common factor; and the same with equal sizes. Every
+row is solved by all solvers in the same run; a solver is left out, with a dash, where it would
+need more than a few gigabytes or minutes. `--large` adds sizes that only our solvers reach. Costs
+are relative to POT's dense `emd`, or, where that is out of reach, to our exact plan (marked ~);
+below zero means that the marginals are not met, as on the paper's plain support, on which not all
+of the mass can flow (the squared distance throughout, so that the costs compare).
 """
 
 from __future__ import annotations
