@@ -78,7 +78,7 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
     block_start, block_end = rows.centres(start), columns.centres(end)
     coarse = couple(block_start, block_end, rows.masses(supply), columns.masses(demand), search)
     warped = start + _interpolate(block_start, _motion(block_start, block_end, coarse), start)
-    # Bisecting where the points go is better, unless they gather about few: then so is the other.
+    # Bisecting where the points go is the better start, but not where they gather about few ends.
     firsts = [
         bisection.expand(rows, columns, supply, demand, coarse.edges, coarse.mass),
         bisection.couple(warped, end, supply, demand, search.seed),
