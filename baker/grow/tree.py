@@ -41,7 +41,7 @@ def grow(rng: np.random.Generator) -> Species:
 
 
 def tree1(rng: np.random.Generator) -> Species:
-    """A bare sapling in the size of the paper's Synthetic Tree 1, thinner than its point spacing."""
+    """A bare sapling in the size of the paper's Synthetic Tree 1, thinner than its spacing."""
     habit = Habit(2400.0, 6.0, (9, 4), (0.62, 0.55))
     return Species(_parts(rng, habit), (0.0, 34.0), (0.0, 10.0, 20.0, 30.0), (778, 2253), 2.0)
 
