@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from baker.record import BakeRecord
 from baker.report.errormap import Bar, Scale, histogram
 from baker.report.graph import Graph, draw_over, draw_tree, middles
+from baker.report.merges import Joined, absorbed, joined
 from baker.report.organs import ScanOrgans
-from baker.report.pictures import PIXELS, Picture, Plate, take_pictures
+from baker.report.pictures import PIXELS, Picture, Plate, Window, take_pictures
 from baker.report.reasons import Nearness, Reason, nearness, reasons
 from baker.verify import HoldoutError
 from gclip.clip import Clip, ScanMark
@@ -37,7 +38,9 @@ class ScanFigure:
 
     notes:     what segmenting it found.
     buds:      of the organs that the next scan has more.
-    new, gone: organs that appear with this scan, and those of the scan before that it lacks.
+    born, lost: organs that this scan is the first to hold, or the first to lack.
+    absorbed:   organs that are part of another one from this scan on, and of which.
+    window:     the part of the picture that shows the plant.
     """
 
     number: int
@@ -45,12 +48,19 @@ class ScanFigure:
     notes: tuple[str, ...]
     segments: int
     organs: ScanOrgans
-    new: tuple[int, ...]
-    gone: tuple[int, ...]
+    born: tuple[int, ...]
+    lost: tuple[int, ...]
+    absorbed: dict[int, int]
     tree: Graph
     over: Graph | None = None
     buds: tuple[Bud, ...] = ()
     picture: Picture | None = None
+    window: Window | None = None
+
+    @property
+    def merging(self) -> bool:
+        """Whether several of the scan's segments are one organ."""
+        return len(set(self.organs.segments)) < self.segments
 
 
 @dataclass(frozen=True)
@@ -62,12 +72,13 @@ class IntervalFigure:
     end: ScanMark
     movers: int
     reasons: tuple[Reason, ...]
-    notes: tuple[str, ...]
+    merges: tuple[Joined, ...]
     near: Nearness | None
     picture: Picture | None = None
 
-    def count(self, event: str) -> int:
-        return sum(reason.pair.event == event for reason in self.reasons)
+    def organs(self, event: str) -> tuple[int, ...]:
+        """The organs that something happens to: "match", "birth" or "loss"."""
+        return tuple(r.pair.track for r in self.reasons if r.pair.event == event)
 
     @property
     def solvers(self) -> dict[str, int]:
@@ -97,6 +108,7 @@ class HoldoutFigure:
     real: Picture | None = None
     rebuilt: Picture | None = None
     map: Picture | None = None
+    window: Window | None = None
 
 
 @dataclass(frozen=True)
@@ -174,14 +186,16 @@ def scan_figures(
     for k, (hierarchy, scan, picture) in enumerate(
         zip(record.hierarchies, organs, pictures.scans, strict=True)
     ):
-        before = set(organs[k - 1].counts) if k else set(scan.counts)
-        over, buds = None, []
+        points = record.keyframes[k].positions
+        events = intervals[k - 1] if k else None
+        over, window, buds = None, None, []
         if picture is not None:
             born = [r for r in intervals[k].reasons if r.bud is not None] if k < last else []
             spots = picture.place(np.array([r.bud for r in born]).reshape(-1, 3))
             buds = [Bud(r.pair.track, *map(float, xy)) for r, xy in zip(born, spots, strict=True)]
-            places = picture.place(middles(hierarchy, record.keyframes[k].positions))
-            over = draw_over(hierarchy, scan.segments, places, picture.size)
+            window = picture.window(points)
+            places = picture.place(middles(hierarchy, points))
+            over = draw_over(hierarchy, scan.segments, places, (window.width, window.height))
         figures.append(
             ScanFigure(
                 number=k,
@@ -189,12 +203,14 @@ def scan_figures(
                 notes=hierarchy.notes,
                 segments=len(hierarchy.segments),
                 organs=scan,
-                new=tuple(sorted(set(scan.counts) - before)),
-                gone=tuple(sorted(before - set(scan.counts))),
+                born=events.organs("birth") if events else (),
+                lost=events.organs("loss") if events else (),
+                absorbed=absorbed(record, k) if k < last else {},
                 tree=draw_tree(hierarchy, scan.segments),
                 over=over,
                 buds=tuple(buds),
                 picture=picture,
+                window=window,
             )
         )
     return figures
@@ -205,7 +221,7 @@ def interval_figures(
 ) -> list[IntervalFigure]:
     """One figure an interval."""
     figures = []
-    for k, (match, picture) in enumerate(zip(record.matches, pictures.intervals, strict=True)):
+    for k, picture in enumerate(pictures.intervals):
         near = nearness(record, k)
         figures.append(
             IntervalFigure(
@@ -214,7 +230,7 @@ def interval_figures(
                 end=clip.scans[k + 1],
                 movers=len(clip.intervals[k]),
                 reasons=tuple(reasons(clip, record, k, organs[k], near)),
-                notes=match.notes,
+                merges=tuple(joined(record, k)),
                 near=near,
                 picture=picture,
             )
@@ -223,12 +239,16 @@ def interval_figures(
 
 
 def holdout_figures(
-    errors: Sequence[HoldoutError], scale: Scale | None, pictures: Pictures
+    record: BakeRecord, errors: Sequence[HoldoutError], scale: Scale | None, pictures: Pictures
 ) -> list[HoldoutFigure]:
-    """One figure a scan left out."""
-    if scale is None:
-        return []
-    return [
-        HoldoutFigure(error, tuple(histogram(error, scale)), *taken)
-        for error, taken in zip(errors, pictures.holdouts, strict=True)
-    ]
+    """One figure a scan left out; its pictures show the same part of the scene."""
+    figures = []
+    for held, error, taken in zip(record.held_out, errors, pictures.holdouts, strict=True):
+        assert scale is not None
+        real, rebuilt, colored = taken
+        window = None
+        if real is not None:
+            window = real.window(np.concatenate([held.keyframe.positions, error.rebuilt]))
+        bars = tuple(histogram(error, scale))
+        figures.append(HoldoutFigure(error, bars, real, rebuilt, colored, window))
+    return figures

@@ -53,7 +53,7 @@ def draw_tree(hierarchy: Hierarchy, organs: Sequence[int]) -> Graph:
     few = len(places) <= READABLE
     radius, column, row = (13.0, 38.0, 72.0) if few else (5.0, 13.0, 44.0)
     wide, deep = places.max(axis=0)
-    margin = radius + 6.0
+    margin = radius + (16.0 if few else 6.0)  # with room for the segments' own numbers
     x = margin + column * places[:, 0]
     y = margin + row * (deep - places[:, 1])
     size = (2 * margin + column * wide, 2 * margin + row * deep)

@@ -100,7 +100,7 @@ def render_page(
         timeline=draw_timeline(clip, organs),
         scans=scan_figures(clip, record, organs, intervals, pictures),
         intervals=intervals,
-        holdouts=holdout_figures(errors, scale, pictures),
+        holdouts=holdout_figures(record, errors, scale, pictures),
         overall=overall(list(errors)) if errors else None,
         scale=scale,
         seconds=dict(seconds or {}),
@@ -126,6 +126,7 @@ def _template() -> Any:
     environment.filters["significant"] = significant
     environment.filters["sentence"] = sentence
     environment.filters["data_uri"] = data_uri
+    environment.filters["tiny"] = tiny
     environment.filters["both_ways"] = both_ways
     return environment.get_template("report.html.j2")
 
@@ -133,6 +134,11 @@ def _template() -> Any:
 def significant(number: float) -> str:
     """A number as people read it: three digits that matter, no more, thousands apart."""
     return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
+
+
+def tiny(number: float) -> str:
+    """An error that may be nothing but rounding."""
+    return "0" if number == 0 else "< 1e-12" if number < 1e-12 else f"{number:.2g}"
 
 
 def sentence(note: str) -> str:

@@ -25,7 +25,9 @@ from gclip.pack import Movers, pack_interval
 
 PATIENCE = 600.0  # seconds for one batch
 BATCH = 6  # pictures a run of the player: its start takes as long as five of them
-PIXELS = 400_000  # of one picture
+PIXELS = 500_000  # of one picture
+MARGIN = 0.1  # about a plant in its part of the picture, as a share of the plant
+CLOSEST = 0.42  # smallest part of a picture that is shown, as a share of its sides
 SQUAT, SLENDER = 1.5, 0.62  # widest and narrowest picture, width by height
 
 
@@ -39,6 +41,21 @@ class Plate:
 
     points: NDArray[np.float32]
     colors: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of a picture, in pixels from its top left corner."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+    @property
+    def box(self) -> str:
+        """As SVG's viewBox."""
+        return f"{self.x} {self.y} {self.width} {self.height}"
 
 
 @dataclass(frozen=True)
@@ -59,6 +76,16 @@ class Picture:
         across, along = (seen[:, :2] / seen[:, 3:]).T
         width, height = self.size
         return np.column_stack([width * (1 + across) / 2, height * (1 - along) / 2])
+
+    def window(self, points: NDArray[np.floating]) -> Window:
+        """The part of the picture that shows (N, 3) local positions, in the picture's shape."""
+        places, size = self.place(points), np.array(self.size, float)
+        low, high = places.min(axis=0), places.max(axis=0)
+        share = max(((1 + 2 * MARGIN) * (high - low) / size).max(), CLOSEST)
+        extent = min(share, 1.0) * size
+        corner = np.clip((low + high - extent) / 2, 0.0, size - extent)
+        x, y, width, height = np.round([*corner, *extent], 1).tolist()
+        return Window(x, y, width, height)
 
 
 def take_pictures(

@@ -1,0 +1,100 @@
+"""Who is who: organs of scans, what was merged, why it was matched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from baker import Options
+from baker.match.match import Merge
+from baker.pipeline import bake_recorded
+from baker.report.merges import absorbed, joined
+from baker.report.organs import organs_of_scans
+from baker.report.reasons import nearness, reasons
+
+PLAIN = Options(align="none", up="z", workers=1)
+
+
+@pytest.fixture(params=["auto", "ignore"])
+def bake(request, write_scans):
+    """A bake by label, and one that segments at forks and merges."""
+    return bake_recorded([write_scans(days=range(4))], replace(PLAIN, labels=request.param))
+
+
+def test_every_point_has_its_organ(bake):
+    clip, record = bake
+    for frame, scan, k in zip(record.keyframes, organs_of_scans(record), range(4), strict=True):
+        found, counts = np.unique(scan.points, return_counts=True)
+        assert dict(zip(found.tolist(), counts.tolist(), strict=True)) == scan.counts
+        assert len(scan.points) == len(frame.positions)
+        assert len(scan.segments) == len(record.hierarchies[k].segments)
+        shown = set(clip.at(clip.times[k]).tracks.tolist())  # buds of the next scan's organs too
+        assert set(scan.counts) <= shown
+
+
+def test_organs_that_merged_away_are_part_of_one_that_is_there(bake):
+    _, record = bake
+    scans = organs_of_scans(record)
+    for k in range(3):
+        for organ, whole in absorbed(record, k).items():
+            assert organ not in scans[k].counts
+            assert whole in scans[k].counts
+        for merge in joined(record, k):
+            assert merge.after < merge.before
+            assert merge.into in (
+                *record.organs[k].first.values(),
+                *record.organs[k].second.values(),
+            )
+
+
+def test_a_merge_is_told_by_the_organ_it_became(write_scans):
+    """The same bake as if leaf 1 of the second scan had been cut in two segments."""
+    _, record = bake_recorded([write_scans()], PLAIN)
+    (merged, _), whole = record.matches, record.hierarchies[1]
+    leaf = whole.labels.index(1)
+    half = len(whole.segments[leaf]) // 2
+    cut = replace(
+        whole,
+        segments=(
+            *(m[:half] if s == leaf else m for s, m in enumerate(whole.segments)),
+            whole.segments[leaf][half:],
+        ),
+        labels=(*whole.labels, None),
+        parents=(*whole.parents, leaf),
+    )
+    merge = Merge(side=1, head=leaf, child=len(whole.segments), before=2.0, after=1.0)
+    edited = replace(
+        record,
+        hierarchies=(record.hierarchies[0], cut, record.hierarchies[2]),
+        matches=(replace(merged, merges=(merge,)), record.matches[1]),
+    )
+    (told,) = joined(edited, 0)
+    organ = record.organs[0].second[leaf]
+    assert (told.scan, told.known, told.into, told.child) == (1, False, organ, merge.child)
+    assert organs_of_scans(edited)[1].segments[-1] == organ
+
+
+def test_a_leaf_is_matched_to_the_nearest_and_born_on_the_stem(write_scans):
+    clip, record = bake_recorded([write_scans()], PLAIN)
+    scan, near = organs_of_scans(record)[0], nearness(record, 0)
+    assert near is not None
+    told = {r.pair.track: r for r in reasons(clip, record, 0, scan, near)}
+    stem, leaf, new = (
+        next(t.id for t in clip.track_table if t.name == f"label {n}") for n in range(3)
+    )
+    assert told[leaf].labels == (1, 1)
+    assert told[leaf].apart < told[leaf].other[1]
+    assert near.between(leaf, leaf) == told[leaf].apart
+    assert (told[new].pair.event, told[new].host) == ("birth", stem)
+    attachment = [0, 0, 6.0]
+    assert np.linalg.norm(told[new].bud - attachment) < 1.0
+
+
+def test_many_segments_are_not_all_compared(write_scans, monkeypatch):
+    monkeypatch.setattr("baker.report.reasons.MOST", 3)
+    clip, record = bake_recorded([write_scans()], PLAIN)
+    assert nearness(record, 0) is None
+    told = reasons(clip, record, 0, organs_of_scans(record)[0], None)
+    assert len(told) == len(clip.intervals[0].segments)
