@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.match.cover import agreement, consistent_labels
 from baker.scans.scan import Scan
+from baker.segment.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True)
@@ -61,3 +62,20 @@ def use_of_labels(
         labels = consistent_labels(clouds, labels, root_points)
     sentence = f"labels are numbered anew in every scan: {found}"
     return LabelUse(tuple(labels), match_by_shape, sentence)
+
+
+def labels_of_pieces(
+    clouds: Sequence[NDArray[np.floating]],
+    hierarchies: Sequence[Hierarchy],
+    root_points: Sequence[int],
+    origin: str,
+) -> LabelUse:
+    """Organs from segments that were found without labels, named the same in all scans.
+
+    origin: why there were no labels, for the sentence.
+    """
+    pieces = [hierarchy.numbers() for hierarchy in hierarchies]
+    named = consistent_labels(clouds, pieces, root_points, whole_organs=False)
+    return LabelUse(
+        tuple(named), True, f"{origin}: segmented at the forks, organs matched by shape"
+    )

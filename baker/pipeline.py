@@ -5,36 +5,31 @@ read -> align -> segment -> match -> transport -> pack
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.align import Alignment, align
+from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
-from baker.labels import LabelUse, use_of_labels
-from baker.match import IntervalOrgans, Match, Organ, follow_organs, match_series
+from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options
-from baker.palette import organ_colors
 from baker.recipe import recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
-from baker.scans import ReadOptions, Scan, Series, read_series
+from baker.scans import ReadOptions, Series, read_series
 from baker.segment.given import root_point
-from baker.segment.hierarchy import Hierarchy
-from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
+from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
 from baker.tasks import interval_tasks
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from baker.workers import worker_count
-from gclip.clip import Clip, Interval, Motion, ScanMark, Track
+from gclip.clip import Clip, Interval, Motion, ScanMark
 from gclip.pack import pack_interval
 
 Progress = Callable[[str, int, int], None]
@@ -78,16 +73,14 @@ def bake_recorded(
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
     bases = [root_point(cloud, vertical, root) for cloud in clouds]
-    wanted = "ignore" if recipe.whole or chosen.segment == "thin" else chosen.labels
-    labels = use_of_labels(series.scans, clouds, bases, wanted, recipe.match_by_shape)
-    hierarchies = _hierarchies(clouds, bases, labels, recipe.whole, chosen, tell)
+    labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell)
     tell("matching", 0, len(hierarchies) - 1)
     matches = match_series(
         clouds,
         hierarchies,
         by_label=labels.consistent or recipe.whole,
         rules=recipe.rules,
-        done=partial(_step, tell, "matching", len(hierarchies) - 1),
+        done=lambda done: tell("matching", done, len(hierarchies) - 1),
     )
     organs, named = follow_organs(matches, labels.consistent)
     intervals, spacing, floor = _intervals(
@@ -97,14 +90,14 @@ def bake_recorded(
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
-        track_table=_tracks(series.scans, organs),
+        track_table=describe_tracks(series.scans, organs),
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         up=alignment.up,
         unit=chosen.unit,
         time_unit=series.unit,
         floor=floor,
         spacing=spacing,
-        provenance=_provenance(found, series, alignment, labels, hierarchies, chosen),
+        provenance=describe_provenance(found, series, alignment, labels, hierarchies, chosen),
     )
     record = BakeRecord(
         found=found,
@@ -178,34 +171,6 @@ def _hold_out(
     )
 
 
-def _hierarchies(
-    clouds: Sequence[NDArray[np.float32]],
-    bases: Sequence[int],
-    labels: LabelUse,
-    whole: bool,
-    options: Options,
-    tell: Progress,
-) -> list[Hierarchy]:
-    tell("segmentation", 0, len(clouds))
-    done = partial(_step, tell, "segmentation", len(clouds))
-    if whole:
-        return whole_hierarchies(clouds, done)
-    if labels.labels is None:
-        return thin_hierarchies(clouds, bases, options.graph_neighbors, options.bifurcation, done)
-    return labelled_hierarchies(
-        clouds,
-        labels.labels,
-        bases,
-        consistent=labels.consistent,
-        virtual_root=options.root == "virtual",
-        done=done,
-    )
-
-
-def _step(tell: Progress, stage: str, total: int, done: int) -> None:
-    tell(stage, done, total)
-
-
 def _intervals(
     series: Series,
     keyframes: Sequence[Keyframe],
@@ -251,57 +216,3 @@ def _intervals(
             )
         )
     return tuple(intervals), spacing, floor
-
-
-def _tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]:
-    tracks = []
-    for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
-        tracks.append(
-            Track(
-                id=index,
-                name=f"organ {index}" if organ.label is None else f"label {organ.label}",
-                color=color,
-                parent=organ.parent,
-                born=scans[organ.first].time,
-                lost=scans[organ.last + 1].time if organ.last + 1 < len(scans) else None,
-                kind="root" if index == 0 else "organ",
-            )
-        )
-    return tuple(tracks)
-
-
-def _provenance(
-    found: Series,
-    series: Series,
-    alignment: Alignment,
-    labels: LabelUse,
-    hierarchies: Sequence[Hierarchy],
-    options: Options,
-) -> dict[str, Any]:
-    """What made this clip: enough to bake it again and to see that it is the same."""
-    notes = [series.rule, labels.sentence, *alignment.notes]
-    if len(series.scans) < len(found.scans):
-        kept = {scan.time for scan in series.scans}
-        names = [scan.name for scan in found.scans if scan.time not in kept]
-        notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
-    for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
-        notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
-    return {
-        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
-        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
-        "options": options.provenance(),
-        "inputs": [
-            {"name": scan.name, "sha256": _digest((scan.path, *scan.beside))}
-            for scan in found.scans
-        ],
-        "transforms": [transform.tolist() for transform in alignment.transforms],
-        "notes": notes,
-    }
-
-
-def _digest(paths: Sequence[Path]) -> str:
-    """SHA-256 over the bytes of all files a scan was read from, one after the other."""
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()

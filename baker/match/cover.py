@@ -8,7 +8,7 @@ two organs unmatched costs what it takes to fold one back into its bud and unfol
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -23,32 +23,49 @@ if TYPE_CHECKING:
 
 SAMPLE = 400  # points of an organ that distances are measured with
 BUD_PRICE = 0.75  # price of an unmatched organ, as a share of its distance from its bud
+PIECE_SHARE = 0.3  # of its distance from its bud: a piece as near as that to an organ is part of it
 
 
 def consistent_labels(
     clouds: Sequence[NDArray[np.floating]],
     labels: Sequence[NDArray[np.integer]],
     root_points: Sequence[int],
+    whole_organs: bool = True,
 ) -> list[NDArray[np.int64]]:
     """Name organs the same in all scans, where `labels` number them anew in each.
 
     clouds: aligned scans, (N, 3) each; labels: (N,) each; root_points: each scan's stem base.
+    whole_organs: each label is one organ. False where labels are pieces of a segmentation: then a
+        piece that is matched to nothing, yet lies where the plant already was, is no birth but one
+        more piece of the organ that it lies on.
     Returns (N,) organ numbers for each scan, from 0 in order of first appearance.
     """
-    organs = [_Organs(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
-    names = {label: index for index, label in enumerate(organs[0].labels)}
+    names = {int(label): index for index, label in enumerate(np.unique(labels[0]))}
     born = len(names)
     named = [_rename(labels[0], names)]
-    for k, (first, second) in enumerate(pairwise(organs)):
-        pairs = {b: a for a, b in match_organs(first, second)}
-        names, previous = {}, names
+    for k in range(1, len(clouds)):
+        first = _Organs(clouds[k - 1], named[-1], root_points[k - 1])
+        second = _Organs(clouds[k], labels[k], root_points[k])
+        pairs = {b: first.labels[a] for a, b in match_organs(first, second)}
+        if not whole_organs:
+            pairs |= _pieces(first, second, pairs.keys())
+        names = {}
         for index, label in enumerate(second.labels):
-            if index in pairs:
-                names[label] = previous[first.labels[pairs[index]]]
-            else:
-                names[label], born = born, born + 1
-        named.append(_rename(labels[k + 1], names))
+            names[label] = pairs.get(index, born)
+            born += index not in pairs
+        named.append(_rename(labels[k], names))
     return named
+
+
+def _pieces(first: _Organs, second: _Organs, matched: Set[int]) -> dict[int, int]:
+    """The first scan's label that each unmatched piece of the second lies on, if it lies on one."""
+    pieces = {}
+    for piece, sample in enumerate(second.samples):
+        if piece not in matched:
+            apart = [tree.query(sample)[0].mean() for tree in first.trees]
+            if min(apart) < PIECE_SHARE * second.from_bud[piece]:
+                pieces[piece] = first.labels[int(np.argmin(apart))]
+    return pieces
 
 
 def agreement(

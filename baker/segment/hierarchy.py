@@ -29,6 +29,13 @@ class Hierarchy:
     root: int
     notes: tuple[str, ...] = ()
 
+    def numbers(self) -> NDArray[np.int64]:
+        """(N,) the segment of each point."""
+        numbers = np.empty(sum(len(members) for members in self.segments), np.int64)
+        for index, members in enumerate(self.segments):
+            numbers[members] = index
+        return numbers
+
     def children(self, segment: int) -> list[int]:
         return [child for child, parent in enumerate(self.parents) if parent == segment]
 

@@ -1,0 +1,72 @@
+"""What a clip says of itself: its organs as tracks, and where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from baker.align import Alignment
+from baker.labels import LabelUse
+from baker.match import Organ
+from baker.options import Options
+from baker.palette import organ_colors
+from baker.scans import Scan, Series
+from baker.segment.hierarchy import Hierarchy
+from gclip.clip import Track
+
+
+def describe_tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]:
+    tracks = []
+    for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
+        tracks.append(
+            Track(
+                id=index,
+                name=f"organ {index}" if organ.label is None else f"label {organ.label}",
+                color=color,
+                parent=organ.parent,
+                born=scans[organ.first].time,
+                lost=scans[organ.last + 1].time if organ.last + 1 < len(scans) else None,
+                kind="root" if index == 0 else "organ",
+            )
+        )
+    return tuple(tracks)
+
+
+def describe_provenance(
+    found: Series,
+    series: Series,
+    alignment: Alignment,
+    labels: LabelUse,
+    hierarchies: Sequence[Hierarchy],
+    options: Options,
+) -> dict[str, Any]:
+    """What made this clip: enough to bake it again and to see that it is the same."""
+    notes = [series.rule, labels.sentence, *alignment.notes]
+    if len(series.scans) < len(found.scans):
+        kept = {scan.time for scan in series.scans}
+        names = [scan.name for scan in found.scans if scan.time not in kept]
+        notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
+    for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
+        notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
+    return {
+        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
+        "options": options.provenance(),
+        "inputs": [
+            {"name": scan.name, "sha256": _digest((scan.path, *scan.beside))}
+            for scan in found.scans
+        ],
+        "transforms": [transform.tolist() for transform in alignment.transforms],
+        "notes": notes,
+    }
+
+
+def _digest(paths: Sequence[Path]) -> str:
+    """SHA-256 over the bytes of all files a scan was read from, one after the other."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,56 @@
+"""The segmentation stage: labels where there are any and they are wanted, else forks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.labels import LabelUse, labels_of_pieces, use_of_labels
+from baker.options import Options
+from baker.recipe import Recipe
+from baker.scans import Scan
+from baker.segment.hierarchy import Hierarchy
+from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
+
+
+def segment_scans(
+    scans: Sequence[Scan],
+    clouds: Sequence[NDArray[np.float32]],
+    bases: Sequence[int],
+    recipe: Recipe,
+    options: Options,
+    tell: Callable[[str, int, int], None],
+) -> tuple[LabelUse, list[Hierarchy]]:
+    """How labels are used, and each scan's hierarchy.
+
+    clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base.
+    """
+    tell("segmentation", 0, len(clouds))
+    done = partial(_tell_segmented, tell, len(clouds))
+    ignored = recipe.whole or options.segment == "thin"
+    wanted = "ignore" if ignored else options.labels
+    labels = use_of_labels(scans, clouds, bases, wanted, recipe.match_by_shape)
+    if recipe.whole:
+        return labels, whole_hierarchies(clouds, done)
+    if labels.labels is None:
+        k, threshold = options.graph_neighbors, options.bifurcation
+        hierarchies = thin_hierarchies(clouds, bases, k, threshold, done)
+        if not recipe.match_by_shape:
+            return labels, hierarchies
+        labels = labels_of_pieces(clouds, hierarchies, bases, labels.sentence)
+    assert labels.labels is not None
+    return labels, labelled_hierarchies(
+        clouds,
+        labels.labels,
+        bases,
+        consistent=labels.consistent,
+        virtual_root=options.root == "virtual",
+        done=done,
+    )
+
+
+def _tell_segmented(tell: Callable[[str, int, int], None], total: int, done: int) -> None:
+    tell("segmentation", done, total)
