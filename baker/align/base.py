@@ -1,0 +1,40 @@
+"""Where the stem leaves the ground: the low place from which the plant is reached by climbing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align.sample import EvenSample
+from baker.align.surface import touching_pairs, way_graph
+from baker.vertical import Vertical
+
+CANDIDATES = 3
+LOWEST_SHARE = 0.04  # of the height: the slab in which the stem's foot is looked for
+
+
+def stem_bases(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float64]]:
+    """Where the foot of the stem may be, each (3,), the likeliest first; at least one, at most 3.
+
+    The tip of a hanging leaf may lie as low as the foot, or lower. But the ways from the foot to
+    the plant's points lead upwards, except where organs droop, and those from a tip have to come
+    down from the leaf's own bend: the low parts are told apart by the mean descent on the ways from
+    them. That is not always decisive, so the others stay in question.
+    """
+    from scipy.sparse.csgraph import connected_components, dijkstra
+
+    count, heights = len(sample.points), vertical.height(sample.points)
+    low = heights <= heights.min() + LOWEST_SHARE * np.ptp(heights)
+    pairs = touching_pairs(sample)
+    among_low = pairs[low[pairs].all(axis=1)]
+    _, part = connected_components(way_graph(among_low, np.ones(len(among_low)), count))
+    descents = np.maximum(heights[pairs[:, 0]] - heights[pairs[:, 1]], 0.0)
+    ways = way_graph(pairs, descents, count)
+    feet = []
+    for members in (np.flatnonzero(low & (part == number)) for number in np.unique(part[low])):
+        foot = members[np.argmin(heights[members])]
+        feet.append((float(dijkstra(ways, indices=foot).mean()), int(foot), members))
+    return [
+        vertical.at_height(sample.points[members].mean(axis=0)[None], heights[foot])[0]
+        for _, foot, members in sorted(feet, key=lambda each: each[:2])[:CANDIDATES]
+    ]

@@ -1,0 +1,140 @@
+"""Coarse alignment of a series (section 3.1, ruling 19): every scan to its predecessor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align.base import stem_bases
+from baker.align.icp import trimmed_icp, trimmed_residual
+from baker.align.sample import EvenSample, even_sample
+from baker.align.stand import best_stand, move, stand_at, stand_in_one_frame
+from baker.align.up import find_up_of, upright
+from baker.align.yaw import YawFit, exact_yaw
+from baker.vertical import Vertical
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class PairFit:
+    """How a scan was moved onto its predecessor.
+
+    yaw:       degrees about the growing direction, right-handed.
+    tilt:      degrees between the two growing directions.
+    shift:     how far the stem's base was moved, in the scans' unit.
+    residual:  root mean square distance from the predecessor to the moved scan, of the nearest
+               four fifths of an even sample.
+    """
+
+    yaw: float
+    tilt: float
+    shift: float
+    residual: float
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """A series in one frame: the first scan's own.
+
+    up:          the direction of growth in that frame: "x", "y", "z", "-x", "-y" or "-z".
+    transforms:  a (4, 4) float64 for each scan, from its coordinates to the first scan's; the
+                 first is the identity.
+    drift:       how each scan but the first was moved onto its predecessor.
+    notes:       what a user should know, one sentence each.
+    """
+
+    up: str
+    transforms: tuple[NDArray[np.float64], ...]
+    drift: tuple[PairFit, ...]
+    notes: tuple[str, ...]
+
+
+def align(
+    clouds: Sequence[NDArray[np.float32]],
+    method: str = "auto",
+    up: str = "auto",
+    root: NDArray[np.floating] | None = None,
+    progress: Progress | None = None,
+) -> Alignment:
+    """Bring a series of (N, 3) clouds of one plant into the frame of the first.
+
+    method:  "auto" keeps the vertical, puts the stems' bases on one another and looks for the yaw
+             that leaves most of the plant in its direction; scans that already stand in one frame
+             stay there. "icp" is the paper's way, closest points from where the scans lie (it
+             often locks on a wrong yaw). "none" leaves everything where it is.
+    up:      the direction of growth, or "auto".
+    root:    (3,) base of the first scan's stem, where it is known.
+    """
+    tell = progress or (lambda stage, done, total: None)
+    total = 2 * len(clouds) - 1
+    samples: list[EvenSample] = []
+    for cloud in clouds:
+        tell("aligning", len(samples), total)
+        samples.append(even_sample(cloud))
+    direction = find_up_of(samples) if up == "auto" else up
+    vertical = Vertical.named(direction)
+    steps, notes = [np.eye(4)] * (len(clouds) - 1), []
+    if method == "auto":
+        base = stem_bases(samples[0], vertical)[0] if root is None else np.asarray(root, float)
+        stands = [stand_at(samples[0], vertical, base)]
+        yaws: list[list[YawFit]] = []
+        for sample in samples[1:]:
+            tell("aligning", len(clouds) + len(yaws), total)
+            stand, likely = best_stand(stands[-1], sample, vertical)
+            stands.append(stand)
+            yaws.append(likely)
+        if stand_in_one_frame(stands, yaws):
+            notes.append("the scans stand in one frame already and were left there")
+        else:
+            steps = [
+                move(*pair, exact_yaw(pair[0].sample, pair[1].sample, likely[0].yaw).yaw)
+                for pair, likely in zip(pairwise(stands), yaws, strict=True)
+            ]
+            notes += _doubts(yaws)
+    elif method == "icp":
+        steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
+    transforms = tuple(accumulate(steps, np.matmul, initial=np.eye(4)))
+    tell("aligning", total, total)
+    return Alignment(
+        up=direction,
+        transforms=transforms,
+        drift=tuple(
+            _pair_fit(*pair, step, vertical)
+            for pair, step in zip(pairwise(samples), steps, strict=True)
+        ),
+        notes=tuple(notes),
+    )
+
+
+def _pair_fit(
+    earlier: EvenSample, later: EvenSample, step: NDArray[np.float64], vertical: Vertical
+) -> PairFit:
+    frame = upright(vertical)
+    turn = frame @ step[:3, :3] @ frame.T
+    base = stem_bases(later, vertical)[0]
+    return PairFit(
+        yaw=float(np.degrees(np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))),
+        tilt=float(np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0)))),
+        shift=float(np.linalg.norm(step[:3, :3] @ base + step[:3, 3] - base)),
+        residual=trimmed_residual(earlier, later, step),
+    )
+
+
+def _doubts(yaws: Sequence[Sequence[YawFit]]) -> list[str]:
+    """A sentence for every scan that stands nearly as well another way round."""
+    return [
+        f"scan {number} fits its predecessor nearly as well when turned by a further "
+        f"{abs(_difference(likely[1].yaw, likely[0].yaw)):.0f} degrees (it keeps "
+        f"{likely[0].kept:.0%} of the plant's directions, or {likely[1].kept:.0%})"
+        for number, likely in enumerate(yaws, start=2)
+        if len(likely) > 1
+    ]
+
+
+def _difference(yaw: float, other: float) -> float:
+    return (yaw - other + 180.0) % 360.0 - 180.0

@@ -1,0 +1,39 @@
+"""Ways along a plant: which points of an even sample touch each other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align.sample import EvenSample
+from baker.segment.graph import spanning_tree
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+
+def touching_pairs(sample: EvenSample) -> NDArray[np.intp]:
+    """(E, 2) pairs of the sample's points that touch, both ways round; all points are connected.
+
+    Points touch when they lie within two of the sample's radii. Where that leaves gaps (a scan has
+    shadows) the edges of the minimum spanning tree bridge them.
+    """
+    from scipy.spatial import cKDTree
+
+    near = cKDTree(sample.points).query_pairs(2.0 * sample.radii[-1], output_type="ndarray")
+    tree = spanning_tree(sample.points, 0)
+    bridges = np.column_stack([tree.parent[tree.order[1:]], tree.order[1:]])
+    pairs = np.concatenate([near, bridges])
+    return np.concatenate([pairs, pairs[:, ::-1]])
+
+
+def way_graph(pairs: NDArray[np.intp], lengths: NDArray[np.floating], count: int) -> csr_matrix:
+    """Directed edges with lengths; a pair that is named twice keeps its length."""
+    from scipy.sparse import csr_matrix
+
+    _, first = np.unique(pairs[:, 0] * count + pairs[:, 1], return_index=True)
+    # scipy's graphs drop edges of length zero.
+    positive = np.maximum(lengths[first], np.finfo(np.float64).tiny)
+    return csr_matrix((positive, tuple(pairs[first].T)), shape=(count, count))
