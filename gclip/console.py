@@ -58,7 +58,9 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
 
     def work() -> None:
         try:
-            get_command(app).main(args=argv, prog_name=command, standalone_mode=False)
+            code = get_command(app).main(args=argv, prog_name=command, standalone_mode=False)
+            if code == INTERRUPTED:  # what typer makes of Ctrl-C
+                raise KeyboardInterrupt
         except TyperException as error:
             message = getattr(error, "format_message", error.__str__)()
             raise UserError(f"{message.rstrip('.')}; see `{command} --help`.") from None
