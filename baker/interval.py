@@ -111,8 +111,9 @@ def solve_all(
     """Run the jobs on `workers` threads; results in the jobs' order whatever their number."""
     if workers <= 1:
         for index, job in enumerate(jobs):
-            yield job()
+            moved = job()
             done(index + 1)
+            yield moved
         return
     from concurrent.futures import ThreadPoolExecutor
 
@@ -120,7 +121,8 @@ def solve_all(
     try:
         futures = [executor.submit(job) for job in jobs]
         for index, future in enumerate(futures):
-            yield future.result()
+            moved = future.result()
             done(index + 1)
+            yield moved
     finally:
         executor.shutdown(wait=False, cancel_futures=True)

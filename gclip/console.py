@@ -66,6 +66,8 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
             raise UserError(f"{message.rstrip('.')}; see `{command} --help`.") from None
         except Abort:
             raise KeyboardInterrupt from None
+        if code == INTERRUPTED:  # typer's own word for Ctrl-C
+            raise KeyboardInterrupt
 
     return run(command, work)
 
