@@ -225,8 +225,8 @@ def _bake(
 
 
 def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
-    notes = clip.provenance["notes"]
-    for note in notes if verbose else notes[:2]:
+    """What was decided; with -v also what was found in each scan."""
+    for note in clip.provenance["decisions"] + (clip.provenance["notes"] if verbose else []):
         console.print(note, markup=False, highlight=False)
 
 

@@ -44,7 +44,7 @@ def describe_provenance(
     options: Options,
 ) -> dict[str, Any]:
     """What made this clip: enough to bake it again and to see that it is the same."""
-    notes = [series.rule, labels.sentence, *alignment.notes]
+    notes: list[str] = []
     if len(series.scans) < len(found.scans):
         kept = {scan.time for scan in series.scans}
         names = [scan.name for scan in found.scans if scan.time not in kept]
@@ -60,6 +60,7 @@ def describe_provenance(
             for scan in found.scans
         ],
         "transforms": [transform.tolist() for transform in alignment.transforms],
+        "decisions": [series.rule, *alignment.notes, labels.sentence],
         "notes": notes,
     }
 
