@@ -10,7 +10,9 @@ from baker.align.surface import touching_pairs, way_graph
 from baker.vertical import Vertical
 
 CANDIDATES = 3
-LOWEST_SHARE = 0.04  # of the height: the slab in which the stem's foot is looked for
+LOW_SHARE = 0.1  # of the height: the slab in which the stem's foot is looked for
+PART_SHARE = 0.1  # of that slab's points: fewer are strays, not a foot
+FOOT_SHARE = 0.04  # of the height: the foot itself, whose middle is the base
 
 
 def stem_bases(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float64]]:
@@ -24,17 +26,22 @@ def stem_bases(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float6
     from scipy.sparse.csgraph import connected_components, dijkstra
 
     count, heights = len(sample.points), vertical.height(sample.points)
-    low = heights <= heights.min() + LOWEST_SHARE * np.ptp(heights)
+    extent = np.ptp(heights)
+    low = heights <= heights.min() + LOW_SHARE * extent
     pairs = touching_pairs(sample)
     among_low = pairs[low[pairs].all(axis=1)]
     _, part = connected_components(way_graph(among_low, np.ones(len(among_low)), count))
     descents = np.maximum(heights[pairs[:, 0]] - heights[pairs[:, 1]], 0.0)
     ways = way_graph(pairs, descents, count)
     feet = []
-    for members in (np.flatnonzero(low & (part == number)) for number in np.unique(part[low])):
-        foot = members[np.argmin(heights[members])]
-        feet.append((float(dijkstra(ways, indices=foot).mean()), int(foot), members))
-    return [
-        vertical.at_height(sample.points[members].mean(axis=0)[None], heights[foot])[0]
-        for _, foot, members in sorted(feet, key=lambda each: each[:2])[:CANDIDATES]
-    ]
+    for number in np.unique(part[low]):
+        members = np.flatnonzero(low & (part == number))
+        if len(members) < PART_SHARE * low.sum():
+            continue
+        lowest = members[np.argmin(heights[members])]
+        foot = members[heights[members] <= heights[lowest] + FOOT_SHARE * extent]
+        middle = vertical.at_height(sample.points[foot].mean(axis=0)[None], heights[lowest])[0]
+        feet.append((float(dijkstra(ways, indices=lowest).mean()), int(lowest), middle))
+    if not feet:
+        return [sample.points[np.argmin(heights)]]
+    return [middle for _, _, middle in sorted(feet, key=lambda each: each[:2])[:CANDIDATES]]

@@ -9,6 +9,7 @@ from baker.align.sample import EvenSample
 
 KEPT_SHARE = 0.8  # the rest of the earlier points may have no partner: moved, lost or hidden
 ITERATIONS, SMALLEST_GAIN = 100, 1e-4
+DETERMINED = 1e-9  # of the largest singular value of the pairs' covariance: the second
 
 
 def trimmed_icp(
@@ -47,14 +48,16 @@ def trimmed_residual(
 
 
 def rigid_fit(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(4, 4) rotation and translation of least squares between (n, 3) pairs (Kabsch 1976)."""
-    from scipy.spatial.transform import Rotation
+    """(4, 4) rotation and translation of least squares between (n, 3) pairs (Kabsch 1976).
 
+    Without a rotation where the pairs don't determine one, as points on a line don't.
+    """
     centers = source.mean(axis=0), target.mean(axis=0)
+    left, spread, right = np.linalg.svd((source - centers[0]).T @ (target - centers[1]))
     transform = np.eye(4)
-    if len(source) > 2:
-        rotation, _ = Rotation.align_vectors(target - centers[1], source - centers[0])
-        transform[:3, :3] = rotation.as_matrix()
+    if spread[1] > DETERMINED * spread[0]:
+        mirrored = np.linalg.det(left @ right) < 0
+        transform[:3, :3] = (left @ np.diag([1.0, 1.0, -1.0 if mirrored else 1.0]) @ right).T
     transform[:3, 3] = centers[1] - transform[:3, :3] @ centers[0]
     return transform
 

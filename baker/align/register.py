@@ -19,6 +19,8 @@ from baker.vertical import Vertical
 
 Progress = Callable[[str, int, int], None]
 
+FEWEST = 10  # different points of a scan that can tell where it looks
+
 
 @dataclass(frozen=True)
 class PairFit:
@@ -95,20 +97,18 @@ def align(
                 move(*pair, exact_yaw(pair[0].sample, pair[1].sample, likely[0].yaw).yaw)
                 for pair, likely in zip(pairwise(stands), yaws, strict=True)
             ]
-            notes += _doubts(yaws)
+            notes += _doubts(samples, yaws)
     elif method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
     transforms = tuple(accumulate(steps, np.matmul, initial=np.eye(4)))
-    tell("aligning", total, total)
-    return Alignment(
-        up=direction,
-        transforms=transforms,
-        drift=tuple(
-            _pair_fit(*pair, step, vertical)
-            for pair, step in zip(pairwise(samples), steps, strict=True)
-        ),
-        notes=tuple(notes),
+    drift = tuple(
+        _pair_fit(*pair, step, vertical)
+        for pair, step in zip(pairwise(samples), steps, strict=True)
     )
+    if any(not np.array_equal(step, np.eye(4)) for step in steps):
+        notes.insert(0, _moves(drift))
+    tell("aligning", total, total)
+    return Alignment(direction, transforms, drift, tuple(notes))
 
 
 def _pair_fit(
@@ -125,15 +125,30 @@ def _pair_fit(
     )
 
 
-def _doubts(yaws: Sequence[Sequence[YawFit]]) -> list[str]:
-    """A sentence for every scan that stands nearly as well another way round."""
-    return [
-        f"scan {number} fits its predecessor nearly as well when turned by a further "
-        f"{abs(_difference(likely[1].yaw, likely[0].yaw)):.0f} degrees (it keeps "
-        f"{likely[0].kept:.0%} of the plant's directions, or {likely[1].kept:.0%})"
-        for number, likely in enumerate(yaws, start=2)
-        if len(likely) > 1
-    ]
+def _moves(drift: Sequence[PairFit]) -> str:
+    yaw, tilt, shift = (
+        max(abs(getattr(fit, name)) for fit in drift) for name in ("yaw", "tilt", "shift")
+    )
+    return (
+        f"the scans were turned onto their predecessors by up to {yaw:.1f} degrees, tilted by up "
+        f"to {tilt:.1f} degrees and moved by up to {shift:.4g}"
+    )
+
+
+def _doubts(samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]]) -> list[str]:
+    """A sentence for every scan that might as well stand another way round."""
+    doubts = []
+    for number, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True), start=2):
+        if min(len(sample.points) for sample in pair) < FEWEST:
+            doubts.append(f"scan {number} or its predecessor has too few points to find its yaw")
+        elif len(likely) > 1:
+            further = abs(_difference(likely[1].yaw, likely[0].yaw))
+            doubts.append(
+                f"scan {number} fits its predecessor nearly as well when turned by a further "
+                f"{further:.0f} degrees (so much of the plant keeps its direction: "
+                f"{likely[0].kept:.0%}, or {likely[1].kept:.0%})"
+            )
+    return doubts
 
 
 def _difference(yaw: float, other: float) -> float:

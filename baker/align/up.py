@@ -11,7 +11,9 @@ from baker.align.sample import EvenSample, even_sample
 from baker.align.surface import touching_pairs, way_graph
 from baker.vertical import Vertical
 
-NAMES = ("z", "y", "x", "-z", "-y", "-x")  # in the order of preference, should plants not decide
+# What scanners call up, the usual ones first, and what the less usual ones cost beforehand.
+NAMES = ("z", "y", "x", "-z", "-y", "-x")
+HABIT = np.array([0.0, 0.03, 0.1, 0.1, 0.1, 0.1])
 FOOT_SHARE = 0.15  # of the longest way from the lowest point: what should be bare stem
 COARSE = 800
 
@@ -28,7 +30,7 @@ def find_up(clouds: Sequence[NDArray[np.floating]]) -> str:
 def find_up_of(samples: Sequence[EvenSample]) -> str:
     """`find_up` of clouds that are sampled already."""
     costs = np.mean([_costs(sample) for sample in samples], axis=0)
-    return NAMES[int(np.argmin(costs))]
+    return NAMES[int(np.argmin(costs + HABIT))]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:
@@ -43,8 +45,8 @@ def _costs(sample: EvenSample) -> NDArray[np.float64]:
     """(6,) how unlike an upright plant the sample looks along each direction; 0 is best."""
     from scipy.sparse.csgraph import dijkstra
 
-    points, radius = sample.points[:COARSE], sample.radii[:COARSE][-1]
-    if radius == 0.0 and np.ptp(points, axis=0).max() == 0.0:
+    points = sample.points[:COARSE]
+    if len(points) < 2:
         return np.zeros(len(NAMES))
     coarse = EvenSample(sample.pool, points, sample.radii[:COARSE])
     pairs = touching_pairs(coarse)

@@ -103,7 +103,7 @@ def exact_yaw(earlier: EvenSample, later: EvenSample, near: float) -> YawFit:
     samples = _at_one_spacing(earlier, later, CLOSELY.points)
     yaws = near + np.arange(-CLOSE_REACH, CLOSE_REACH + CLOSE_STEP, CLOSE_STEP)
     kept = np.array([kept_share(*samples, yaw, CLOSELY.growth) for yaw in yaws])
-    best = int(np.argmax(kept))
+    best = int(np.lexsort((np.abs(yaws - near), -kept.round(9)))[0])
     about = slice(max(best - 3, 0), best + 4)
     bend, slope, _ = np.polyfit(yaws[about] - yaws[best], kept[about], 2)
     top = float(np.clip(-slope / (2.0 * bend), -CLOSE_STEP, CLOSE_STEP)) if bend < 0 else 0.0
