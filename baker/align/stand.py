@@ -16,8 +16,8 @@ from baker.align.up import upright
 from baker.align.yaw import YawFit, kept_near, likely_yaws
 from baker.vertical import Vertical
 
-SAME_PLACE = 0.03  # of the plants' height: bases so near are the same
-SAME_FRAME = 0.06  # of the share kept: what the scans' own frame may lose against the best yaws
+SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
+SAME_FRAME = 0.08  # of the share kept: what the scans' own frame may lose against the best yaws
 
 
 @dataclass(frozen=True)
