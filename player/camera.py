@@ -18,6 +18,7 @@ Vector = NDArray[np.float64]
 STEEPEST = math.radians(89.0)  # pitch beyond which the view would tip over
 MARGIN = 0.86  # share of the picture that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
+OUTLINE = 60_000  # positions that the home view is fitted to, in all of a long series
 YAW, PITCH = math.radians(-60.0), math.radians(14.0)
 
 
@@ -179,11 +180,12 @@ class Camera:
 
 
 def outline(clip: Clip) -> Vector:
-    """(n, 3) some thousand positions of all intervals, in the horizontal and up axes of `axes`."""
+    """(n, 3) some ten thousand positions of all intervals, in the axes of `axes`."""
     from gclip.evaluate import positions_on_curve
 
+    most = min(3000, max(200, OUTLINE // (3 * len(clip.intervals))))
     samples = [
-        positions_on_curve(interval, slice(None, None, max(1, len(interval) // 3000)), share)
+        positions_on_curve(interval, slice(None, None, max(1, len(interval) // most)), share)
         for interval in clip.intervals
         for share in (0.0, 0.5, 1.0)
     ]
