@@ -115,11 +115,11 @@ def print_errors(console: Console, errors: list[HoldoutError]) -> None:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2, 0, 0))
-    table.add_column("left out, rebuilt")
-    table.add_column("distance, unit cube")
+    for column in ("left out", "in the unit cube"):
+        table.add_column(column, no_wrap=True)
     for figure in ("mean", "std", "max"):
-        table.add_column(figure, justify="right")
-    rows = [(f"{error.name} ({error.date})", both_ways(error)) for error in errors]
+        table.add_column(figure, justify="right", no_wrap=True)
+    rows = [(f"{error.date}, {error.name}", both_ways(error)) for error in errors]
     rows += [("all", overall(errors))] if len(errors) > 1 else []
     for name, (made, missed) in rows:
         table.add_row(escape(name), "rebuilt to real", *_figures(made))

@@ -148,7 +148,7 @@ def sentence(note: str) -> str:
 
 def data_uri(picture: Picture) -> str:
     """The picture as an address that holds all of it."""
-    return "data:image/png;base64," + base64.b64encode(picture.png).decode("ascii")
+    return "data:image/jpeg;base64," + base64.b64encode(picture.jpeg).decode("ascii")
 
 
 def _options(chosen: Mapping[str, Any]) -> list[tuple[str, str, bool]]:

@@ -24,7 +24,9 @@ from gclip.clip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 PATIENCE = 600.0  # seconds for one batch
-BATCH = 6  # pictures a run of the player: its start takes as long as five of them
+BATCH = 6  # pictures a run of the player at least: its start takes as long as five of them
+RUNS = 4  # of the player for each worker, where there are many pictures
+QUALITY = 90  # of JPEG: a tenth of PNG's size, for the ground behind the plant is dithered
 PIXELS = 500_000  # of one picture
 MARGIN = 0.1  # about a plant in its part of the picture, as a share of the plant
 CLOSEST = 0.42  # smallest part of a picture that is shown, as a share of its sides
@@ -62,11 +64,11 @@ class Window:
 class Picture:
     """A picture taken.
 
-    png:  the file's bytes; size: (width, height) in pixels.
+    jpeg: the picture's file; size: (width, height) in pixels.
     view: (4, 4) from local coordinates to OpenGL's clip coordinates, M @ column.
     """
 
-    png: bytes
+    jpeg: bytes
     size: tuple[int, int]
     view: NDArray[np.float64]
 
@@ -108,7 +110,8 @@ def take_pictures(
         storyboard = _storyboard(plates, like)
         storyboard.save(path)
         size = _size(storyboard, pixels)
-        batches = [range(k, min(k + BATCH, len(plates))) for k in range(0, len(plates), BATCH)]
+        batch = max(BATCH, -(-len(plates) // (RUNS * workers)))
+        batches = [range(k, min(k + batch, len(plates))) for k in range(0, len(plates), batch)]
         pictures: list[Picture] = []
         executor = ThreadPoolExecutor(workers)
         try:
@@ -170,6 +173,7 @@ def _take(storyboard: Path, numbers: range, size: tuple[int, int]) -> list[Pictu
 def _read(path: Path, size: tuple[int, int]) -> Picture:
     from PIL import Image
 
-    png = path.read_bytes()
-    with Image.open(BytesIO(png)) as picture:
-        return Picture(png, size, np.array(json.loads(picture.info["view"])))
+    small = BytesIO()
+    with Image.open(path) as picture:
+        picture.save(small, "JPEG", quality=QUALITY, subsampling=0, optimize=True)
+        return Picture(small.getvalue(), size, np.array(json.loads(picture.info["view"])))

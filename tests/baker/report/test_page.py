@@ -77,12 +77,12 @@ def test_everything_is_there_and_nothing_comes_from_outside(report):
     for name in ("scan-0", "scan-2", "interval-0", "interval-1", "holdout-0", "holdout-1"):
         assert name in page.ids
     for address in page.addresses:
-        assert address.startswith(("data:image/png;base64,", "#"))
+        assert address.startswith(("data:image/jpeg;base64,", "#"))
     fragments = {a[1:] for a in page.addresses if a.startswith("#")}
     assert fragments <= set(page.ids)
     assert not re.search(r"https?:|url\(|@import|//[a-z]+\.", re.sub(r"base64,[^\"]*", "", html))
     assert page.addresses.count("#picture-scan-0") == 1
-    assert html.count("data:image/png") == 3 + 2 + 3 * 2  # scans, half-way, left out
+    assert html.count("data:image/jpeg") == 3 + 2 + 3 * 2  # scans, half-way, left out
     for words in ("unfolds from a bud of", "label 1 in both scans", "holdout", "POT", "transport"):
         assert words in page.text
 

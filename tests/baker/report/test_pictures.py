@@ -27,7 +27,7 @@ def plates(baked) -> list[Plate]:
 @pytest.mark.usefixtures("player_draws")
 def test_a_picture_shows_its_plate_and_says_where_everything_is(baked, plates):
     first, last = take_pictures(plates, baked[0], workers=2)
-    image = np.asarray(Image.open(BytesIO(first.png))).astype(int)
+    image = np.asarray(Image.open(BytesIO(first.jpeg))).astype(int)
     assert image.shape == (first.size[1], first.size[0], 3)
     top = plates[0].points[plates[0].points[:, 2].argmax()]
     ((x, y),) = first.place(top[None])
@@ -45,7 +45,7 @@ def test_batches_do_not_matter(baked, plates, monkeypatch):
     monkeypatch.setattr(pictures, "BATCH", 1)
     counts: list[int] = []
     alone = take_pictures(plates, baked[0], workers=2, done=counts.append)
-    assert [p.png for p in together] == [p.png for p in alone]
+    assert [p.jpeg for p in together] == [p.jpeg for p in alone]
     assert counts == [1, 2]
 
 
