@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 SAMPLE = 400  # points of an organ that distances are measured with
 BUD_PRICE = 0.75  # price of an unmatched organ, as a share of its distance from its bud
-PIECE_SHARE = 0.3  # of its distance from its bud: a piece as near as that to an organ is part of it
+NO_BIRTH = (
+    0.2  # of its distance from its bud: a new piece as near as that to an organ is part of it
+)
+NO_LOSS = 0.75  # likewise for a piece that is gone: it would have been matched, had it been alone
 
 
 def consistent_labels(
@@ -36,8 +39,8 @@ def consistent_labels(
 
     clouds: aligned scans, (N, 3) each; labels: (N,) each; root_points: each scan's stem base.
     whole_organs: each label is one organ. False where labels are pieces of a segmentation: then a
-        piece that is matched to nothing, yet lies where the plant already was, is no birth but one
-        more piece of the organ that it lies on.
+        piece that is matched to nothing, yet lies where the plant already was or still is, is no
+        birth and no loss but one more piece of the organ that it lies on.
     Returns (N,) organ numbers for each scan, from 0 in order of first appearance.
     """
     names = {int(label): index for index, label in enumerate(np.unique(labels[0]))}
@@ -48,23 +51,31 @@ def consistent_labels(
         second = _Organs(clouds[k], labels[k], root_points[k])
         pairs = {b: first.labels[a] for a, b in match_organs(first, second)}
         if not whole_organs:
-            pairs |= _pieces(first, second, pairs.keys())
+            pairs |= _pieces(second, first, pairs.keys(), NO_BIRTH)
         names = {}
         for index, label in enumerate(second.labels):
             names[label] = pairs.get(index, born)
             born += index not in pairs
         named.append(_rename(labels[k], names))
+        if not whole_organs:
+            later = _Organs(clouds[k], named[-1], root_points[k])
+            kept = {index for index, name in enumerate(first.labels) if name in later.labels}
+            for index, organ in _pieces(first, later, kept, NO_LOSS).items():
+                named = [np.where(scan == first.labels[index], organ, scan) for scan in named]
     return named
 
 
-def _pieces(first: _Organs, second: _Organs, matched: Set[int]) -> dict[int, int]:
-    """The first scan's label that each unmatched piece of the second lies on, if it lies on one."""
+def _pieces(scan: _Organs, other: _Organs, matched: Set[int], near: float) -> dict[int, int]:
+    """The other scan's label that each unmatched piece of a scan lies on, if it lies on one.
+
+    near: on it is what lies nearer than this share of the piece's distance from its bud.
+    """
     pieces = {}
-    for piece, sample in enumerate(second.samples):
+    for piece, sample in enumerate(scan.samples):
         if piece not in matched:
-            apart = [tree.query(sample)[0].mean() for tree in first.trees]
-            if min(apart) < PIECE_SHARE * second.from_bud[piece]:
-                pieces[piece] = first.labels[int(np.argmin(apart))]
+            apart = [tree.query(sample)[0].mean() for tree in other.trees]
+            if min(apart) < near * scan.from_bud[piece]:
+                pieces[piece] = other.labels[int(np.argmin(apart))]
     return pieces
 
 

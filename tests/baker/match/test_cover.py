@@ -60,3 +60,28 @@ def test_birth_and_loss_in_one_interval(series):
     lost = named[0][truth[0] == 1][0]
     assert lost not in named[1]
     assert named[1].max() == named[0].max() + 1
+
+
+def test_pieces_of_an_organ_are_neither_born_nor_lost():
+    """A stem cut in two in one scan only: the piece too many goes to the stem in that scan."""
+    rng = np.random.default_rng(3)
+    plants = [growing_plant(day, rng) for day in (3, 4, 5)]
+    old = [labels <= 2 for _, labels in plants]  # a bud beside the cut could be taken for a piece
+    clouds = [points[kept] for (points, _), kept in zip(plants, old, strict=True)]
+    truth = [labels[kept] for (_, labels), kept in zip(plants, old, strict=True)]
+    for cut in (0, 1, 2):
+        pieces = [labels.copy() for labels in truth]
+        upper = (truth[cut] == 0) & (clouds[cut][:, 2] > 7)
+        pieces[cut][upper] = 99
+        named = consistent_labels(clouds, pieces, [0] * len(clouds), whole_organs=False)
+        stem = named[cut][(truth[cut] == 0) & ~upper][0]
+        assert set(named[cut][upper]) == {stem}
+        assert all(set(n[t == 0]) == {stem} for n, t in zip(named, truth, strict=True))
+
+
+def test_whole_organs_are_never_merged(series):
+    clouds, truth = series
+    pieces = [labels.copy() for labels in truth]
+    pieces[1][(truth[1] == 0) & (clouds[1][:, 2] > 7)] = 99
+    named = consistent_labels(clouds, pieces, [0] * len(clouds), whole_organs=True)
+    assert len(np.unique(named[1])) == len(np.unique(pieces[1]))
