@@ -18,13 +18,19 @@ from baker.segment.hierarchy import Hierarchy
 from gclip.clip import Track
 
 
-def describe_tracks(scans: Sequence[Scan], organs: Sequence[Organ]) -> tuple[Track, ...]:
+def describe_tracks(
+    scans: Sequence[Scan], organs: Sequence[Organ], labels: LabelUse
+) -> tuple[Track, ...]:
+    """The organs as tracks, called by their own labels only where these are the scans'."""
     tracks = []
+    own = labels.consistent and not labels.renamed
     for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
         tracks.append(
             Track(
                 id=index,
-                name=f"organ {index}" if organ.label is None else f"label {organ.label}",
+                name=f"label {organ.label}"
+                if own and organ.label is not None
+                else f"organ {index}",
                 color=color,
                 parent=organ.parent,
                 born=scans[organ.first].time,

@@ -21,11 +21,13 @@ class LabelUse:
     labels:     for each scan (N,) int64; None where the scans are segmented without labels.
     consistent: the same organ has the same label in all scans.
     sentence:   how they came about, for the user.
+    renamed:    they are numbers of ours, not the scans' own.
     """
 
     labels: tuple[NDArray[np.int64], ...] | None
     consistent: bool
     sentence: str
+    renamed: bool = False
 
 
 def use_of_labels(
@@ -61,7 +63,7 @@ def use_of_labels(
     if match_by_shape:
         labels = consistent_labels(clouds, labels, root_points)
     sentence = f"labels are numbered anew in every scan: {found}"
-    return LabelUse(tuple(labels), match_by_shape, sentence)
+    return LabelUse(tuple(labels), match_by_shape, sentence, renamed=match_by_shape)
 
 
 def labels_of_pieces(
@@ -76,6 +78,5 @@ def labels_of_pieces(
     """
     pieces = [hierarchy.numbers() for hierarchy in hierarchies]
     named = consistent_labels(clouds, pieces, root_points, whole_organs=False)
-    return LabelUse(
-        tuple(named), True, f"{origin}: segmented at the forks, organs matched by shape"
-    )
+    sentence = f"{origin}: segmented at the forks, organs matched by shape"
+    return LabelUse(tuple(named), True, sentence, renamed=True)

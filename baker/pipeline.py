@@ -90,7 +90,7 @@ def bake_recorded(
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
-        track_table=describe_tracks(series.scans, organs),
+        track_table=describe_tracks(series.scans, organs, labels),
         origin=(float(origin[0]), float(origin[1]), float(origin[2])),
         up=alignment.up,
         unit=chosen.unit,
