@@ -3,12 +3,13 @@
 An organ that grows covers what it was: each point of the younger organ lies near the older one,
 however much longer that has become. So the mean distance from the younger to the older organ says
 how well they match, better than any distance both ways (docs/method.md has the figures). Leaving
-two organs unmatched costs what it takes to fold one back into its bud and unfold the other.
+two organs unmatched costs a share of what it takes to fold one back into its bud and unfold the
+other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -22,11 +23,11 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 SAMPLE = 400  # points of an organ that distances are measured with
-BUD_PRICE = 0.75  # price of an unmatched organ, as a share of its distance from its bud
-NO_BIRTH = (
-    0.2  # of its distance from its bud: a new piece as near as that to an organ is part of it
-)
-NO_LOSS = 0.75  # likewise for a piece that is gone: it would have been matched, had it been alone
+# What it costs to leave an organ alone, as a share of its distance from its bud.
+LOSS_PRICE, BIRTH_PRICE = 0.4, 0.75
+# An unmatched piece is part of an organ that covers it in the other scan (nearer than this share of
+# the piece's distance from its bud), but not in its own (this share of its distance from it there).
+NEAR, COVERED = 0.75, 0.5
 
 
 def consistent_labels(
@@ -51,7 +52,7 @@ def consistent_labels(
         second = _Organs(clouds[k], labels[k], root_points[k])
         pairs = {b: first.labels[a] for a, b in match_organs(first, second)}
         if not whole_organs:
-            pairs |= _pieces(second, first, pairs.keys(), NO_BIRTH)
+            pairs |= _pieces(second, first, {a: b for b, a in pairs.items()})
         names = {}
         for index, label in enumerate(second.labels):
             names[label] = pairs.get(index, born)
@@ -59,23 +60,30 @@ def consistent_labels(
         named.append(_rename(labels[k], names))
         if not whole_organs:
             later = _Organs(clouds[k], named[-1], root_points[k])
-            kept = {index for index, name in enumerate(first.labels) if name in later.labels}
-            for index, organ in _pieces(first, later, kept, NO_LOSS).items():
+            kept = {name: i for i, name in enumerate(first.labels) if name in later.labels}
+            for index, organ in _pieces(first, later, kept).items():
                 named = [np.where(scan == first.labels[index], organ, scan) for scan in named]
     return named
 
 
-def _pieces(scan: _Organs, other: _Organs, matched: Set[int], near: float) -> dict[int, int]:
+def _pieces(scan: _Organs, other: _Organs, twins: Mapping[int, int]) -> dict[int, int]:
     """The other scan's label that each unmatched piece of a scan lies on, if it lies on one.
 
-    near: on it is what lies nearer than this share of the piece's distance from its bud.
+    twins: which piece of the scan each organ of the other scan is, by label.
+
+    The organ must cover the piece in the other scan and leave it out in its own: a leaf that is
+    lost beside another one lies as far from that before as after.
     """
-    pieces = {}
+    matched, pieces = set(twins.values()), {}
     for piece, sample in enumerate(scan.samples):
-        if piece not in matched:
-            apart = [tree.query(sample)[0].mean() for tree in other.trees]
-            if min(apart) < near * scan.from_bud[piece]:
-                pieces[piece] = other.labels[int(np.argmin(apart))]
+        if piece in matched:
+            continue
+        apart = [tree.query(sample)[0].mean() for tree in other.trees]
+        organ = other.labels[int(np.argmin(apart))]
+        if organ in twins and min(apart) < NEAR * scan.from_bud[piece]:
+            beside = scan.trees[twins[organ]].query(sample)[0].mean()
+            if min(apart) < COVERED * beside:
+                pieces[piece] = organ
     return pieces
 
 
@@ -113,7 +121,7 @@ class _Organs:
 def match_organs(first: _Organs, second: _Organs) -> list[tuple[int, int]]:
     """Pairs of organs, by index; all others are born or lost."""
     costs = np.array([[tree.query(s)[0].mean() for tree in second.trees] for s in first.samples])
-    return assign_with_dummies(costs, BUD_PRICE * first.from_bud, BUD_PRICE * second.from_bud)
+    return assign_with_dummies(costs, LOSS_PRICE * first.from_bud, BIRTH_PRICE * second.from_bud)
 
 
 def _distance_from_bud(sample: NDArray[np.floating], stem: cKDTree) -> float:
