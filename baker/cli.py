@@ -60,6 +60,12 @@ class Decay(StrEnum):
     remove = "remove"
 
 
+class Colors(StrEnum):
+    scan = "scan"
+    segment = "segment"
+    none = "none"
+
+
 class Precision(StrEnum):
     auto = "auto"
     float32 = "float32"
@@ -107,6 +113,18 @@ def bake_command(
             min=0, metavar="N", help="A branch longer than N edges makes a fork (segment thin)."
         ),
     ] = None,
+    bud: Annotated[
+        int | None,
+        typer.Option(
+            min=1, metavar="L", help="Points a new organ unfolds from; 1 % of what it grows on."
+        ),
+    ] = None,
+    colors: Annotated[
+        Colors,
+        typer.Option(
+            help="Colours to carry: the scans' own, one for each scan's segments, or none."
+        ),
+    ] = Colors.scan,
     label_field: Annotated[
         str | None, typer.Option(metavar="NAME", help="The scans' field that holds the labels.")
     ] = None,
@@ -170,7 +188,9 @@ def bake_command(
         bifurcation=bifurcation,
         paper=paper,
         holdout=holdout,
+        bud=bud,
         decay=decay,
+        colors=colors,
         precision=precision,
         unit=unit,
         workers=workers,

@@ -30,7 +30,9 @@ class Options:
     bifurcation: int | None = None
     paper: bool = False
     holdout: int | None = None
+    bud: int | None = None
     decay: str = "fall"
+    colors: str = "scan"
     precision: str = "auto"
     unit: str = ""
     workers: int = 0

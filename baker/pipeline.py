@@ -19,6 +19,7 @@ from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options
+from baker.paint import painted
 from baker.recipe import recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import ReadOptions, Series, read_series
@@ -74,6 +75,7 @@ def bake_recorded(
     root = _local_root(series, chosen)
     bases = [root_point(cloud, vertical, root) for cloud in clouds]
     labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell)
+    keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     tell("matching", 0, len(hierarchies) - 1)
     matches = match_series(
         clouds,
@@ -194,7 +196,7 @@ def _intervals(
     sizes = []
     for k, match in enumerate(matches):
         tasks = interval_tasks(
-            (keyframes[k].positions, keyframes[k + 1].positions), match, organs[k]
+            (keyframes[k].positions, keyframes[k + 1].positions), match, organs[k], options.bud
         )
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]

@@ -30,8 +30,11 @@ def interval_tasks(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
     match: Match,
     organs: IntervalOrgans,
+    bud_points: int | None = None,
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
+
+    bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
     """
@@ -41,7 +44,7 @@ def interval_tasks(
         for a, b in match.pairs
     ]
     for segment in match.births:
-        bud = _bud(points, match, segment)
+        bud = _bud(points, match, segment, bud_points)
         tasks.append(Task("birth", organs.second[segment], bud, second.segments[segment]))
     nothing = np.empty(0, np.intp)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
@@ -52,6 +55,7 @@ def _bud(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
     match: Match,
     segment: int,
+    bud_points: int | None,
 ) -> NDArray[np.intp]:
     """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
 
@@ -72,5 +76,5 @@ def _bud(
         candidates = first.segments[ancestor]
     target = second.segments[base if len(second.segments[base]) else segment]
     distances, _ = cKDTree(points[1][target]).query(points[0][candidates])
-    count = int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
+    count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
     return candidates[np.argsort(distances, kind="stable")[:count]]

@@ -145,3 +145,28 @@ def test_progress_names_the_stages_in_order(write_scans):
         counts = [(done, total) for name, done, total in told if name == stage]
         assert counts == sorted(counts)
         assert counts[-1][0] == counts[-1][1]
+
+
+def test_a_bud_has_as_many_points_as_asked(write_scans):
+    clip = bake([write_scans()], replace(PLAIN, bud=3))
+    births = [p for k in clip.intervals for p in k.segments if p.event == "birth"]
+    assert births
+    assert all(pair.start_points == 3 for pair in births)
+
+
+def test_segment_colors_blend_from_scan_to_scan(write_scans):
+    """Labels numbered anew: an organ's colour differs between scans and blends on the way."""
+    folder = write_scans(labels="shuffled")
+    clip = bake([folder], replace(PLAIN, colors="segment"))
+    interval = clip.intervals[0]
+    for end, scan in ((interval.start_colors, 0), (interval.end_colors, 1)):
+        labels = np.loadtxt(folder / f"day{scan:02d}.txt")[:, 3]
+        assert len(np.unique(end, axis=0)) == len(np.unique(labels))
+    first, middle, last = (clip.at(t) for t in (1e-6, 0.5, 1 - 1e-6))
+    changed = (first.colors != last.colors).any(axis=1)
+    assert changed.any()
+    assert (middle.colors[changed] != first.colors[changed]).any(axis=1).all()
+
+
+def test_colors_can_be_left_out(write_scans):
+    assert not bake([write_scans()], replace(PLAIN, colors="none")).has_colors
