@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.grow.faults import Faults, misplace_labels, spoil_depth
 from baker.grow.model import Plant
+from baker.grow.output import TRUTH, whole_series
 from baker.grow.picture import View, take_picture
 
 UNIT = 0.125  # mm of one count of depth
@@ -57,28 +56,13 @@ def write_images(
     """
     plant = rosette(plan.seed)
     _check(plan, plant)
-    earlier = _earlier_files(folder)
-    if earlier and not force:
-        raise InputError(
-            f"'{folder}' already holds {earlier[0].name}; choose another folder, or --force to "
-            "replace what `grow` writes there."
-        )
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as draft:
-            _write(plan, plant, Path(draft), wrote)
-            for path in earlier:
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
-            folder.mkdir(exist_ok=True)
-            for path in sorted(Path(draft).iterdir()):
-                path.replace(folder / path.name)
-    except OSError as error:
-        raise InputError(f"'{folder}' can't be written: {error.strerror or error}.") from error
+    with whole_series(folder, _is_image, force) as draft:
+        _write(plan, plant, draft, wrote)
 
 
 def _write(plan: ImagePlan, plant: Plant, folder: Path, wrote: Callable[[str, int], None]) -> None:
     view = View.over(plan.size)
-    truth = folder / "truth"
+    truth = folder / TRUTH
     truth.mkdir()
     (folder / "camera.toml").write_text(_camera(view, plan))
     for day in range(plan.days):
@@ -152,13 +136,5 @@ def _check(plan: ImagePlan, plant: Plant) -> None:
         )
 
 
-def _earlier_files(folder: Path) -> list[Path]:
-    """What an earlier `grow`, or a camera, left in `folder`: images, camera file, truth."""
-    if not folder.exists():
-        return []
-    if not folder.is_dir():
-        raise InputError(f"'{folder}' is a file; `grow` writes a folder of images.")
-    ours = [path for path in sorted(folder.iterdir()) if path.is_file()]
-    images = [path for path in ours if path.suffix.lower() == ".png" or path.name == "camera.toml"]
-    truth = folder / "truth"
-    return [*images, truth] if truth.is_dir() else images
+def _is_image(path: Path) -> bool:
+    return path.suffix.lower() == ".png" or path.name == "camera.toml"

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import csv
-import shutil
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +14,7 @@ from baker.errors import InputError
 from baker.grow import plant
 from baker.grow.formats import WRITERS, record
 from baker.grow.model import Plant
-
-TRUTH = "truth"
+from baker.grow.output import TRUTH, whole_series
 
 
 @dataclass(frozen=True)
@@ -63,23 +60,8 @@ def write_series(
     days = scan_days(subject, plan)
     for day in plan.truth:
         _require_in_life(subject, day)
-    earlier = _earlier_files(folder)
-    if earlier and not force:
-        raise InputError(
-            f"'{folder}' already holds {earlier[0].name}; choose another folder, or --force to "
-            "replace what `grow` writes there."
-        )
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as draft:
-            _write(plan, subject, days, Path(draft), wrote)
-            for path in earlier:
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
-            folder.mkdir(exist_ok=True)
-            for path in sorted(Path(draft).iterdir()):
-                path.replace(folder / path.name)
-    except OSError as error:
-        raise InputError(f"'{folder}' can't be written: {error.strerror or error}.") from error
+    with whole_series(folder, lambda path: path.suffix[1:].lower() in WRITERS, force) as draft:
+        _write(plan, subject, days, draft, wrote)
 
 
 def scan_days(subject: Plant, plan: Plan) -> list[float]:
@@ -125,18 +107,6 @@ def _require_in_life(subject: Plant, day: float) -> None:
         raise InputError(
             f"day {day:g} is outside the life of this {subject.kind}, days {first:g} to {last:g}."
         )
-
-
-def _earlier_files(folder: Path) -> list[Path]:
-    """What an earlier `grow`, or a scanner, left in `folder`: scans and the folder of truths."""
-    if not folder.exists():
-        return []
-    if not folder.is_dir():
-        raise InputError(f"'{folder}' is a file; `grow` writes a folder of scans.")
-    ours = (path for path in sorted(folder.iterdir()) if path.is_file())
-    scans = [path for path in ours if path.suffix[1:].lower() in WRITERS]
-    truth = folder / TRUTH
-    return [*scans, truth] if truth.is_dir() else scans
 
 
 def _write(
