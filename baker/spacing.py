@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAMPLE = 20_000
+NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
+BATCH = 1000
 
 
 def point_spacing(points: NDArray[np.floating]) -> float:
@@ -22,12 +24,33 @@ def point_spacing(points: NDArray[np.floating]) -> float:
     return float(np.median(distances[:, 1]))
 
 
-def without_outliers(points: NDArray[np.floating], neighbors: int = 8) -> NDArray[np.bool_]:
-    """(N,) mask of the points that are not alone: k-th neighbour within ten times the median."""
+def lowest_point(points: NDArray[np.floating], heights: NDArray[np.floating]) -> int:
+    """Index of the lowest point of an (N, 3) cloud that is not alone.
+
+    Alone is a point whose 8th neighbour is more than ten times as far as is usual in the cloud.
+    """
     from scipy.spatial import cKDTree
 
-    k = min(neighbors, len(points) - 1)
+    order = np.argsort(heights, kind="stable")
+    k = min(NEIGHBORS, len(points) - 1)
+    if k < 1:
+        return int(order[0])
+    tree = cKDTree(points)
+    usual = np.median(tree.query(points[:: -(-len(points) // SAMPLE)], k=[k + 1])[0])
+    for first in range(0, len(order), BATCH):
+        batch = order[first : first + BATCH]
+        reach = tree.query(points[batch], k=[k + 1])[0][:, 0]
+        if (reach <= ALONE * usual).any():
+            return int(batch[np.argmax(reach <= ALONE * usual)])
+    return int(order[0])
+
+
+def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """(N,) mask of the points that are not alone, as `lowest_point` means it."""
+    from scipy.spatial import cKDTree
+
+    k = min(NEIGHBORS, len(points) - 1)
     if k < 1:
         return np.ones(len(points), bool)
     reach = cKDTree(points).query(points, k=[k + 1])[0][:, 0]
-    return reach <= 10.0 * np.median(reach)
+    return reach <= ALONE * np.median(reach)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
-from baker.spacing import point_spacing, without_outliers
+from baker.spacing import lowest_point, point_spacing
 from baker.vertical import Vertical
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
@@ -36,10 +36,12 @@ def hierarchy_from_labels(
         owner[members] = index
     first = names.index(root_label)
     spacing = point_spacing(points)
-    others = set(range(len(segments))) - {first}
-    if len(others) > 1 and _smallest_gap(points, segments, {first}, others)[0] > ALONE * spacing:
-        return under_virtual_root(labels)
     touching = _touching_gaps(points, owner, REACH * spacing)
+    others = set(range(len(segments))) - {first}
+    if len(others) > 1 and not any(first in pair for pair in touching):
+        gap, *_ = _smallest_gap(points, segments, {first}, others)
+        if gap > ALONE * spacing:
+            return under_virtual_root(labels)
     parents, notes = _grow_from(first, points, segments, touching, names)
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
 
@@ -53,8 +55,7 @@ def root_point(
     """
     if root is not None:
         return int(np.argmin(((points - root) ** 2).sum(axis=1)))
-    heights = np.where(without_outliers(points), vertical.height(points), np.inf)
-    return int(np.argmin(heights))
+    return lowest_point(points, vertical.height(points))
 
 
 def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float) -> Gaps:
