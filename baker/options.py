@@ -6,6 +6,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from baker.errors import InputError
+
+CHOICES = {
+    "align": ("auto", "icp", "none"),
+    "labels": ("auto", "consistent", "independent", "ignore"),
+    "segment": ("auto", "thin", "whole"),
+    "up": ("auto", "x", "y", "z", "-x", "-y", "-z"),
+    "transport": ("auto", "exact", "sinkhorn", "whole"),
+    "decay": ("fall", "fade", "remove"),
+    "colors": ("scan", "segment", "none"),
+    "precision": ("auto", "float32"),
+}
+
 
 @dataclass(frozen=True)
 class Options:
@@ -36,6 +49,17 @@ class Options:
     precision: str = "auto"
     unit: str = ""
     workers: int = 0
+
+    def __post_init__(self) -> None:
+        """Raises InputError naming the field, what was found and what is allowed."""
+        for name, allowed in CHOICES.items():
+            value = getattr(self, name)
+            if value not in allowed:
+                raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
+        for name in ("every", "neighbors", "graph_neighbors", "bud"):
+            value = getattr(self, name)
+            if value is not None and value < 1:
+                raise InputError(f"{name} is {value}; at least 1 is needed.")
 
     def provenance(self) -> dict[str, Any]:
         """The options that shape the clip, as JSON; paths only by name."""

@@ -131,6 +131,7 @@ def _told_by(series: Series, options: Options) -> Options:
     if series.fixed:
         align = "none" if options.align == "auto" else options.align
         options = replace(options, align=align, up="z" if options.up == "auto" else options.up)
+    options = replace(options, unit=options.unit or series.length)
     return options if options.root is not None else replace(options, root=series.root)
 
 

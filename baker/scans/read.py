@@ -116,6 +116,7 @@ def read_series(
         schedule.rule,
         schedule.unit,
         fixed=images is not None,
+        length="mm" if images else "",
         root="virtual" if images and images.has_labels and options.use_labels else None,
     )
 

@@ -51,6 +51,7 @@ class Series:
     fixed: whether all scans share one frame with z up, above the ground: those of a camera that
            stays where it is. Aligning them could only do harm.
     root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
+    length: the unit of lengths, "" where unknown.
     """
 
     scans: tuple[Scan, ...]
@@ -58,3 +59,4 @@ class Series:
     unit: str = "days"
     fixed: bool = False
     root: Literal["virtual"] | None = None
+    length: str = ""

@@ -170,3 +170,11 @@ def test_segment_colors_blend_from_scan_to_scan(write_scans):
 
 def test_colors_can_be_left_out(write_scans):
     assert not bake([write_scans()], replace(PLAIN, colors="none")).has_colors
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("decay", "rot"), ("up", "w"), ("align", "no"), ("bud", 0), ("every", 0)]
+)
+def test_options_that_are_none_are_refused(field, value):
+    with pytest.raises(InputError, match=f"{field} is"):
+        Options(**{field: value})
