@@ -101,5 +101,6 @@ def test_between_two_branches_the_nearer_one_bears_the_twig():
     one = rod([0.01, 0, 5], [4.01, 0, 5], 81)
     other = rod([0.02, 0.055, 5], [4.02, 0.055, 5], 81)
     twig = rod([2.015, 0.04, 5], [2.015, 0.04, 8], 61)  # 0.04 from the one, 0.015 from the other
-    points, labels = plant(STEM, one, other, twig)
+    stem = rod([0, 0.0275, 0], [0, 0.0275, 10], 201)  # nearer to both than they to one another
+    points, labels = plant(stem, one, other, twig)
     assert parents_by_label(hierarchy_from_labels(points, labels, 0))[3] == 2
