@@ -29,7 +29,7 @@ def run(command: str, work: Callable[[], None]) -> int:
         _say(command, str(error))
         return BAD_INPUT
     except KeyboardInterrupt:
-        _say(command, "stopped; nothing was written.")
+        _say(command, "stopped; nothing half-written is left behind.")
         return INTERRUPTED
     except BrokenPipeError:
         # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
