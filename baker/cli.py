@@ -2,73 +2,30 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from baker.options import (
+    Align,
+    Colors,
+    Decay,
+    Labels,
+    Options,
+    Precision,
+    Segment,
+    Transport,
+    Up,
+)
 from gclip.console import run_app
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from baker.options import Options
     from gclip.clip import Clip
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-class Align(StrEnum):
-    auto = "auto"
-    icp = "icp"
-    none = "none"
-
-
-class Labels(StrEnum):
-    auto = "auto"
-    consistent = "consistent"
-    independent = "independent"
-    ignore = "ignore"
-
-
-class Up(StrEnum):
-    auto = "auto"
-    x = "x"
-    y = "y"
-    z = "z"
-    minus_x = "-x"
-    minus_y = "-y"
-    minus_z = "-z"
-
-
-class Segment(StrEnum):
-    auto = "auto"
-    thin = "thin"
-
-
-class Transport(StrEnum):
-    auto = "auto"
-    exact = "exact"
-    sinkhorn = "sinkhorn"
-    whole = "whole"
-
-
-class Decay(StrEnum):
-    fall = "fall"
-    fade = "fade"
-    remove = "remove"
-
-
-class Colors(StrEnum):
-    scan = "scan"
-    segment = "segment"
-    none = "none"
-
-
-class Precision(StrEnum):
-    auto = "auto"
-    float32 = "float32"
 
 
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
@@ -169,8 +126,6 @@ def bake_command(
     ] = False,
 ) -> None:
     """Bake 3D scans of a growing plant into a growth clip."""
-    from baker.options import Options
-
     options = Options(
         align=align,
         labels=labels,

@@ -3,20 +3,74 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, Literal
 
 from baker.errors import InputError
 
-CHOICES = {
-    "align": ("auto", "icp", "none"),
-    "labels": ("auto", "consistent", "independent", "ignore"),
-    "segment": ("auto", "thin", "whole"),
-    "up": ("auto", "x", "y", "z", "-x", "-y", "-z"),
-    "transport": ("auto", "exact", "sinkhorn", "whole"),
-    "decay": ("fall", "fade", "remove"),
-    "colors": ("scan", "segment", "none"),
-    "precision": ("auto", "float32"),
+
+class Align(StrEnum):
+    auto = "auto"
+    icp = "icp"
+    none = "none"
+
+
+class Labels(StrEnum):
+    auto = "auto"
+    consistent = "consistent"
+    independent = "independent"
+    ignore = "ignore"
+
+
+class Up(StrEnum):
+    auto = "auto"
+    x = "x"
+    y = "y"
+    z = "z"
+    minus_x = "-x"
+    minus_y = "-y"
+    minus_z = "-z"
+
+
+class Segment(StrEnum):
+    auto = "auto"
+    thin = "thin"
+
+
+class Transport(StrEnum):
+    auto = "auto"
+    exact = "exact"
+    sinkhorn = "sinkhorn"
+    whole = "whole"
+
+
+class Decay(StrEnum):
+    fall = "fall"
+    fade = "fade"
+    remove = "remove"
+
+
+class Colors(StrEnum):
+    scan = "scan"
+    segment = "segment"
+    none = "none"
+
+
+class Precision(StrEnum):
+    auto = "auto"
+    float32 = "float32"
+
+
+CHOICES: dict[str, type[StrEnum]] = {
+    "align": Align,
+    "labels": Labels,
+    "segment": Segment,
+    "up": Up,
+    "transport": Transport,
+    "decay": Decay,
+    "colors": Colors,
+    "precision": Precision,
 }
 
 
@@ -54,7 +108,7 @@ class Options:
         """Raises InputError naming the field, what was found and what is allowed."""
         for name, allowed in CHOICES.items():
             value = getattr(self, name)
-            if value not in allowed:
+            if value not in tuple(allowed):
                 raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
         for name in ("every", "neighbors", "graph_neighbors", "bud"):
             value = getattr(self, name)

@@ -29,8 +29,8 @@ class Recipe:
 
 def recipe_for(options: Options) -> Recipe:
     """What to do under these options; `options.paper` turns "auto" into the paper's own way."""
-    whole = options.transport == "whole" or options.segment == "whole"
-    method = "auto" if options.transport == "whole" else options.transport
+    whole = options.transport == "whole"
+    method = "auto" if whole else options.transport
     if options.paper:
         return Recipe(
             align="icp" if options.align == "auto" else options.align,
