@@ -30,6 +30,9 @@ class Film:
     seconds: length; None fits it to the number of scans.
     turning: the camera goes round the plant once, and ends where it began.
     at:      the days of still pictures, one each; empty films real time, first to last scan.
+    every:   the time between two frames, in the clip's unit, from the first scan on; None spreads
+             the frames over the film's length.
+    title:   what the plant is called in the picture or on the page, "" where nothing was said.
     """
 
     size: tuple[int, int] = (1280, 720)
@@ -38,6 +41,8 @@ class Film:
     turning: bool = False
     style: Style = field(default_factory=Style)
     at: tuple[float, ...] = ()
+    every: float | None = None
+    title: str = ""
 
     @property
     def aspect(self) -> float:
@@ -45,11 +50,15 @@ class Film:
 
     def length(self, clip: Clip) -> float:
         """In seconds."""
+        if self.every is not None:
+            return self.frame_count(clip) / self.fps
         if self.seconds is not None:
             return self.seconds
         return min(max(SECONDS_AN_INTERVAL * len(clip.intervals), SHORTEST), LONGEST)
 
     def frame_count(self, clip: Clip) -> int:
+        if self.every is not None:
+            return 1 + math.floor((clip.times[-1] - clip.times[0]) / self.every + 1e-9)
         return len(self.at) or max(1, round(self.length(clip) * self.fps))
 
     def days(self, clip: Clip) -> list[float]:
@@ -57,6 +66,8 @@ class Film:
         if self.at:
             return list(self.at)
         count, first, last = self.frame_count(clip), clip.times[0], clip.times[-1]
+        if self.every is not None:
+            return [min(first + i * self.every, last) for i in range(count)]
         if count == 1:
             return [last]
         moving = 1.0 - HELD_FIRST - HELD_LAST
