@@ -76,6 +76,16 @@ def bake_command(
             min=1, metavar="L", help="Points a new organ unfolds from; 1 % of what it grows on."
         ),
     ] = None,
+    fill: Annotated[
+        float | None,
+        typer.Option(
+            min=0,
+            max=10,
+            metavar="SHARE",
+            help="Movers to add at most where they would be sparse between scans; usually 1, "
+            "as many again as there are.",
+        ),
+    ] = None,
     colors: Annotated[
         Colors,
         typer.Option(
@@ -144,6 +154,7 @@ def bake_command(
         paper=paper,
         holdout=holdout,
         bud=bud,
+        fill=fill,
         decay=decay,
         colors=colors,
         precision=precision,

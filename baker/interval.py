@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.density import surface_half_way
 from baker.tasks import Task
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
@@ -20,10 +21,12 @@ class Keyframe:
     """An aligned scan, all that the movers need of it.
 
     positions: (N, 3) float32 about the clip's origin; colors: (N, 4) uint8 sRGB, or None.
+    surface:   (N,) what each point stands for, square lengths; None where density is left as it is.
     """
 
     positions: NDArray[np.float32]
     colors: NDArray[np.uint8] | None
+    surface: NDArray[np.floating] | None = None
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,7 @@ class Moved:
 
     movers: Movers
     pair: SegmentPair
+    surface: NDArray[np.floating] | None = None
 
 
 def solve_task(
@@ -66,7 +70,9 @@ def solve_task(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
     )
     pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    return Moved(movers, pair)
+    return Moved(
+        movers, pair, surface_half_way(start.surface, a, end.surface, b, task.event == "birth")
+    )
 
 
 def _movers(

@@ -98,6 +98,7 @@ class Options:
     paper: bool = False
     holdout: int | None = None
     bud: int | None = None
+    fill: float | None = None
     decay: str = "fall"
     colors: str = "scan"
     precision: str = "auto"
@@ -110,6 +111,8 @@ class Options:
             value = getattr(self, name)
             if value not in tuple(allowed):
                 raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
+        if self.fill is not None and not 0 <= self.fill <= 10:
+            raise InputError(f"fill is {self.fill}; from 0 to 10 is allowed.")
         for name in ("every", "neighbors", "graph_neighbors", "bud"):
             value = getattr(self, name)
             if value is not None and value < 1:

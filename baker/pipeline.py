@@ -14,20 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align import Alignment, align
+from baker.density import point_surface, with_even_density
 from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options
 from baker.paint import painted
-from baker.recipe import recipe_for
+from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import ReadOptions, Series, read_series
 from baker.segment.given import root_point
 from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
 from baker.tasks import interval_tasks
-from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from baker.workers import worker_count
 from gclip.clip import Clip, Interval, Motion, ScanMark
@@ -86,7 +86,7 @@ def bake_recorded(
     )
     organs, named = follow_organs(matches, labels.consistent)
     intervals, spacing, floor = _intervals(
-        series, keyframes, matches, named, vertical, recipe.transport, chosen, tell
+        series, keyframes, matches, named, vertical, recipe, chosen, tell
     )
     origin = series.scans[0].origin
     clip = Clip(
@@ -180,7 +180,7 @@ def _intervals(
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     vertical: Vertical,
-    transport: TransportOptions,
+    recipe: Recipe,
     options: Options,
     tell: Progress,
 ) -> tuple[tuple[Interval, ...], float, float]:
@@ -188,11 +188,13 @@ def _intervals(
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     solve = partial(
         solve_task,
-        transport=transport,
+        transport=recipe.transport,
         decay=Motion(options.decay),
         vertical=vertical,
         floor=floor,
     )
+    if recipe.fill:
+        keyframes = [replace(f, surface=point_surface(f.positions)) for f in keyframes]
     jobs: list[Callable[[], Moved]] = []
     sizes = []
     for k, match in enumerate(matches):
@@ -212,7 +214,9 @@ def _intervals(
             pack_interval(
                 series.scans[k].time,
                 series.scans[k + 1].time,
-                [m.movers for m in solved],
+                with_even_density(
+                    [m.movers for m in solved], [m.surface for m in solved], recipe.fill
+                ),
                 spacing=spacing,
                 precision=options.precision,
                 segments=tuple(m.pair for m in solved),

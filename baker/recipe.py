@@ -18,6 +18,7 @@ class Recipe:
     match_by_shape:  organs numbered anew are matched all at once; else down the hierarchies.
     rules:           of matching down the hierarchies.
     transport:       of each pair of segments.
+    fill:            movers to add at most where they would be sparse, as a share of all.
     """
 
     align: str
@@ -25,6 +26,7 @@ class Recipe:
     match_by_shape: bool
     rules: GreedyRules
     transport: TransportOptions
+    fill: float
 
 
 def recipe_for(options: Options) -> Recipe:
@@ -43,6 +45,7 @@ def recipe_for(options: Options) -> Recipe:
                 neighbors=options.neighbors,
                 feasible=False,
             ),
+            fill=options.fill or 0.0,
         )
     return Recipe(
         align=options.align,
@@ -50,4 +53,5 @@ def recipe_for(options: Options) -> Recipe:
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
+        fill=1.0 if options.fill is None else options.fill,
     )

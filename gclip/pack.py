@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,13 +44,15 @@ def pack_interval(
     precision: str = "auto",
     segments: tuple[SegmentPair, ...] = (),
 ) -> Interval:
-    """Pack an interval's movers, all of one degree.
+    """Pack an interval's movers; curves of lower degree are raised to the highest there is.
 
     Positions become 16-bit integers in the interval's box, unless `precision` is "float32" or a
     quantisation step would be coarser than a hundredth of `spacing` (the point spacing).
     Each group is sorted along a Morton curve, then shuffled in blocks of 128: the GPU reads near
     where it just did, and a prefix of the group is a fair sample of it.
     """
+    degree = max((len(m.curve) - 1 for m in movers), default=1)
+    movers = [replace(m, curve=raised(m.curve, degree)) for m in movers]
     together = [_together([m for m in movers if m.motion is motion]) for motion in Motion]
     present = [m for m in together if m is not None and len(m)]
     low, high = _box([points for m in present for points in m.curve])
@@ -79,6 +81,16 @@ def pack_interval(
         end_colors=joined.end_colors,
         segments=segments,
     )
+
+
+def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
+    """The same Bézier curves with the control points of a higher degree (Farin 2002, 6.1)."""
+    for low in range(len(curve) - 1, degree):
+        inner = [
+            (curve[i - 1] * i + curve[i] * (low + 1 - i)) / (low + 1) for i in range(1, low + 1)
+        ]
+        curve = (curve[0], *inner, curve[-1])
+    return curve
 
 
 def _together(movers: Sequence[Movers]) -> Movers | None:

@@ -55,7 +55,7 @@ def test_a_lost_organ_decays_as_asked(write_scans, read_points, decay):
 
 
 def test_every_point_moves_and_movers_are_few(write_scans):
-    clip = bake([write_scans()], PLAIN)
+    clip = bake([write_scans()], replace(PLAIN, fill=0.0))
     for interval, first, second in zip(clip.intervals, clip.scans, clip.scans[1:], strict=False):
         buds = sum(100 for pair in interval.segments if pair.event == "birth")
         assert max(first.points, second.points) <= len(interval)
@@ -88,8 +88,9 @@ def test_the_same_input_gives_the_same_bytes(write_scans, tmp_path):
 
 
 def test_the_reversed_series_gives_the_reversed_motion(write_scans):
-    forward = bake([write_scans(name="forward")], PLAIN)
-    backward = bake([write_scans(name="backward", reverse=True)], PLAIN)
+    options = replace(PLAIN, fill=0.0)
+    forward = bake([write_scans(name="forward")], options)
+    backward = bake([write_scans(name="backward", reverse=True)], options)
     last = forward.times[-1]
     shared = {"label 0", "label 1"}  # there in all scans: matched, never born or lost
     for day in (0.25, 0.5, 1.3):

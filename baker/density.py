@@ -1,0 +1,130 @@
+"""Movers by surface, not by scan: more of them where half-way through they would be sparse.
+
+A scan's points follow its scanner, and a segment has as many movers as the larger of its two sides
+has points. So half-way an organ that doubles is thinner than the stem beside it, and one that is
+being born is denser. Where movers are few for the surface that they stand for, more are put beside
+them: with the same ends, so that both scans show nothing but their own points, yet set apart
+between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip.evaluate import bernstein
+from gclip.pack import Movers, morton_codes, raised
+
+NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
+
+
+def point_surface(points: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Surface of each of (N, 3) points up to a factor: its eighth neighbour's distance squared.
+
+    Points that stand alone count no more than most do.
+    """
+    from scipy.spatial import cKDTree
+
+    k = min(NEIGHBORS, len(points) - 1)
+    if k < 1:
+        return np.ones(len(points))
+    reach = cKDTree(points).query(points, k=[k + 1])[0][:, 0] ** 2
+    return np.minimum(reach, np.quantile(reach, 0.98))
+
+
+def surface_half_way(
+    start: NDArray[np.floating] | None,
+    a: NDArray[np.integer],
+    end: NDArray[np.floating] | None,
+    b: NDArray[np.integer],
+    birth: bool = False,
+) -> NDArray[np.float64] | None:
+    """What each mover from point a to point b stands for half-way.
+
+    Movers that share a point share its surface; a bud has none. Lengths, not areas, are averaged.
+    """
+    if start is None or end is None:
+        return None
+    before = np.sqrt(start[a] / np.bincount(a)[a])
+    after = np.sqrt(end[b] / np.bincount(b)[b])
+    return (((0.0 if birth else before) + after) / 2) ** 2
+
+
+def with_even_density(
+    movers: Sequence[Movers], surfaces: Sequence[NDArray[np.floating] | None], growth: float
+) -> list[Movers]:
+    """An interval's movers, and up to `growth` times as many more where they are sparse.
+
+    movers:   of each task; surfaces: what each of them stands for, None for those left as they are.
+    growth:   movers to add, as a share of those there are.
+
+    The added movers of a task follow its own. Deterministic.
+    """
+    known = [surface for surface in surfaces if surface is not None]
+    density = _density(np.concatenate(known), growth) if known else 0.0
+    return [
+        own if surface is None else _filled(own, np.maximum(density * surface - 1, 0))
+        for own, surface in zip(movers, surfaces, strict=True)
+    ]
+
+
+def half_way(curve: Sequence[NDArray[np.floating]]) -> NDArray[np.floating]:
+    """(N, 3) positions at the middle of Bézier curves."""
+    weights = bernstein(len(curve) - 1, 0.5)
+    return np.tensordot(weights, np.stack(curve), axes=1)
+
+
+def _density(surface: NDArray[np.floating], growth: float) -> float:
+    """Movers per surface at which filling up to it adds `growth` times as many.
+
+    At most what the twentieth densest has: then all are even.
+    """
+    descending = np.sort(surface)[::-1].astype(float)
+    held = np.cumsum(descending)
+    if not held[-1] > 0:
+        return 0.0
+    # If the first n are filled up, `density * held[n - 1] - n` movers are added.
+    candidates = (growth * len(surface) + np.arange(1, len(surface) + 1)) / held
+    filled = int(np.flatnonzero(candidates * descending >= 1)[-1])
+    return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
+
+
+def _filled(movers: Movers, wanted: NDArray[np.floating]) -> Movers:
+    """The movers, and about `wanted` more of each, a little apart from it half-way."""
+    from scipy.spatial import cKDTree
+
+    middle = half_way(movers.curve)
+    own = _spread_out(middle, wanted)
+    if len(movers) <= NEIGHBORS or not len(own):
+        return movers
+    nearest = cKDTree(middle).query(middle[own], k=NEIGHBORS + 1)[1][:, 1:]
+    turn = np.arange(len(own)) - np.searchsorted(own, own)
+    partner = nearest[np.arange(len(own)), turn % NEIGHBORS]
+    start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
+    # A third of the way to the neighbour, whose own addition may come as far towards this one;
+    # half-way the ends keep a weight of 2 / 2 ** degree.
+    share = 1 / (3 * (1 + turn // NEIGHBORS)) / (1 - 2.0 ** -len(control))
+    shift = (middle[partner] - middle[own]) * share[:, None]
+    colors, target = movers.start_colors, movers.end_colors
+    return replace(
+        movers,
+        curve=(
+            np.concatenate([start, start[own]]),
+            *(np.concatenate([points, points[own] + shift]) for points in control),
+            np.concatenate([end, end[own]]),
+        ),
+        tracks=np.concatenate([movers.tracks, movers.tracks[own]]),
+        start_colors=None if colors is None else np.concatenate([colors, colors[own]]),
+        end_colors=None if target is None else np.concatenate([target, target[own]]),
+    )
+
+
+def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
+    """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
+    order = np.argsort(morton_codes(points), kind="stable")
+    reached = np.cumsum(wanted[order])
+    steps = np.arange(0.5, reached[-1], 1.0) if len(order) else np.empty(0)
+    return np.sort(order[np.searchsorted(reached, steps)])

@@ -1,0 +1,186 @@
+"""In-between states against a grown plant's truth: `python -m bench.truth [KIND ...] [--seeds N]`.
+
+`grow` plants are known at every instant. Each is scanned on its usual days, baked with `--paper`
+and with our own choices, and what `Clip.at` says between the scans is compared with the plant:
+
+error     mean distance rebuilt to true surface and back, at a quarter, half and three quarters of
+          every interval, above the floor of another scan of the same size; in % of the plant's
+          size. RATIO is ours over the paper's.
+length    of each organ, relative to the truth's, both by the same measure: the mean of the farther
+          half of its points' distances from its base along the organ; mean and worst.
+area      likewise, by the tenth neighbour's distance.
+falls     the largest loss of height from one of 50 instants to the next, in % of the height.
+gap       the farthest that an organ's base gets from its parent above the larger gap of the two
+          scans, in point spacings, at 50 instants.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker import Options, bake
+from baker.grow import plant
+from baker.grow.cli import main as grow
+
+if TYPE_CHECKING:
+    from baker.grow.model import Plant
+    from gclip import Clip
+
+Cloud = NDArray[np.float32]
+INSTANTS, SMALL, NEAREST = 50, 60, 10
+SHARES = (0.25, 0.5, 0.75)
+
+
+def distance(first: Cloud, second: Cloud) -> float:
+    """The mean distance of two clouds, both ways, halved."""
+    from scipy.spatial import cKDTree
+
+    return (
+        float(cKDTree(first).query(second)[0].mean() + cKDTree(second).query(first)[0].mean()) / 2
+    )
+
+
+def errors(clip: Clip, subject: Plant) -> float:
+    """Mean error between the scans above the floor, as a share of the plant's size."""
+    found = []
+    for interval in clip.intervals:
+        for share in SHARES:
+            day = interval.start + share * (interval.end - interval.start)
+            rebuilt = np.unique(clip.at(day).positions, axis=0)
+            count = round(
+                (1 - share) * len(subject.cloud(interval.start))
+                + share * len(subject.cloud(interval.end))
+            )
+            rebuilt = rebuilt[np.random.default_rng(0).permutation(len(rebuilt))[:count]]
+            truth = subject.cloud(day, points=30_000, noise=0.0, colors=False).points
+            again = subject.cloud(day, points=len(rebuilt), seed=7, colors=False).points
+            found.append(distance(rebuilt, truth) - distance(again, truth))
+    return float(np.mean(found)) / size(subject, clip.times[-1])
+
+
+def size(subject: Plant, day: float) -> float:
+    return float(np.ptp(subject.cloud(day, colors=False).points, axis=0).max())
+
+
+def length(points: Cloud, base: NDArray[np.float64]) -> float:
+    """Mean geodesic distance from the base of an organ's farther half of points."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
+
+    apart, nearest = cKDTree(points).query(points, k=NEAREST)
+    rows = np.repeat(np.arange(len(points)), NEAREST)
+    graph = coo_matrix((apart.ravel(), (rows, nearest.ravel())), (len(points),) * 2).tocsr()
+    start = int(np.argmin(((points - base) ** 2).sum(axis=1)))
+    reach = dijkstra(graph, directed=False, indices=start)
+    reach = np.sort(reach[np.isfinite(reach)])
+    return float(reach[len(reach) // 2 :].mean())
+
+
+def area(points: Cloud) -> float:
+    """Surface of an organ: of every point the share of the disc that its neighbours span."""
+    from scipy.spatial import cKDTree
+
+    reach = cKDTree(points).query(points, k=[NEAREST + 1])[0][:, 0]
+    return float((np.pi * reach**2).sum() / NEAREST)
+
+
+def organs_measured(clip: Clip, subject: Plant) -> Iterator[tuple[float, float]]:
+    """Relative error of length and area of each leaf at each instant."""
+    names = {
+        track.id: int(track.name.split()[-1])
+        for track in clip.track_table
+        if track.parent is not None
+    }
+    for day in np.linspace(clip.times[0], clip.times[-1], 22)[1:-1]:
+        frame = clip.at(day)
+        truth = {organ.label: organ for organ in subject.organs(day)}
+        cloud = subject.cloud(day, points=len(frame), colors=False)
+        for track, label in names.items():
+            mine = np.unique(frame.positions[frame.tracks == track], axis=0)
+            real = cloud.points[cloud.labels == label]
+            count = min(len(mine), len(real), 3000)
+            if label not in truth or count < SMALL:
+                continue
+            rng = np.random.default_rng(0)
+            mine, real = (x[rng.permutation(len(x))[:count]] for x in (mine, real))
+            base = np.asarray(truth[label].base)
+            yield (length(mine, base) / length(real, base) - 1, area(mine) / area(real) - 1)
+
+
+def falls(clip: Clip) -> float:
+    """The largest loss of height between instants, as a share of the final height."""
+    heights = [
+        float(np.quantile(clip.at(day).positions[:, 2], 0.999))
+        for day in np.linspace(clip.times[0], clip.times[-1], INSTANTS)
+    ]
+    return max(0.0, float(-np.diff(heights).min())) / max(heights)
+
+
+def gaps(clip: Clip) -> float:
+    """How much farther than at the scans an organ's base gets from its parent, in spacings."""
+    from scipy.spatial import cKDTree
+
+    worst = 0.0
+    for interval in clip.intervals:
+        step = (interval.end - interval.start) / INSTANTS
+        days = np.linspace(interval.start + 1e-6 * step, interval.end - 1e-6 * step, INSTANTS)
+        spans: dict[int, list[float]] = {}
+        for day in days:
+            frame = clip.at(day)
+            for track in clip.track_table:
+                mine = frame.local[frame.tracks == track.id]
+                parent = (
+                    frame.local[frame.tracks == track.parent]
+                    if track.parent is not None
+                    else mine[:0]
+                )
+                if len(mine) and len(parent):
+                    gap = float(cKDTree(parent).query(mine)[0].min())
+                    spans.setdefault(track.id, []).append(gap)
+        for gap_of in spans.values():
+            worst = max(worst, max(gap_of) - max(gap_of[0], gap_of[-1]))
+    return worst / clip.spacing
+
+
+def judged(kind: str, seed: int) -> None:
+    subject = plant(kind, seed)
+    with tempfile.TemporaryDirectory() as folder:
+        scans = Path(folder) / "scans"
+        grow([kind, str(scans), "--seed", str(seed), "-q"])
+        fixed = {"align": "none", "up": "z", "labels": "consistent"}
+        paper = errors(bake([scans], Options(paper=True, **fixed)), subject)
+        clip = bake([scans], Options(**fixed))
+    ours = errors(clip, subject)
+    lengths, surfaces = map(np.array, zip(*organs_measured(clip, subject), strict=True))
+    print(
+        f"{kind:8s} {seed:4d} {100 * paper:6.2f} {100 * ours:6.2f} {ours / paper:6.2f}"
+        f" {100 * np.abs(lengths).mean():6.1f} {100 * np.abs(lengths).max():6.1f}"
+        f" {100 * np.abs(surfaces).mean():6.1f} {100 * np.abs(surfaces).max():6.1f}"
+        f" {100 * falls(clip):6.2f} {gaps(clip):6.2f}",
+        flush=True,
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("kinds", nargs="*", default=["maize", "tomato", "tree"])
+    parser.add_argument("--seeds", type=int, default=2, help="plants of each kind")
+    args = parser.parse_args()
+    print("kind     seed  paper   ours  RATIO length  worst   area  worst  falls    gap")
+    for kind in args.kinds:
+        for seed in range(args.seeds):
+            judged(kind, seed)
+
+
+if __name__ == "__main__":
+    main()

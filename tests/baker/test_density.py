@@ -1,0 +1,104 @@
+"""Movers are spread by the surface they stand for, and the scans stay what they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from baker import Options, bake
+from baker.density import half_way, point_surface, surface_half_way, with_even_density
+from gclip.clip import Motion
+from gclip.pack import Movers, raised
+
+
+def movers(start, end, track=0, motion=Motion.MOVE):
+    return Movers(motion, (start, end), np.full(len(start), track))
+
+
+def sheet(count, width, seed=0):
+    points = np.random.default_rng(seed).random((count, 3)) * [width, 1.0, 0.0]
+    return points.astype(np.float32)
+
+
+@pytest.fixture
+def stem_and_leaf():
+    """A stem that stays, and a leaf as dense as the stem that grows to nine times its length."""
+    stem, leaf = sheet(900, 1.0), sheet(300, 1 / 3, seed=1)
+    tasks = [movers(stem, stem), movers(leaf, leaf * np.float32([9, 1, 1]) + [2, 0, 0], track=1)]
+    return tasks, [np.ones(900), np.full(300, 4.0)]
+
+
+def test_sparse_organs_gain_movers_in_proportion_to_their_surface(stem_and_leaf):
+    tasks, surfaces = stem_and_leaf
+    stem, leaf = with_even_density(tasks, surfaces, growth=2.0)
+    assert len(stem) == 900
+    assert len(leaf) == pytest.approx(1200, abs=2)
+
+
+def test_no_more_movers_than_allowed(stem_and_leaf):
+    tasks, surfaces = stem_and_leaf
+    filled = with_even_density(tasks, surfaces, growth=0.25)
+    assert sum(map(len, filled)) == pytest.approx(1200 + 300, abs=2)
+
+
+def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_leaf):
+    tasks, surfaces = stem_and_leaf
+    leaf = with_even_density(tasks, surfaces, growth=2.0)[1]
+    start, _, end = leaf.curve
+    ends = {(*a, *b) for a, b in zip(start.tolist(), end.tolist(), strict=True)}
+    assert len(ends) == 300
+    assert len(np.unique(half_way(leaf.curve), axis=0)) == len(leaf)
+
+
+def test_lost_organs_are_left_as_they_are():
+    fallen = movers(sheet(50, 1.0), sheet(50, 1.0), motion=Motion.FALL)
+    assert with_even_density([fallen], [None], growth=1.0) == [fallen]
+
+
+def test_even_movers_stay_as_they_are(stem_and_leaf):
+    tasks, _ = stem_and_leaf
+    filled = with_even_density(tasks, [np.ones(900), np.ones(300)], growth=1.0)
+    assert [len(own) for own in filled] == [900, 300]
+
+
+def test_movers_that_share_a_point_share_its_surface():
+    surface = surface_half_way(
+        np.array([4.0]), np.array([0, 0]), np.array([2.0, 2.0]), np.arange(2)
+    )
+    assert surface == pytest.approx([2.0, 2.0])
+
+
+def test_a_bud_has_no_surface():
+    whole = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
+    born = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3), birth=True)
+    assert born == pytest.approx(whole / 4)
+
+
+def test_surface_follows_spacing_and_caps_outliers():
+    dense, sparse = sheet(2000, 1.0), sheet(500, 1.0, seed=1) + np.float32([5, 0, 0])
+    far = np.float32([[100, 100, 100]])
+    surface = point_surface(np.concatenate([dense, sparse, far]))
+    assert np.median(surface[2000:2500]) == pytest.approx(4 * np.median(surface[:2000]), rel=0.2)
+    assert surface[-1] <= surface[:-1].max()
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_raised_curves_are_the_same_curves(degree):
+    curve = (np.float32([[0, 0, 0]]), np.float32([[2, 4, 6]]))
+    assert half_way(raised(curve, degree)) == pytest.approx(half_way(curve))
+    assert half_way(raised(raised(curve, 2), 3)) == pytest.approx(half_way(curve))
+
+
+@pytest.mark.parametrize("fill", [0.0, 1.0])
+def test_scans_are_kept_whatever_is_added(tmp_path, fill):
+    leaf = sheet(200, 1.0)
+    for day, stretch in enumerate((1.0, 4.0)):
+        points = np.concatenate([sheet(300, 0.2) * [1, 1, 1] - [0.2, 0, 0], leaf * [stretch, 1, 1]])
+        labels = np.repeat([0, 1], [300, 200])
+        np.savetxt(tmp_path / f"day{day}.txt", np.c_[points, labels], fmt="%.6f %.6f %.6f %d")
+    clip = bake([tmp_path], Options(align="none", fill=fill))
+    for day in (0, 1):
+        scan = np.loadtxt(tmp_path / f"day{day}.txt")[:, :3]
+        found = np.unique(np.round(clip.at(day).positions, 3), axis=0)
+        assert len(found) == pytest.approx(len(np.unique(np.round(scan, 3), axis=0)), rel=0.01)
+    assert (len(clip.intervals[0]) > 500) == (fill > 0)
