@@ -94,20 +94,13 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
 
 def _filled(movers: Movers, wanted: NDArray[np.floating]) -> Movers:
     """The movers, and about `wanted` more of each, a little apart from it half-way."""
-    from scipy.spatial import cKDTree
-
     middle = half_way(movers.curve)
     own = _spread_out(middle, wanted)
     if len(movers) <= NEIGHBORS or not len(own):
         return movers
-    nearest = cKDTree(middle).query(middle[own], k=NEIGHBORS + 1)[1][:, 1:]
-    turn = np.arange(len(own)) - np.searchsorted(own, own)
-    partner = nearest[np.arange(len(own)), turn % NEIGHBORS]
     start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
-    # A third of the way to the neighbour, whose own addition may come as far towards this one;
-    # half-way the ends keep a weight of 2 / 2 ** degree.
-    share = 1 / (3 * (1 + turn // NEIGHBORS)) / (1 - 2.0 ** -len(control))
-    shift = (middle[partner] - middle[own]) * share[:, None]
+    # Half-way the ends keep a weight of 2 / 2 ** degree.
+    shift = _aside(movers, middle, own) / (1 - 2.0 ** -len(control))
     colors, target = movers.start_colors, movers.end_colors
     return replace(
         movers,
@@ -120,6 +113,40 @@ def _filled(movers: Movers, wanted: NDArray[np.floating]) -> Movers:
         start_colors=None if colors is None else np.concatenate([colors, colors[own]]),
         end_colors=None if target is None else np.concatenate([target, target[own]]),
     )
+
+
+def _aside(
+    movers: Movers, middle: NDArray[np.floating], own: NDArray[np.intp]
+) -> NDArray[np.floating]:
+    """(n, 3) how far the additions are from their movers half-way.
+
+    Movers from one point spread out, movers to one point draw together: an addition keeps that
+    order where it goes on from the others through its mover. A mover that shares no point has it
+    on the way to a neighbour.
+    """
+    from scipy.spatial import cKDTree
+
+    shared = (
+        middle
+        - (_mean_of_twins(movers.curve[0], middle) + _mean_of_twins(movers.curve[-1], middle)) / 2
+    )
+    turn = np.arange(len(own)) - np.searchsorted(own, own)
+    lonely = ~shared[own].any(axis=1)
+    nearest = cKDTree(middle).query(middle[own[lonely]], k=NEIGHBORS + 1)[1][:, 1:]
+    partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
+    shift = 2 * shared[own]
+    # A third of the way: the neighbour's own addition may come as far towards this one.
+    shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
+    return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
+
+
+def _mean_of_twins(
+    ends: NDArray[np.floating], values: NDArray[np.floating]
+) -> NDArray[np.floating]:
+    """(N, 3) each mover's mean of `values` over all movers that have the same end."""
+    _, twin, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    twin = twin.reshape(-1)
+    return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1)[twin]
 
 
 def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
