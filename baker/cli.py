@@ -42,7 +42,11 @@ def bake_command(
         Labels, typer.Option(help="Do labels name the same organs in all scans?")
     ] = Labels.auto,
     segment: Annotated[
-        Segment, typer.Option(help="auto takes labels where there are any; thin cuts at forks.")
+        Segment,
+        typer.Option(
+            help="auto takes labels where there are any, else organs: stem, blades and branches; "
+            "thin cuts at forks."
+        ),
     ] = Segment.auto,
     up: Annotated[Up, typer.Option(help="The axis along which the plant grows.")] = Up.auto,
     root: Annotated[
@@ -111,7 +115,7 @@ def bake_command(
         int, typer.Option(min=1, help="Neighbours in the transport's support (k).")
     ] = 15,
     graph_neighbors: Annotated[
-        int, typer.Option(min=1, help="Neighbours in the segmentation's graph (k).")
+        int, typer.Option(min=1, help="Neighbours in the graph of segment thin (k).")
     ] = 15,
     precision: Annotated[
         Precision, typer.Option(help="auto stores 16 bits a coordinate where that is fine enough.")

@@ -66,6 +66,21 @@ def use_of_labels(
     return LabelUse(tuple(labels), match_by_shape, sentence, renamed=match_by_shape)
 
 
+def labels_of_organs(
+    clouds: Sequence[NDArray[np.floating]],
+    numbers: Sequence[NDArray[np.int64]],
+    root_points: Sequence[int],
+    origin: str,
+) -> LabelUse:
+    """Organs that were found without labels, named the same in all scans.
+
+    numbers: (N,) of each scan. origin: why there were no labels, for the sentence.
+    """
+    named = consistent_labels(clouds, numbers, root_points)
+    sentence = f"{origin}: organs found and matched by shape"
+    return LabelUse(tuple(named), True, sentence, renamed=True)
+
+
 def labels_of_pieces(
     clouds: Sequence[NDArray[np.floating]],
     hierarchies: Sequence[Hierarchy],

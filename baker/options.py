@@ -35,6 +35,7 @@ class Up(StrEnum):
 
 class Segment(StrEnum):
     auto = "auto"
+    organs = "organs"
     thin = "thin"
 
 

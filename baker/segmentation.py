@@ -1,4 +1,4 @@
-"""The segmentation stage: labels where there are any and they are wanted, else forks."""
+"""The segmentation stage: labels where there are any and they are wanted, else organs or forks."""
 
 from __future__ import annotations
 
@@ -8,12 +8,17 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.labels import LabelUse, labels_of_pieces, use_of_labels
+from baker.labels import LabelUse, labels_of_organs, labels_of_pieces, use_of_labels
 from baker.options import Options
 from baker.recipe import Recipe
 from baker.scans import Scan
 from baker.segment.hierarchy import Hierarchy
-from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
+from baker.segment.series import (
+    labelled_hierarchies,
+    organ_numbers,
+    thin_hierarchies,
+    whole_hierarchies,
+)
 
 
 def segment_scans(
@@ -30,17 +35,20 @@ def segment_scans(
     """
     tell("segmentation", 0, len(clouds))
     done = partial(_tell_segmented, tell, len(clouds))
-    ignored = recipe.whole or options.segment == "thin"
+    ignored = recipe.whole or options.segment != "auto"
     wanted = "ignore" if ignored else options.labels
     labels = use_of_labels(scans, clouds, bases, wanted, recipe.match_by_shape)
     if recipe.whole:
         return labels, whole_hierarchies(clouds, done)
-    if labels.labels is None:
+    if labels.labels is None and _at_forks(recipe, options):
         k, threshold = options.graph_neighbors, options.bifurcation
         hierarchies = thin_hierarchies(clouds, bases, k, threshold, done)
         if not recipe.match_by_shape:
             return labels, hierarchies
         labels = labels_of_pieces(clouds, hierarchies, bases, labels.sentence)
+    elif labels.labels is None:
+        numbers = organ_numbers(clouds, bases, done)
+        labels = labels_of_organs(clouds, numbers, bases, labels.sentence)
     assert labels.labels is not None
     return labels, labelled_hierarchies(
         clouds,
@@ -50,6 +58,11 @@ def segment_scans(
         virtual_root=options.root == "virtual",
         done=done,
     )
+
+
+def _at_forks(recipe: Recipe, options: Options) -> bool:
+    """Whether to cut thin structures at their forks: as asked, or as the paper does."""
+    return options.segment == "thin" or (options.segment == "auto" and not recipe.match_by_shape)
 
 
 def _tell_segmented(tell: Callable[[str, int, int], None], total: int, done: int) -> None:

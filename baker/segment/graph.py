@@ -34,8 +34,22 @@ def spanning_tree(points: NDArray[np.floating], root: int, neighbors: int = 15) 
 
     Where the graph falls into parts they are joined by their shortest gaps (Borůvka's algorithm).
     """
-    from scipy.sparse.csgraph import breadth_first_order, connected_components
+    from scipy.sparse.csgraph import breadth_first_order
     from scipy.sparse.csgraph import minimum_spanning_tree as minimum_tree
+
+    graph, bridges, widest = connected_graph(points, neighbors)
+    order, parent = breadth_first_order(minimum_tree(graph), root, directed=False)
+    parent[root] = -1
+    return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
+
+
+def connected_graph(points: NDArray[np.floating], neighbors: int) -> tuple[csr_matrix, int, float]:
+    """The k-nearest-neighbour graph of (N, 3) points with its gaps bridged.
+
+    Returns undirected edges weighted by their lengths, each once, in the matrix's upper half; how
+    many gaps had to be bridged, and the widest of them.
+    """
+    from scipy.sparse.csgraph import connected_components
 
     graph = _neighbor_graph(points, neighbors)
     parts = connected_components(graph, directed=False)
@@ -45,9 +59,7 @@ def spanning_tree(points: NDArray[np.floating], root: int, neighbors: int = 15) 
         widest = max(widest, float(gaps.max()))
         graph = graph + joined
         parts = connected_components(graph, directed=False)
-    order, parent = breadth_first_order(minimum_tree(graph), root, directed=False)
-    parent[root] = -1
-    return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
+    return graph, bridges, widest
 
 
 def _neighbor_graph(points: NDArray[np.floating], neighbors: int) -> csr_matrix:
