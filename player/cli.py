@@ -41,6 +41,18 @@ class GroundChoice(StrEnum):
 
 
 AS_IT_IS = "\n\n\b\n"  # typer reflows a paragraph unless it begins like this
+
+
+def _list(wanted: bool) -> None:
+    """Print what can be exported, and leave."""
+    if wanted:
+        from player.export.formats import FORMATS
+
+        for one in FORMATS:
+            typer.echo(f"{one.example:18}{one.about}")
+        raise typer.Exit
+
+
 EPILOG = AS_IT_IS.join(
     [
         "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.",
@@ -57,10 +69,16 @@ def play_command(
         typer.Option(
             "--export",
             metavar="PATH",
-            help="Write film.mp4, film.gif, frames/%04d.png or still.png; needs no screen.",
+            help="Write film.mp4, still.png, plant.html, ...; see --list-exports.",
         ),
     ] = None,
     info: Annotated[bool, typer.Option("--info", help="Print what the clip holds.")] = False,
+    list_exports: Annotated[
+        bool,
+        typer.Option(
+            "--list-exports", help="List what can be exported.", is_eager=True, callback=_list
+        ),
+    ] = False,
     size: Annotated[
         str, typer.Option(metavar="WxH", help="Pixels, of the picture or the window.")
     ] = "1280x720",
@@ -69,6 +87,12 @@ def play_command(
         float | None,
         typer.Option(
             min=0.0, max=36000.0, help="Length of the film; 1.5 an interval if not given."
+        ),
+    ] = None,
+    every: Annotated[
+        float | None,
+        typer.Option(
+            metavar="T", help="One frame each T days (the clip's unit), instead of --seconds."
         ),
     ] = None,
     day: Annotated[
@@ -97,11 +121,16 @@ def play_command(
     floor: Annotated[
         bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
     ] = True,
+    title: Annotated[
+        str,
+        typer.Option(help="What to call the plant on the page; the output's name if not given."),
+    ] = "",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures."""
     days = tuple(day or ())
-    _check_finite(seconds=seconds, point_size=point_size, shading=shading)
+    _check_finite(seconds=seconds, every=every, point_size=point_size, shading=shading)
+    _check_every(every, seconds)
     for moment in days:
         _check_finite(day=moment)
     style = Style(
@@ -118,7 +147,7 @@ def play_command(
     if export is not None:
         from player.export import Film
 
-        film = Film(pixels, fps, seconds, camera is View.turntable, style, days)
+        film = Film(pixels, fps, seconds, camera is View.turntable, style, days, every, title)
         _export(clip, film, Path(export), quiet)
     elif info:
         from rich.console import Console
@@ -160,6 +189,13 @@ def _open(path: Path) -> Clip:
     import gclip
 
     return gclip.open(path)
+
+
+def _check_every(every: float | None, seconds: float | None) -> None:
+    if every is not None and every <= 0.0:
+        raise PlayerError(f"--every is {every:g}; a time above 0 is needed.")
+    if every is not None and seconds is not None:
+        raise PlayerError("--every and --seconds each say how many frames; give one of them.")
 
 
 def _check_finite(**options: float | None) -> None:

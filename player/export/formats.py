@@ -1,8 +1,10 @@
-"""What can be exported, by the suffix of the output's name."""
+"""What can be exported, by the suffix of the output's name: one table that all messages read."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,46 +19,77 @@ if TYPE_CHECKING:
     from gclip import Clip
     from player.render import Offscreen
 
-Progress = Callable[[int, int], None]  # frames drawn, frames in all
+Progress = Callable[[int, int], None]  # steps done, steps in all
 Writer = Callable[["Clip", Film, Path, Progress], None]
+Check = Callable[[Film], None]
+
+
+@dataclass(frozen=True)
+class Format:
+    """One way out.
+
+    example:  a name that asks for it; `about` says what it is and whom it is for.
+    write:    does it: whole or not at all.
+    check:    raises PlayerError, before any work, for a film that it can't hold.
+    sequence: numbered files, one a moment: the name has a place for a number.
+    picture:  drawn, so that size, colours and stamps count.
+    days:     how many --day it takes: 0, 1, or 2 for any number.
+    """
+
+    example: str
+    about: str
+    write: Writer
+    check: Check = lambda film: None
+    sequence: bool = False
+    picture: bool = False
+    days: int = 0
+
+    @property
+    def suffix(self) -> str:
+        return Path(self.example).suffix
 
 
 def export(
     clip: Clip, film: Film, path: Path, progress: Progress = lambda done, total: None
 ) -> None:
-    """Draw a film or a picture into `path`: whole or not at all.
+    """Write a clip's film, picture, page, geometry or table to `path`: whole or not at all.
 
     Raises PlayerError for an unknown suffix, a missing folder, a size or speed that the format
     can't hold, no OpenGL, or an encoder that fails.
     """
-    writer = format_of(path, film)
-    writer(clip, film, path, progress)
+    format_of(path, film).write(clip, film, path, progress)
 
 
-def format_of(path: Path, film: Film) -> Writer:
+def format_of(path: Path, film: Film) -> Format:
     """How to write `path`; refuses here, before any work, what can't come out well."""
-    writers = {".mp4": _mp4, ".gif": _gif, ".png": _png}
-    suffix = path.suffix.lower()
     if path.is_dir():
         raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
-    if suffix not in writers:
+    suffix = path.suffix.lower()
+    known = [one for one in FORMATS if one.suffix == suffix]
+    if not known:
+        names = ", ".join(one.example for one in FORMATS)
+        raise PlayerError(f'{path}: "{suffix}" is no known suffix; these are: {names}.')
+    numbered = any(one.sequence for one in known) and png.is_sequence(path)
+    fitting = [one for one in known if one.sequence == numbered]
+    if not fitting:
         raise PlayerError(
-            f'{path}: "{suffix}" is no known suffix; film.mp4, film.gif, still.png and '
-            "frames/%04d.png are."
+            f"{path.name}: one file a moment is written, so its name needs a number, "
+            f"like {known[0].example}."
         )
-    sequence = suffix == ".png" and png.is_sequence(path)
-    check_folder(path.parent if sequence else path)
-    if suffix == ".png" and not sequence:
-        if len(film.at) > 1:
-            raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
-        return _still
-    if film.at and suffix != ".png":
+    chosen = fitting[0]
+    check_folder(path.parent if chosen.sequence else path)
+    _check_moments(chosen, film, path)
+    chosen.check(film)
+    return chosen
+
+
+def _check_moments(chosen: Format, film: Film, path: Path) -> None:
+    if len(film.at) > 1 and chosen.days == 1:
+        raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
+    if film.at and not chosen.days:
         raise PlayerError(f"--day is for pictures, like still.png; {path.name} is a film.")
-    if suffix == ".mp4":
-        mp4.check(film)
-    if suffix == ".gif":
-        gif.check(film)
-    return writers[suffix]
+    if film.at and film.every is not None:
+        raise PlayerError("--day and --every each say which moments to show; give one of them.")
 
 
 def _mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -99,3 +132,23 @@ def _counted(film: Film, clip: Clip, offscreen: Offscreen, progress: Progress) -
     for done, picture in enumerate(film.frames(clip, offscreen), start=1):
         yield picture
         progress(done, total)
+
+
+def _from(module: str) -> Writer:
+    """`write` of a module of this package that is loaded only when it is asked for."""
+
+    def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+        import_module(f"player.export.{module}").write(clip, film, path, progress)
+
+    return write
+
+
+FORMATS: tuple[Format, ...] = (
+    Format("film.mp4", "film that plays everywhere (H.264)", _mp4, mp4.check, picture=True),
+    Format("film.gif", "film for pages and slides", _gif, gif.check, picture=True),
+    Format("still.png", "one picture", _still, picture=True, days=1),
+    Format(
+        "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
+    ),
+    Format("plant.html", "one page to turn and play in any browser, offline", _from("page")),
+)  # fmt: skip

@@ -1,0 +1,309 @@
+// The page: puts clip, clock, camera and renderer together and lets people touch them.
+
+const LEVELS = [[1, 1], [0.8, 1], [0.62, 0.7], [0.5, 0.45], [0.4, 0.25]];  // pixels, movers
+const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
+
+const byId = (id) => document.getElementById(id);
+
+function start(about, shaders) {
+    const clip = new Clip(about), canvas = byId("picture");
+    const renderer = new Renderer(canvas, clip, shaders);
+    const clock = new Clock(clip.times);
+    const camera = new Camera({ ...clip.home, target: [...clip.home.target] }, clip.up, clip.radius);
+    const look = {
+        light: clip.look.light, byTrack: clip.look.byTrack || !clip.colored, pointSize: 1, chosen: -1,
+    };
+    const state = { dirty: true, moved: 0, turning: clip.look.turning, level: 0, pace: 0, fitted: true };
+    const show = () => { state.dirty = true; };
+    const move = () => { state.dirty = true; state.fitted = false; state.moved = performance.now(); };
+
+    function fit() {
+        Object.assign(camera, clip.home, { target: [...clip.home.target] });
+        const { clientWidth: width, clientHeight: height } = canvas;
+        camera.fit(clip.outline, width / height, Math.max(1 - 130 / height, 0.4));
+        state.fitted = true;
+        show();
+    }
+
+    const actions = {
+        play: () => clock.toggle(),
+        previous: () => clock.step(-1),
+        next: () => clock.step(1),
+        back: () => clock.nudge(-0.01),
+        on: () => clock.nudge(0.01),
+        first: () => clock.go(clock.first),
+        last: () => clock.go(clock.last),
+        slower: () => clock.hasten(-1),
+        faster: () => clock.hasten(1),
+        fit,
+        turn: () => { state.turning = !state.turning; },
+        color: () => { look.byTrack = clip.colored ? !look.byTrack : true; },
+        ground: () => { look.light = !look.light; },
+        larger: () => { look.pointSize = Math.min(look.pointSize * 1.15, 20); },
+        smaller: () => { look.pointSize = Math.max(look.pointSize / 1.15, 0.05); },
+        organs: () => {
+            if (!byId("organs").childElementCount) listOrgans(clip, choose);
+            byId("organs").toggleAttribute("hidden");
+        },
+        fullscreen: () => (document.fullscreenElement
+            ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
+        help: () => byId("help").toggleAttribute("hidden"),
+        picture: () => { draw(1, [1, 1]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
+        leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
+    };
+    const act = (name) => { actions[name](); refresh(); show(); };
+
+    const page = arrange(clip, clock, (day) => { clock.go(day); refresh(); show(); });
+    function choose(track) {
+        look.chosen = look.chosen === track ? -1 : track;
+        refresh();
+        show();
+    }
+
+    function refresh() {
+        document.documentElement.dataset.ground = look.light ? "light" : "dark";
+        page.refresh(state.turning, look);
+    }
+
+    function draw(ratio, level) {
+        const pixels = Math.min(window.devicePixelRatio || 1, 2) * ratio;
+        const width = Math.max(Math.round(canvas.clientWidth * pixels * level[0]), 1);
+        const height = Math.max(Math.round(canvas.clientHeight * pixels * level[0]), 1);
+        if (canvas.width !== width || canvas.height !== height) {
+            Object.assign(canvas, { width, height });
+        }
+        renderer.draw(clock.day, camera, look, [width, height], level[1]);
+    }
+
+    // Fewer pixels and movers while things move on a slow machine; all of them at rest.
+    function paced(milliseconds) {
+        state.pace += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
+        if (state.pace > 3 && state.level < LEVELS.length - 1) {
+            state.level += 1;
+            state.pace = 0;
+        } else if (state.pace < -3) {
+            state.level = Math.max(state.level - 1, 0);
+            state.pace = 0;
+        }
+    }
+
+    let before = performance.now(), lively = false;
+    function frame(now) {
+        requestAnimationFrame(frame);
+        const passed = Math.min(now - before, 250);
+        before = now;
+        const needed = clip.locate(clock.day)[0];
+        const there = renderer.ready(needed);
+        if (needed + 1 < clip.intervals.length && there) renderer.ready(needed + 1);
+        if (needed > 0 && there) renderer.ready(needed - 1);
+        byId("waiting").hidden = there;
+        if (!there) return;
+        const moving = clock.playing || state.turning || now - state.moved < 200;
+        if (clock.playing) clock.tick(passed / 1000);
+        if (!renderer.ready(clip.locate(clock.day)[0])) return;
+        if (state.turning) camera.orbit((0.35 * passed) / 1000, 0);
+        if (moving && lively) paced(passed);
+        if (moving || state.dirty || lively) {
+            draw(1, moving ? LEVELS[state.level] : LEVELS[0]);
+            page.move();
+            state.dirty = false;
+        }
+        lively = moving;
+    }
+
+    listen(canvas, camera, { act, move, fit });
+    new ResizeObserver(() => (state.fitted ? fit() : show())).observe(canvas);
+    canvas.addEventListener("webglcontextlost", () => location.reload());
+    clock.playing = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    refresh();
+    fit();
+    requestAnimationFrame(frame);
+
+    // For tests and for scripts in the browser's console.
+    window.viewer = {
+        clip, clock, camera, look, act,
+        async seek(day) {
+            clock.playing = false;
+            act("leave");
+            clock.go(day);
+            const [index] = clip.locate(day);
+            for (const k of [index, index - 1]) if (k >= 0) await renderer.wait(k);
+            refresh();
+            draw(1, [1, 1]);
+            page.move();
+        },
+        positions: (day) => renderer.positions(day),
+    };
+}
+
+// The timeline and the buttons; gives what keeps them up to date.
+function arrange(clip, clock, go) {
+    const track = byId("track"), span = clip.last - clip.first;
+    byId("title").textContent = clip.title;
+    byId("facts").textContent = `${clip.times.length} scans, ${clip.tracks.length} organs`;
+    document.querySelector('[data-do="color"]').hidden = !clip.colored;
+    const labels = clip.shortDates, room = Math.max(...labels.map((text) => text.length)) * 7 + 16;
+    clip.times.forEach((time, i) => {
+        const mark = document.createElement("div");
+        mark.className = "mark";
+        mark.style.left = `${(100 * (time - clip.first)) / span}%`;
+        const label = document.createElement("span");
+        label.textContent = labels[i];
+        mark.append(label);
+        track.append(mark);
+    });
+
+    // Leave out labels that would run into the one before.
+    const spaced = () => {
+        let free = -Infinity;
+        track.querySelectorAll(".mark span").forEach((label, i) => {
+            const at = (track.clientWidth * (clip.times[i] - clip.first)) / span;
+            label.hidden = at < free;
+            if (!label.hidden) free = at + room;
+        });
+    };
+    new ResizeObserver(spaced).observe(track);
+
+    const dayAt = (event) => {
+        const { left, width } = track.getBoundingClientRect();
+        const day = clip.first + span * Math.min(Math.max((event.clientX - left) / width, 0), 1);
+        const near = clip.times.find((time) => Math.abs(time - day) < (5 * span) / width);
+        return near === undefined ? day : near;
+    };
+    let resume = false;
+    track.addEventListener("pointerdown", (event) => {
+        track.setPointerCapture(event.pointerId);
+        resume = clock.playing;
+        clock.playing = false;
+        go(dayAt(event));
+    });
+    track.addEventListener("pointermove", (event) => {
+        if (track.hasPointerCapture(event.pointerId)) go(dayAt(event));
+    });
+    track.addEventListener("lostpointercapture", () => { clock.playing = resume; go(clock.day); });
+
+    return {
+        move() {
+            const share = (clock.day - clip.first) / span, date = dateAt(clip, clock.day);
+            byId("passed").style.width = byId("knob").style.left = `${100 * share}%`;
+            if (byId("date").textContent !== date) byId("date").textContent = date;
+            byId("elapsed").textContent = elapsed(clip, clock.day);
+            track.setAttribute("aria-valuenow", share.toFixed(3));
+            track.setAttribute("aria-valuetext", date);
+        },
+        refresh(turning, look) {
+            document.body.classList.toggle("playing", clock.playing);
+            document.querySelector('[data-do="turn"]').classList.toggle("on", turning);
+            document.querySelector('[data-do="color"]').classList.toggle("on", look.byTrack);
+            byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
+            document.querySelectorAll("#organs button").forEach((button) =>
+                button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
+        },
+    };
+}
+
+function listOrgans(clip, choose) {
+    const list = byId("organs");
+    clip.tracks.forEach(({ name, color, born, lost }, id) => {
+        const button = document.createElement("button"), swatch = document.createElement("i");
+        const label = document.createElement("span"), life = document.createElement("small");
+        swatch.style.background = `rgb(${color.map(Number).join()})`;
+        label.textContent = name;
+        life.textContent = (born > clip.first ? dateAt(clip, born) : "")
+            + (lost === null ? "" : ` – ${dateAt(clip, lost)}`);
+        button.dataset.track = id;
+        button.append(swatch, label, life);
+        button.addEventListener("click", () => choose(id));
+        list.append(button);
+    });
+}
+
+function savePicture(canvas, name) {
+    canvas.toBlob((blob) => {
+        const link = document.createElement("a");
+        link.href = URL.createObjectURL(blob);
+        link.download = `${name.replace(/[^\w. -]+/g, "-")}.png`;
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    });
+}
+
+const KEYS = {
+    " ": "play", ArrowLeft: "back", ArrowRight: "on", PageUp: "previous", PageDown: "next",
+    Home: "first", End: "last", ArrowDown: "slower", ArrowUp: "faster", "[": "slower", "]": "faster",
+    f: "fit", t: "turn", F11: null, c: "color", g: "ground", "+": "larger", "=": "larger",
+    "-": "smaller", o: "organs", s: "picture", h: "help", "?": "help", Escape: "leave",
+};
+
+// One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.
+function listen(canvas, camera, { act, move, fit }) {
+    const pointers = new Map();
+    const middle = () => {
+        const [a, b] = [...pointers.values()];
+        return b ? [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, Math.hypot(a[0] - b[0], a[1] - b[1])] : null;
+    };
+    const about = (x, y) => {  // picture heights from the middle of the canvas
+        const { left, top, width, height } = canvas.getBoundingClientRect();
+        return [(x - left - width / 2) / height, (top + height / 2 - y) / height];
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        pointers.set(event.pointerId, [event.clientX, event.clientY]);
+        canvas.focus({ preventScroll: true });
+    });
+    canvas.addEventListener("pointermove", (event) => {
+        const last = pointers.get(event.pointerId);
+        if (!last) return;
+        const pinch = middle(), height = canvas.clientHeight;
+        const right = (event.clientX - last[0]) / height, down = (event.clientY - last[1]) / height;
+        pointers.set(event.pointerId, [event.clientX, event.clientY]);
+        if (pinch) {
+            const now = middle();
+            camera.pan((now[0] - pinch[0]) / height, (pinch[1] - now[1]) / height);
+            camera.zoom(now[2] / Math.max(pinch[2], 1), ...about(now[0], now[1]));
+        } else if (event.shiftKey || event.buttons & 6) {
+            camera.pan(right, -down);
+        } else {
+            camera.orbit(-Math.PI * right, Math.PI * down);
+        }
+        move();
+    });
+    const forget = (event) => pointers.delete(event.pointerId);
+    canvas.addEventListener("lostpointercapture", forget);
+    canvas.addEventListener("pointercancel", forget);
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("dblclick", fit);
+    canvas.addEventListener("wheel", (event) => {
+        event.preventDefault();
+        const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
+        camera.zoom(1.12 ** -Math.min(Math.max(notches, -5), 5), ...about(event.clientX, event.clientY));
+        move();
+    }, { passive: false });
+    document.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey) return;
+        const arrow = event.shiftKey && { ArrowLeft: "previous", ArrowRight: "next" }[event.key];
+        const name = arrow || KEYS[event.key] || KEYS[event.key.toLowerCase()];
+        if (!name || (event.key === " " && event.target.tagName === "BUTTON")) return;
+        event.preventDefault();
+        act(name);
+    });
+    document.querySelectorAll("[data-do]").forEach((button) =>
+        button.addEventListener("click", () => act(button.dataset.do)));
+}
+
+function complain(error) {
+    byId("waiting").hidden = true;
+    byId("trouble").hidden = false;
+    byId("trouble").textContent = error.message || String(error);
+}
+
+window.addEventListener("unhandledrejection", (event) => complain(event.reason));
+try {
+    if (typeof DecompressionStream === "undefined") {
+        throw new Error("This browser is too old to unpack the plant; one from 2023 or later can.");
+    }
+    const read = (id) => JSON.parse(byId(id).textContent);
+    start(read("clip"), read("shaders"));
+} catch (error) {
+    complain(error);
+}

@@ -1,0 +1,389 @@
+// Draws a clip at a time: the depth of the nearest surface; the movers on it summed as soft discs;
+// the distances smoothed; the shadow on the floor; light and background. Two passes over the movers.
+
+const DISC = 2.3;       // natural disc radius in closing distances
+const THICKNESS = 1.6;  // depth, in disc radii, over which discs count as one surface
+const SHADOW_SIDE = 192;
+const BUDGET = 384 << 20;  // bytes of movers kept on the GPU
+
+class Renderer {
+    // shaders: name -> GLSL; throws an Error whose message is for people.
+    constructor(canvas, clip, shaders) {
+        const options = { alpha: false, depth: false, antialias: false, desynchronized: false };
+        const gl = canvas.getContext("webgl2", { ...options, powerPreference: "high-performance" });
+        if (!gl) throw new Error("This browser has no WebGL 2, or it is switched off.");
+        const full = gl.getExtension("EXT_color_buffer_float");
+        if (!full && !gl.getExtension("EXT_color_buffer_half_float")) {
+            throw new Error("This graphics card can't draw into floating-point textures.");
+        }
+        this.fine = full && gl.getExtension("EXT_float_blend");
+        Object.assign(this, { gl, clip, shaders, canvas });
+        this.programs = new Map();
+        this.buffers = new Map();  // by interval, the longest unused first
+        this.loading = new Map();
+        this.used = 0;
+        this.empty = gl.createVertexArray();
+        this.targets = null;
+        this.shadowDay = null;
+        this.palette = this.makePalette();
+        this.shadows = [0, 1].map(() => this.target(
+            SHADOW_SIDE, SHADOW_SIDE, [gl.RG16F], gl.LINEAR));
+    }
+
+    // Fetch an interval to the GPU; true once it is there.
+    ready(index) {
+        const there = this.buffers.get(index);
+        if (there) {
+            this.buffers.delete(index);
+            this.buffers.set(index, there);
+            return true;
+        }
+        if (!this.loading.has(index)) {
+            const work = this.clip.load(index).then((data) => this.upload(index, data));
+            this.loading.set(index, work.finally(() => this.loading.delete(index)));
+        }
+        return false;
+    }
+
+    async wait(index) {
+        while (!this.ready(index)) await this.loading.get(index);
+    }
+
+    upload(index, { points, tracks, colors }) {
+        const gl = this.gl, { degree } = this.clip.intervals[index];
+        const array = gl.createVertexArray(), stored = [];
+        let bytes = 0;
+        gl.bindVertexArray(array);
+        const attribute = (location, data, point) => {
+            const buffer = gl.createBuffer();
+            gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+            gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+            gl.enableVertexAttribArray(location);
+            point(location);
+            stored.push(buffer);
+            bytes += data.byteLength;
+        };
+        points.forEach((data, i) => attribute(i, data, (at) =>
+            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, false, 0, 0)));
+        const kind = tracks.BYTES_PER_ELEMENT === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+        attribute(4, tracks, (at) => gl.vertexAttribIPointer(at, 1, kind, 0, 0));
+        colors.forEach((data, i) => attribute(5 + i, data, (at) =>
+            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_BYTE, true, 0, 0)));
+        gl.bindVertexArray(null);
+        this.buffers.set(index, { array, stored, bytes, degree, colored: colors.length > 0 });
+        this.used += bytes;
+        for (const [old, { array, stored, bytes }] of this.buffers) {
+            if (this.used <= BUDGET || this.buffers.size <= 3) break;
+            gl.deleteVertexArray(array);
+            stored.forEach((buffer) => gl.deleteBuffer(buffer));
+            this.buffers.delete(old);
+            this.used -= bytes;
+        }
+    }
+
+    // look: { light, byTrack, pointSize, chosen }; share: of the movers to draw, 1 for all.
+    draw(day, camera, look, size, share) {
+        const gl = this.gl, [width, height] = size;
+        if (!this.targets || this.targets.width !== width || this.targets.height !== height) {
+            this.release(this.targets);
+            this.targets = this.makeTargets(width, height);
+        }
+        const layers = this.clip.layersAt(day).filter((layer) => this.buffers.has(layer.interval));
+        const disc = {
+            radius: (DISC * look.pointSize * this.clip.closingAt(day)) / Math.sqrt(share),
+            magnification: height / (2 * Math.tan(camera.fieldOfView / 2)),
+            smallest: 1.5,
+            scale: camera.radius,
+            middle: camera.distance,
+        };
+        this.drawSurface(layers, camera, look, disc, share);
+        this.smooth(disc);
+        this.castShadow(day, layers);
+        this.compose(camera, look, disc);
+    }
+
+    drawSurface(layers, camera, look, disc, share) {
+        const gl = this.gl, { surface, width, height } = this.targets;
+        const seen = {
+            ...disc, view: camera.view(), projection: camera.projection(width / height),
+        };
+        this.into(surface);
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthMask(true);
+        gl.colorMask(true, true, true, true);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.COLOR, 1, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        gl.depthFunc(gl.LESS);
+        gl.colorMask(false, false, false, false);
+        this.drawMovers("surface", "surface", layers, { ...seen, thickness: THICKNESS }, share);
+        gl.colorMask(true, true, true, true);
+        gl.depthMask(false);
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE);
+        const paint = {
+            palette: [this.palette, 0], by_track: look.byTrack, chosen: look.chosen,
+        };
+        this.drawMovers("splat", "splat", layers, { ...seen, ...paint }, share);
+        gl.disable(gl.BLEND);
+        gl.disable(gl.DEPTH_TEST);
+    }
+
+    smooth(disc) {
+        const { surface, distances } = this.targets;
+        const [colors, sums] = surface.textures;
+        const steps = [[sums, distances[0], [1, 0]], [distances[0].textures[0], distances[1], [0, 1]]];
+        for (const [source, target, direction] of steps) {
+            this.into(target);
+            this.fill("smooth", {
+                ...disc, source: [source, 0], color_sum: [colors, 1], direction,
+                first: source === sums,
+            });
+        }
+    }
+
+    castShadow(day, layers) {
+        const ready = layers.map((layer) => layer.interval).join();
+        if (this.shadowDay === `${day} ${ready}`) return;
+        this.shadowDay = `${day} ${ready}`;
+        const gl = this.gl, clip = this.clip, [first, second] = this.shadows;
+        const share = Math.min(1, 60000 / clip.intervals[clip.locate(day)[0]].count);
+        const texel = (2 * clip.floorSide) / SHADOW_SIDE;
+        const area = 4 * clip.closingAt(day) ** 2 * clip.pointsAMover(day);
+        this.into(first);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE);
+        this.drawMovers("shadow", "shadow", layers, {
+            from_above: this.fromAbove(), reach: 0.12 * clip.floorSide,
+            cover: area / texel ** 2 / share,
+        }, share);
+        gl.disable(gl.BLEND);
+        for (const [source, target, direction] of [[first, second, [1, 0]], [second, first, [0, 1]]]) {
+            this.into(target);
+            this.fill("blur", {
+                source: [source.textures[0], 0], saturate: source === first,
+                direction: scaled([...direction, 0], 1 / SHADOW_SIDE).slice(0, 2),
+            });
+        }
+    }
+
+    compose(camera, look, disc) {
+        const gl = this.gl, clip = this.clip, { surface, distances, width, height } = this.targets;
+        const slope = Math.tan(camera.fieldOfView / 2);
+        const rows = camera.frame(), up = camera.axes[2];
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.viewport(0, 0, width, height);
+        this.fill("picture", {
+            ...disc, ...clip.grounds[look.light ? "light" : "dark"],
+            color_sum: [surface.textures[0], 0], distances: [distances[1].textures[0], 1],
+            shadow: [this.shadows[0].textures[0], 2],
+            half_field: [(slope * width) / height, slope],
+            to_floor: product(this.fromAbove(), inverse(rows, camera)),
+            sky: rows.map((row) => dot(row, up)),
+            dome_radius: Math.max(1, (1.2 * height) / 720), eye_dome: 1, depth_cue: 0.45,
+            floor_share: 1,
+        });
+    }
+
+    // Local coordinates to the floor's square, [-1, 1] x [-1, 1] x height above the floor.
+    fromAbove() {
+        const { up, middle, floor, floorSide } = this.clip, [a, b, c] = axesOf(up), s = floorSide;
+        return [
+            a[0] / s, b[0] / s, c[0], 0, a[1] / s, b[1] / s, c[1], 0, a[2] / s, b[2] / s, c[2], 0,
+            -middle[0] / s, -middle[1] / s, -floor, 1,
+        ];
+    }
+
+    // The positions of all layers at a time, read back from the GPU: for tests.
+    positions(day) {
+        const gl = this.gl, found = [];
+        for (const layer of this.clip.layersAt(day)) {
+            const result = gl.createBuffer(), count = layer.group.count;
+            const values = new Float32Array(3 * count), { degree } = this.buffers.get(layer.interval);
+            gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, result);
+            gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, values.byteLength, gl.STREAM_READ);
+            gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, result);
+            gl.enable(gl.RASTERIZER_DISCARD);
+            this.drawMovers("positions", "nothing", [layer], {}, 1, true);
+            gl.disable(gl.RASTERIZER_DISCARD);
+            gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, null);
+            gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, result);
+            gl.getBufferSubData(gl.TRANSFORM_FEEDBACK_BUFFER, 0, values);
+            gl.deleteBuffer(result);
+            found.push({ degree, litter: layer.interval !== this.clip.locate(day)[0], values });
+        }
+        return found;
+    }
+
+    drawMovers(vertex, fragment, layers, uniforms, share, feedback = false) {
+        const gl = this.gl;
+        for (const layer of layers) {
+            const { array, degree, colored } = this.buffers.get(layer.interval);
+            const { low, step } = this.clip.intervals[layer.interval];
+            const program = this.program(vertex, fragment, { DEGREE: degree, SCAN_COLORS: +colored });
+            this.use(program, {
+                ...uniforms, box_low: low, box_step: step, alpha: layer.alpha, blend: layer.blend,
+                weights: bernstein(degree, layer.parameter),
+            });
+            gl.bindVertexArray(array);
+            if (feedback) gl.beginTransformFeedback(gl.POINTS);
+            gl.drawArrays(gl.POINTS, layer.group.first, Math.ceil(layer.group.count * share));
+            if (feedback) gl.endTransformFeedback();
+        }
+        gl.bindVertexArray(null);
+    }
+
+    fill(name, uniforms) {
+        this.use(this.program("screen", name, {}), uniforms);
+        this.gl.bindVertexArray(this.empty);
+        this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
+    }
+
+    program(vertex, fragment, definitions) {
+        const key = [vertex, fragment, ...Object.values(definitions)].join();
+        if (!this.programs.has(key)) {
+            this.programs.set(key, linked(this.gl, this.shaders, vertex, fragment, definitions));
+        }
+        return this.programs.get(key);
+    }
+
+    // Set the uniforms that the program has; a texture comes as [texture, unit].
+    use({ program, uniforms }, values) {
+        const gl = this.gl;
+        gl.useProgram(program);
+        for (const [name, value] of Object.entries(values)) {
+            const found = uniforms.get(name);
+            if (!found) continue;
+            if (found.type === gl.SAMPLER_2D) {
+                gl.activeTexture(gl.TEXTURE0 + value[1]);
+                gl.bindTexture(gl.TEXTURE_2D, value[0]);
+                gl.uniform1i(found.at, value[1]);
+            } else {
+                SETTERS(gl)[found.type](found.at, value);
+            }
+        }
+    }
+
+    makePalette() {
+        const gl = this.gl, width = 1024, { tracks } = this.clip;
+        const rows = Math.ceil(tracks.length / width), texels = new Uint8Array(4 * width * rows);
+        tracks.forEach(({ color }, i) => texels.set([...color, 255], 4 * i));
+        const texture = this.texture(gl.NEAREST);
+        gl.texImage2D(
+            gl.TEXTURE_2D, 0, gl.RGBA8, width, rows, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
+        return texture;
+    }
+
+    makeTargets(width, height) {
+        const gl = this.gl, away = this.fine ? gl.R32F : gl.R16F;
+        const surface = this.target(width, height, [gl.RGBA16F, away], gl.NEAREST);
+        surface.depth = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, surface.depth);
+        gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+        gl.framebufferRenderbuffer(
+            gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, surface.depth);
+        const distances = [0, 1].map(() => this.target(width, height, [away], gl.NEAREST));
+        return { width, height, surface, distances };
+    }
+
+    target(width, height, formats, filter) {
+        const gl = this.gl, framebuffer = gl.createFramebuffer();
+        gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+        const textures = formats.map((format, i) => {
+            const texture = this.texture(filter);
+            gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+            const point = gl.COLOR_ATTACHMENT0 + i;
+            gl.framebufferTexture2D(gl.FRAMEBUFFER, point, gl.TEXTURE_2D, texture, 0);
+            return texture;
+        });
+        gl.drawBuffers(formats.map((_, i) => gl.COLOR_ATTACHMENT0 + i));
+        return { width, height, framebuffer, textures };
+    }
+
+    texture(filter) {
+        const gl = this.gl, texture = gl.createTexture();
+        gl.bindTexture(gl.TEXTURE_2D, texture);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+        return texture;
+    }
+
+    into({ framebuffer, width, height }) {
+        this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, framebuffer);
+        this.gl.viewport(0, 0, width, height);
+    }
+
+    release(targets) {
+        if (!targets) return;
+        const gl = this.gl;
+        for (const { framebuffer, textures } of [targets.surface, ...targets.distances]) {
+            gl.deleteFramebuffer(framebuffer);
+            textures.forEach((texture) => gl.deleteTexture(texture));
+        }
+        gl.deleteRenderbuffer(targets.surface.depth);
+    }
+}
+
+function linked(gl, shaders, vertex, fragment, definitions) {
+    const head = [
+        "#version 300 es", "precision highp float;", "precision highp int;",
+        "precision highp sampler2D;",
+        ...Object.entries(definitions).map(([name, value]) => `#define ${name} ${value}`), "",
+    ].join("\n");
+    const program = gl.createProgram();
+    for (const [kind, name] of [[gl.VERTEX_SHADER, `${vertex}.vert`],
+                                [gl.FRAGMENT_SHADER, `${fragment}.frag`]]) {
+        const shader = gl.createShader(kind);
+        gl.shaderSource(shader, head + shaders[name]);
+        gl.compileShader(shader);
+        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
+            throw new Error(`${name}: ${gl.getShaderInfoLog(shader)}`);
+        }
+        gl.attachShader(program, shader);
+    }
+    if (vertex === "positions") {
+        gl.transformFeedbackVaryings(program, ["out_position"], gl.SEPARATE_ATTRIBS);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+        throw new Error(`${vertex}, ${fragment}: ${gl.getProgramInfoLog(program)}`);
+    }
+    const uniforms = new Map();
+    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
+        const { name, type } = gl.getActiveUniform(program, i);
+        uniforms.set(name.replace("[0]", ""), { type, at: gl.getUniformLocation(program, name) });
+    }
+    return { program, uniforms };
+}
+
+const SETTERS = (gl) => ({
+    [gl.FLOAT]: (at, v) => gl.uniform1fv(at, [].concat(v)),
+    [gl.FLOAT_VEC2]: (at, v) => gl.uniform2fv(at, v),
+    [gl.FLOAT_VEC3]: (at, v) => gl.uniform3fv(at, v),
+    [gl.FLOAT_MAT4]: (at, v) => gl.uniformMatrix4fv(at, false, v),
+    [gl.INT]: (at, v) => gl.uniform1i(at, v),
+    [gl.BOOL]: (at, v) => gl.uniform1i(at, v ? 1 : 0),
+    [gl.INT_VEC2]: (at, v) => gl.uniform2iv(at, v),
+});
+
+// The product of two column-major 4 x 4 matrices.
+function product(a, b) {
+    const result = new Array(16).fill(0);
+    for (let column = 0; column < 4; ++column) {
+        for (let row = 0; row < 4; ++row) {
+            for (let k = 0; k < 4; ++k) {
+                result[4 * column + row] += a[4 * k + row] * b[4 * column + k];
+            }
+        }
+    }
+    return result;
+}
+
+// From the eye's coordinates back to local ones, column-major.
+function inverse([right, above, backward], camera) {
+    const eye = sum(camera.target, scaled(backward, camera.distance));
+    return [...right, 0, ...above, 0, ...backward, 0, ...eye, 1];
+}

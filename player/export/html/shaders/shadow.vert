@@ -1,0 +1,16 @@
+// The plant seen from straight above: what it keeps from the floor's light.
+
+#include "place.glsl"
+
+uniform mat4 from_above;  // local coordinates to the shadow's square, height above the floor in z
+uniform float reach;      // height over which a contact shadow fades away
+uniform float cover;      // share of a texel that one mover covers
+
+flat out vec2 v_cover;
+
+void main() {
+    vec3 above = (from_above * vec4(mover_position(), 1.0)).xyz;
+    gl_Position = gone() ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(above.xy, 0.0, 1.0);
+    gl_PointSize = 1.0;
+    v_cover = cover * vec2(exp(-max(above.z, 0.0) / reach), 1.0);
+}

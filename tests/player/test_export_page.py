@@ -1,0 +1,189 @@
+"""The HTML page: the plant of the clip, in a real browser, with nothing from outside."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gclip.clip import Clip, Motion, Track
+from player.export import Film, export
+from player.export.packing import pack
+
+NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
+SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    with playwright.sync_playwright() as control:
+        started = control.chromium.launch(
+            executable_path=program, args=[*SOFTWARE_GL, "--no-sandbox"]
+        )
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Export a clip, open the page from disk, and see to it that it asks for nothing else."""
+    context = browser.new_context(viewport={"width": 480, "height": 360}, has_touch=True)
+    tab = context.new_page()
+    troubles: list[str] = []
+    tab.on("pageerror", lambda error: troubles.append(str(error)))
+    tab.on("console", lambda message: troubles.append(message.text))
+    tab.on("request", lambda request: troubles.append(request.url))
+
+    def open_(clip: Clip, film: Film | None = None) -> Any:
+        path = tmp_path / "plant.html"
+        export(clip, film or Film(), path)
+        tab.goto(path.as_uri())
+        until(tab, "window.viewer !== undefined")
+        tab.evaluate(f"viewer.seek({clip.times[-1]})")
+        assert tab.text_content("#trouble") == ""
+        assert troubles == [path.as_uri()], "the page itself, and nothing else"
+        return tab
+
+    yield open_
+    context.close()
+
+
+def until(tab: Any, what: str) -> None:
+    """Wait for something to become true (playwright's own way would need `eval` in the page)."""
+    for _ in range(600):
+        if tab.evaluate(what):
+            return
+        tab.wait_for_timeout(50)
+    raise AssertionError(f"never became true: {what}")
+
+
+def picture(tab: Any) -> np.ndarray:
+    from PIL import Image
+
+    with Image.open(io.BytesIO(tab.screenshot())) as shot:
+        return np.asarray(shot.convert("RGB")).astype(int)
+
+
+@pytest.mark.parametrize(
+    ("degree", "lost"), [(1, Motion.FALL), (2, Motion.FADE), (3, Motion.REMOVE)]
+)
+def test_the_browser_interpolates_as_the_clip_does(
+    opened: Any, make_clip: Any, degree: int, lost: Motion
+) -> None:
+    clip = make_clip(degree=degree, lost=lost, colors=((200, 40, 30, 255), (30, 90, 200, 255)))
+    tab = opened(clip)
+    for day in (0.0, 2.2, 4.1, 5.0):
+        tab.evaluate(f"viewer.seek({day})")
+        layers = tab.evaluate(f"viewer.positions({day}).map((layer) => Array.from(layer.values))")
+        frame = clip.at(day)
+        expected = [frame.local] if frame.litter is None else [frame.local, frame.litter.local]
+        seen = np.concatenate([np.array(layer).reshape(-1, 3) for layer in layers])
+        assert np.abs(seen - np.concatenate(expected)).max() <= clip.spacing / 60
+
+
+def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
+    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+    first = picture(tab)
+    plant = first[100:240, 140:340]
+    assert (plant[..., 0] > plant[..., 2] + 60).mean() > 0.05, "the red plant is seen"
+
+    yaw, pitch = tab.evaluate("[viewer.camera.yaw, viewer.camera.pitch]")
+    tab.mouse.move(240, 150)
+    tab.mouse.down()
+    tab.mouse.move(330, 170, steps=3)
+    tab.mouse.up()
+    turned = tab.evaluate("[viewer.camera.yaw, viewer.camera.pitch]")
+    assert turned[0] == pytest.approx(yaw - np.pi * 90 / 360)
+    assert turned[1] == pytest.approx(pitch + np.pi * 20 / 360)
+    tab.wait_for_timeout(400)
+    assert np.abs(picture(tab) - first).mean() > 0.5
+
+    distance = tab.evaluate("viewer.camera.distance")
+    tab.mouse.wheel(0, -200)
+    until(tab, f"viewer.camera.distance < {distance}")
+    pinch = """([a, b, c, d]) => {
+        const at = (id, x) => ({ pointerId: id, clientX: x, clientY: 150, bubbles: true });
+        const canvas = document.getElementById("picture");
+        canvas.setPointerCapture = () => {};
+        const tell = (kind, id, x) => canvas.dispatchEvent(new PointerEvent(kind, at(id, x)));
+        tell("pointerdown", 11, a); tell("pointerdown", 12, b);
+        tell("pointermove", 11, c); tell("pointermove", 12, d);
+        return viewer.camera.distance;
+    }"""
+    distance = tab.evaluate("viewer.camera.distance")
+    assert tab.evaluate(pinch, [220, 260, 200, 280]) == pytest.approx(distance / 2)
+
+    box = tab.locator("#track").bounding_box()
+    tab.mouse.click(box["x"] + 0.4 * box["width"], box["y"] + 15)
+    assert tab.evaluate("viewer.clock.day") == 2.0, "a click near a scan's mark goes to the scan"
+    assert tab.locator(".mark").count() == 3
+    tab.keyboard.press("Home")
+    assert tab.evaluate("viewer.clock.day") == 0.0
+    tab.keyboard.press("Space")
+    until(tab, "viewer.clock.day > 0.2")
+    tab.keyboard.press("Space")
+    tab.wait_for_timeout(100)
+    assert tab.text_content("#date").startswith("day ")
+
+    tab.keyboard.press("f")
+    tab.keyboard.press("g")
+    tab.wait_for_timeout(300)
+    assert picture(tab)[5, 5].min() > 150, "light ground"
+    tab.keyboard.press("c")
+    assert tab.evaluate("viewer.look.byTrack") is True
+
+
+def test_names_from_the_clip_are_text_and_nothing_else(
+    opened: Any, make_clip: Any, tmp_path: Path
+) -> None:
+    clip = make_clip()
+    table = tuple(replace(track, name=NASTY) for track in clip.track_table)
+    scans = tuple(replace(scan, name=NASTY, date=NASTY) for scan in clip.scans)
+    tab = opened(replace(clip, track_table=table, scans=scans), Film(title=NASTY))
+    tab.evaluate("viewer.act('organs')")
+    assert tab.evaluate("window.hurt") is None
+    assert tab.title() == NASTY
+    assert tab.text_content("#title") == NASTY
+    assert NASTY in tab.text_content("#organs")
+
+
+def test_the_page_is_the_same_every_time_and_needs_nothing(make_clip: Any, tmp_path: Path) -> None:
+    for name in ("a.html", "b.html"):
+        export(make_clip(), Film(title="x"), tmp_path / name)
+    text = (tmp_path / "a.html").read_text()
+    assert text == (tmp_path / "b.html").read_text()
+    assert not re.search(r"""(src|href)\s*=|https?://|@import|url\(""", text)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.html", "b.html"]
+    json.loads(re.search(r'id="clip">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_packing_is_finer_than_the_eye_and_small(make_clip: Any) -> None:
+    clip = make_clip(degree=2)
+    interval = clip.intervals[0]
+    packed = pack(interval, clip.spacing)
+    assert max(packed.step) <= clip.spacing / 32
+    assert len(packed.data) < 0.8 * 20 * len(interval)
+
+
+def test_more_tracks_than_16_bits_hold(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    many = tuple(Track(i, f"organ {i}", (i % 256, 80, 90)) for i in range(70_000))
+    last = clip.intervals[-1]
+    tracks = last.tracks.astype(np.uint32) + 69_990
+    clip = replace(
+        clip, track_table=many, intervals=(*clip.intervals[:-1], replace(last, tracks=tracks))
+    )
+    tab = opened(clip)
+    assert tab.evaluate("viewer.clip.load(1).then((data) => Math.max(...data.tracks))") == 69_991
