@@ -131,14 +131,15 @@ def frame_at(clip: Clip, day: float) -> Frame:
 
 def _frame(clip: Clip, day: float, layers: list[Layer], litter: Frame | None) -> Frame:
     nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
-    parts = [_evaluate(clip, layer) for layer in layers] or [nothing]
+    parts = [evaluate_layer(clip, layer) for layer in layers] or [nothing]
     local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
     return Frame(day, local, colors, tracks, clip.origin, litter)
 
 
-def _evaluate(
+def evaluate_layer(
     clip: Clip, layer: Layer
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
+    """(n, 3) float32 local positions, (n, 4) uint8 colours and (n,) tracks of a layer's movers."""
     interval = clip.intervals[layer.interval]
     movers = slice(layer.group.first, layer.group.stop)
     tracks = np.asarray(interval.tracks[movers])

@@ -134,11 +134,11 @@ def _counted(film: Film, clip: Clip, offscreen: Offscreen, progress: Progress) -
         progress(done, total)
 
 
-def _from(module: str) -> Writer:
-    """`write` of a module of this package that is loaded only when it is asked for."""
+def _from(module: str, name: str = "write") -> Writer:
+    """A writer of a module of this package that is loaded only when it is asked for."""
 
     def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-        import_module(f"player.export.{module}").write(clip, film, path, progress)
+        getattr(import_module(f"player.export.{module}"), name)(clip, film, path, progress)
 
     return write
 
@@ -151,4 +151,9 @@ FORMATS: tuple[Format, ...] = (
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
     ),
     Format("plant.html", "one page to turn and play in any browser, offline", _from("page")),
+    Format("cloud.ply", "one point cloud, for any program", _from("ply"), days=1),
+    Format(
+        "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
+        _from("ply", "write_sequence"), sequence=True, days=2,
+    ),
 )  # fmt: skip

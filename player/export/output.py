@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -53,6 +53,24 @@ def whole_folder(path: Path) -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
     except OSError as error:
         raise PlayerError(f"{path} can't be written: {error.strerror or error}.") from None
+
+
+@contextmanager
+def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
+    """Where to write the numbered files of `path`, like %04d.png: all appear once all are done.
+
+    The folder they go to is made if only itself is missing.
+    """
+    with made_folder(path.parent), whole_folder(path) as folder:
+        names: list[str] = []
+
+        def file(number: int) -> Path:
+            names.append(path.name % number)
+            return folder / names[-1]
+
+        yield file
+        for name in names:
+            os.replace(folder / name, path.parent / name)
 
 
 def check_folder(path: Path) -> None:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
-from player.export.output import made_folder, whole_file, whole_folder
+from player.export.output import whole_file, whole_sequence
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,13 +41,9 @@ def write_sequence(pictures: Iterable[NDArray], path: Path, views: Iterable[NDAr
     The folder they go to is made if only itself is missing.
     views: of each picture, as in `write_one`.
     """
-    with made_folder(path.parent), whole_folder(path) as folder:
-        names = []
+    with whole_sequence(path) as file:
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
-            names.append(path.name % index)
-            _save(picture, folder / names[-1], view)
-        for name in names:
-            os.replace(folder / name, path.parent / name)
+            _save(picture, file(index), view)
 
 
 def _save(picture: NDArray, path: Path, view: NDArray) -> None:

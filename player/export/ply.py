@@ -1,0 +1,111 @@
+"""Point clouds at any moment, as binary PLY files (Turk 1994), one file a moment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from player.export.film import Film
+from player.export.output import whole_file, whole_sequence
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+NAMES = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
+
+
+def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+    """One moment: the film's --day, or the last scan."""
+    with whole_file(path) as part:
+        day = film.at[0] if film.at else clip.times[-1]
+        vertices = cloud_at(clip, day)
+        _save(clip, day, vertices[vertices["alpha"] > 0], part)
+    progress(1, 1)
+
+
+def write_sequence(
+    clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]
+) -> None:
+    """The film's moments, evenly from the first scan to the last, numbered from 0."""
+    days = moments(clip, film)
+    with whole_sequence(path) as file:
+        for done, day in enumerate(days):
+            progress(done, len(days))
+            _save(clip, day, cloud_at(clip, day), file(done))
+    progress(len(days), len(days))
+
+
+def moments(clip: Clip, film: Film) -> list[float]:
+    """The film's days without its rests at both ends: nobody needs the same cloud twice."""
+    if film.at or film.every is not None:
+        return film.days(clip)
+    return np.linspace(clip.times[0], clip.times[-1], max(film.frame_count(clip), 2)).tolist()
+
+
+def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
+    """All movers of the day's interval, as the vertices of a PLY file.
+
+    Number and order stay the same within an interval, so that one point is one point from file to
+    file. Those not alpha 0 are what `Clip.at` gives. Movers of lost organs that are gone already
+    have alpha 0 and wait inside the plant, on another mover, where nobody sees them.
+    Positions are float, or double where float is coarser than a hundredth of the point spacing.
+    """
+    from gclip.evaluate import evaluate_layer, layers_at, locate
+
+    index, _ = locate(clip, day)
+    interval = clip.intervals[index]
+    local = np.zeros((len(interval), 3), np.float64)
+    paint = np.zeros((len(interval), 4), np.uint8)
+    there = np.zeros(len(interval), bool)
+    for layer in layers_at(clip, day):
+        if layer.interval == index and not layer.litter:
+            movers = slice(layer.group.first, layer.group.stop)
+            local[movers], paint[movers], _ = evaluate_layer(clip, layer)
+            there[movers] = True
+    if there.any():
+        local[~there] = local[np.argmax(there)]
+
+    world = local + np.asarray(clip.origin)
+    coarse = np.spacing(np.float32(np.abs(world).max(initial=0.0))) > 0.01 * clip.spacing
+    place = "<f8" if coarse else "<f4"
+    vertices = np.empty(
+        len(world),
+        [(axis, place) for axis in "xyz"]
+        + [(name, "u1") for name in ("red", "green", "blue", "alpha")]
+        + [("scalar_label", "<f4")],
+    )
+    for axis, column in zip("xyz", world.T, strict=True):
+        vertices[axis] = column
+    for name, column in zip(("red", "green", "blue", "alpha"), paint.T, strict=True):
+        vertices[name] = column
+    vertices["scalar_label"] = interval.tracks
+    return vertices
+
+
+def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
+    from player.dates import date_at
+
+    kinds = vertices.dtype
+    lines = [
+        "ply",
+        "format binary_little_endian 1.0",
+        "comment made by plant-growth-clips",
+        f"comment time {day!r} {clip.time_unit}",
+        f"comment date {_plain(date_at(clip.scans, day))}",
+        f"comment unit {_plain(clip.unit)}",
+        f"element vertex {len(vertices)}",
+        *(f"property {NAMES[kinds[name].str]} {name}" for name in kinds.names or ()),
+        "end_header\n",
+    ]
+    with path.open("wb") as file:
+        file.write("\n".join(lines).encode("ascii"))
+        file.write(vertices.tobytes())
+
+
+def _plain(text: str) -> str:
+    """A header is lines of ASCII: whatever a clip says must not become a line of its own."""
+    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text)
