@@ -156,4 +156,5 @@ FORMATS: tuple[Format, ...] = (
         "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
         _from("ply", "write_sequence"), sequence=True, days=2,
     ),
+    Format("plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb")),
 )  # fmt: skip
