@@ -12,6 +12,7 @@ from baker.options import (
     Colors,
     Decay,
     Labels,
+    Missing,
     Options,
     Precision,
     Segment,
@@ -65,6 +66,14 @@ def bake_command(
     decay: Annotated[
         Decay, typer.Option(help="What organs do that a later scan no longer has.")
     ] = Decay.fall,
+    missing: Annotated[
+        Missing | None,
+        typer.Option(
+            help="What a part of an organ does that a later scan lacks: hidden for a while, it "
+            "fades (usual) or is filled in; shrink draws what is left over the whole.",
+            show_default=False,
+        ),
+    ] = None,
     paper: Annotated[
         bool, typer.Option("--paper", help="Choose as Golla et al. (2020) do, throughout.")
     ] = False,
@@ -80,7 +89,7 @@ def bake_command(
             min=1, metavar="L", help="Points a new organ unfolds from; 1 % of what it grows on."
         ),
     ] = None,
-    fill: Annotated[
+    even: Annotated[
         float | None,
         typer.Option(
             min=0,
@@ -158,8 +167,9 @@ def bake_command(
         paper=paper,
         holdout=holdout,
         bud=bud,
-        fill=fill,
+        even=even,
         decay=decay,
+        missing=missing,
         colors=colors,
         precision=precision,
         unit=unit,

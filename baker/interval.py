@@ -31,10 +31,10 @@ class Keyframe:
 
 @dataclass(frozen=True)
 class Moved:
-    """A solved task: the movers and what is to be told of them."""
+    """A solved task: the movers and what is to be told of them; None of a part of an organ."""
 
     movers: Movers
-    pair: SegmentPair
+    pair: SegmentPair | None
     surface: NDArray[np.floating] | None = None
 
 
@@ -53,12 +53,14 @@ def solve_task(
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
     """
-    if task.event == "loss":
+    if task.event in ("loss", "part"):
+        decay = task.leaves or decay
         origin = start.positions[task.start]
         landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
         movers = _movers(task.organ, decay, origin, landing, start, task.start, start, task.start)
         drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
-        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0))
+        whole = task.event == "loss"
+        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0) if whole else None)
 
     from baker.transport.movers import movers as mover_pairs
     from baker.transport.solve import solve
@@ -107,7 +109,7 @@ def _pair(
         solver=solver,
         cost=cost,
         marginal_error=error,
-        notes=tuple(notes),
+        notes=(*task.notes, *notes),
     )
 
 

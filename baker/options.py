@@ -52,6 +52,12 @@ class Decay(StrEnum):
     remove = "remove"
 
 
+class Missing(StrEnum):
+    fade = "fade"
+    fill = "fill"
+    shrink = "shrink"
+
+
 class Colors(StrEnum):
     scan = "scan"
     segment = "segment"
@@ -70,6 +76,7 @@ CHOICES: dict[str, type[StrEnum]] = {
     "up": Up,
     "transport": Transport,
     "decay": Decay,
+    "missing": Missing,
     "colors": Colors,
     "precision": Precision,
 }
@@ -99,8 +106,9 @@ class Options:
     paper: bool = False
     holdout: int | None = None
     bud: int | None = None
-    fill: float | None = None
+    even: float | None = None
     decay: str = "fall"
+    missing: str | None = None
     colors: str = "scan"
     precision: str = "auto"
     unit: str = ""
@@ -110,10 +118,10 @@ class Options:
         """Raises InputError naming the field, what was found and what is allowed."""
         for name, allowed in CHOICES.items():
             value = getattr(self, name)
-            if value not in tuple(allowed):
+            if value is not None and value not in tuple(allowed):
                 raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
-        if self.fill is not None and not 0 <= self.fill <= 10:
-            raise InputError(f"fill is {self.fill}; from 0 to 10 is allowed.")
+        if self.even is not None and not 0 <= self.even <= 10:
+            raise InputError(f"even is {self.even}; from 0 to 10 is allowed.")
         for name in ("every", "neighbors", "graph_neighbors", "bud"):
             value = getattr(self, name)
             if value is not None and value < 1:

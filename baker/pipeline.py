@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align import Alignment, align
+from baker.complete import completed
 from baker.density import point_surface, with_even_density
 from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
@@ -193,13 +194,26 @@ def _intervals(
         vertical=vertical,
         floor=floor,
     )
-    if recipe.fill:
+    if recipe.even:
         keyframes = [replace(f, surface=point_surface(f.positions)) for f in keyframes]
+    whole = completed(
+        keyframes,
+        matches,
+        organs,
+        [scan.name for scan in series.scans],
+        recipe.missing,
+        Motion(options.decay),
+    )
+    keyframes, matches = whole.keyframes, whole.matches
     jobs: list[Callable[[], Moved]] = []
     sizes = []
     for k, match in enumerate(matches):
         tasks = interval_tasks(
-            (keyframes[k].positions, keyframes[k + 1].positions), match, organs[k], options.bud
+            (keyframes[k].positions, keyframes[k + 1].positions),
+            match,
+            organs[k],
+            options.bud,
+            whole.parts[k],
         )
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
@@ -215,11 +229,11 @@ def _intervals(
                 series.scans[k].time,
                 series.scans[k + 1].time,
                 with_even_density(
-                    [m.movers for m in solved], [m.surface for m in solved], recipe.fill
+                    [m.movers for m in solved], [m.surface for m in solved], recipe.even
                 ),
                 spacing=spacing,
                 precision=options.precision,
-                segments=tuple(m.pair for m in solved),
+                segments=tuple(m.pair for m in solved if m.pair is not None),
             )
         )
     return tuple(intervals), spacing, floor

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from baker.match.greedy import PAPER, GreedyRules
-from baker.options import Options
+from baker.options import Missing, Options
 from baker.transport.plan import TransportOptions
 
 
@@ -18,7 +18,8 @@ class Recipe:
     match_by_shape:  organs numbered anew are matched all at once; else down the hierarchies.
     rules:           of matching down the hierarchies.
     transport:       of each pair of segments.
-    fill:            movers to add at most where they would be sparse, as a share of all.
+    even:            movers to add at most where they would be sparse, as a share of all.
+    missing:         what becomes of parts of organs that a later scan lacks.
     """
 
     align: str
@@ -26,7 +27,8 @@ class Recipe:
     match_by_shape: bool
     rules: GreedyRules
     transport: TransportOptions
-    fill: float
+    even: float
+    missing: str
 
 
 def recipe_for(options: Options) -> Recipe:
@@ -45,7 +47,8 @@ def recipe_for(options: Options) -> Recipe:
                 neighbors=options.neighbors,
                 feasible=False,
             ),
-            fill=options.fill or 0.0,
+            even=options.even or 0.0,
+            missing=options.missing or Missing.shrink,
         )
     return Recipe(
         align=options.align,
@@ -53,5 +56,6 @@ def recipe_for(options: Options) -> Recipe:
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
-        fill=1.0 if options.fill is None else options.fill,
+        even=1.0 if options.even is None else options.even,
+        missing=options.missing or Missing.fade,
     )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
+from baker.missing import Part
 from baker.segment.hierarchy import NO_PARENT
+from gclip.clip import Motion
 
 BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
 
@@ -17,13 +20,17 @@ BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
 class Task:
     """One segment's way through an interval, as point indices into the two scans.
 
-    event: "match", "birth" (start is the bud) or "loss" (end is empty).
+    event: "match", "birth" (start is the bud), "loss" (end is empty), or "part": of a matched
+           organ a part is lost, and leaves in its own way.
+    leaves: how a part goes; notes: for the report.
     """
 
     event: str
     organ: int
     start: NDArray[np.intp]
     end: NDArray[np.intp]
+    leaves: Motion | None = None
+    notes: tuple[str, ...] = ()
 
 
 def interval_tasks(
@@ -31,9 +38,11 @@ def interval_tasks(
     match: Match,
     organs: IntervalOrgans,
     bud_points: int | None = None,
+    parts: Sequence[Part] = (),
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
+    parts: what matched organs lose.
     bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
@@ -48,7 +57,15 @@ def interval_tasks(
         tasks.append(Task("birth", organs.second[segment], bud, second.segments[segment]))
     nothing = np.empty(0, np.intp)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
+    for part in parts:
+        tasks = [task if task.organ != part.organ else _without(task, part) for task in tasks]
+        tasks.append(Task("part", part.organ, part.points, nothing, part.leaves))
     return [task for task in tasks if len(task.start) or len(task.end)]
+
+
+def _without(task: Task, part: Part) -> Task:
+    kept = np.setdiff1d(task.start, part.points, assume_unique=True)
+    return replace(task, start=kept, notes=(*task.notes, part.note))
 
 
 def _bud(

@@ -89,16 +89,16 @@ def test_raised_curves_are_the_same_curves(degree):
     assert half_way(raised(raised(curve, 2), 3)) == pytest.approx(half_way(curve))
 
 
-@pytest.mark.parametrize("fill", [0.0, 1.0])
-def test_scans_are_kept_whatever_is_added(tmp_path, fill):
+@pytest.mark.parametrize("even", [0.0, 1.0])
+def test_scans_are_kept_whatever_is_added(tmp_path, even):
     leaf = sheet(200, 1.0)
     for day, stretch in enumerate((1.0, 4.0)):
         points = np.concatenate([sheet(300, 0.2) * [1, 1, 1] - [0.2, 0, 0], leaf * [stretch, 1, 1]])
         labels = np.repeat([0, 1], [300, 200])
         np.savetxt(tmp_path / f"day{day}.txt", np.c_[points, labels], fmt="%.6f %.6f %.6f %d")
-    clip = bake([tmp_path], Options(align="none", fill=fill))
+    clip = bake([tmp_path], Options(align="none", even=even))
     for day in (0, 1):
         scan = np.loadtxt(tmp_path / f"day{day}.txt")[:, :3]
         found = np.unique(np.round(clip.at(day).positions, 3), axis=0)
         assert len(found) == pytest.approx(len(np.unique(np.round(scan, 3), axis=0)), rel=0.01)
-    assert (len(clip.intervals[0]) > 500) == (fill > 0)
+    assert (len(clip.intervals[0]) > 500) == (even > 0)

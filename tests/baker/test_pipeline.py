@@ -55,7 +55,7 @@ def test_a_lost_organ_decays_as_asked(write_scans, read_points, decay):
 
 
 def test_every_point_moves_and_movers_are_few(write_scans):
-    clip = bake([write_scans()], replace(PLAIN, fill=0.0))
+    clip = bake([write_scans()], replace(PLAIN, even=0.0))
     for interval, first, second in zip(clip.intervals, clip.scans, clip.scans[1:], strict=False):
         buds = sum(100 for pair in interval.segments if pair.event == "birth")
         assert max(first.points, second.points) <= len(interval)
@@ -88,7 +88,7 @@ def test_the_same_input_gives_the_same_bytes(write_scans, tmp_path):
 
 
 def test_the_reversed_series_gives_the_reversed_motion(write_scans):
-    options = replace(PLAIN, fill=0.0)
+    options = replace(PLAIN, even=0.0)
     forward = bake([write_scans(name="forward")], options)
     backward = bake([write_scans(name="backward", reverse=True)], options)
     last = forward.times[-1]
