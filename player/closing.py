@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +15,7 @@ if TYPE_CHECKING:
 SAMPLES = 1500
 NEIGHBORS = 48
 COVERED = 0.95  # share of the surface
+MOST = 40_000  # points of a scan that are looked at: a picture must not wait for more
 
 
 class ClosingDistances:
@@ -24,10 +27,35 @@ class ClosingDistances:
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
         self._at_end: dict[int, float] = {}
+        self._thread: threading.Thread | None = None
+        self._stopped = False
 
-    def at(self, index: int, share: float) -> float:
-        """In the clip's unit; `index` and `share` as `gclip.evaluate.locate` gives them."""
-        return (1.0 - share) * self._measured(index) + share * self._measured(index + 1)
+    def at(self, index: int, share: float, wait: bool = True) -> float:
+        """In the clip's unit; `index` and `share` as `gclip.evaluate.locate` gives them.
+
+        wait: measure now what has not been measured yet; else the nearest time's distance serves
+        until a thread, started by the first such question, has measured all.
+        """
+        first, second = self._end(index, wait), self._end(index + 1, wait)
+        return (1.0 - share) * first + share * second
+
+    def release(self) -> None:
+        self._stopped = True
+        if self._thread is not None:
+            self._thread.join()
+
+    def _end(self, end: int, wait: bool) -> float:
+        if wait or end in self._at_end or not self._at_end:
+            return self._measured(end)
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._measure_all, args=(end,), daemon=True)
+            self._thread.start()
+        return self._at_end[min(self._at_end.copy(), key=lambda other: abs(other - end))]
+
+    def _measure_all(self, first: int) -> None:
+        for end in sorted(range(len(self._clip.intervals) + 1), key=lambda e: abs(e - first)):
+            if not self._stopped:
+                self._measured(end)
 
     def _measured(self, end: int) -> float:
         if end not in self._at_end:
@@ -35,9 +63,27 @@ class ClosingDistances:
 
             last = end == len(self._clip.intervals)
             interval = self._clip.intervals[end - 1 if last else end]
-            points = positions_on_curve(interval, slice(None), 1.0 if last else 0.0)
-            self._at_end[end] = closing_distance(points) or 2.5 * self._clip.spacing
+            every = -(-len(interval) // MOST)
+            some = slice(None, None, every)
+            points = positions_on_curve(interval, some, 1.0 if last else 0.0)
+            # Movers may share a point: what is thinned is the scan's points.
+            thinned = every if every == 1 else self._points_at(end) / distinct_count(points)
+            found = closing_distance(points) / math.sqrt(max(thinned, 1.0))
+            self._at_end[end] = found or 2.5 * self._clip.spacing
         return self._at_end[end]
+
+    def _points_at(self, end: int) -> float:
+        """How many points the plant has at an interval's end; between scans, as in proportion."""
+        intervals, scans = self._clip.intervals, self._clip.scans
+        time = intervals[end].start if end < len(intervals) else intervals[-1].end
+        return float(np.interp(time, self._clip.times, [scan.points for scan in scans]))
+
+
+def distinct_count(points: NDArray[np.floating]) -> int:
+    """How many different points (N, 3) there are, at least 1."""
+    from gclip.pack import morton_codes
+
+    return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
 
 
 def closing_distance(points: NDArray[np.floating]) -> float:

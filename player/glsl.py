@@ -41,7 +41,14 @@ def feedback(
     )
 
 
-def give(program: moderngl.Program, **values: Any) -> None:
+def compute(
+    context: moderngl.Context, name: str, **definitions: int | float
+) -> moderngl.ComputeShader:
+    """Compile `<name>.comp`; needs OpenGL 4.3."""
+    return context.compute_shader(source(f"{name}.comp", **definitions))
+
+
+def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:
     """Set uniforms; those that the compiler found unused are left out.
 
     Matrices come as numpy arrays for columns (M @ column) and go out in OpenGL's column order.

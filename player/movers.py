@@ -1,15 +1,18 @@
-"""The movers of a clip on the GPU: draws layers of them with any of the movers' shaders."""
+"""The movers of a clip on the GPU: sends portions of them through any of the movers' shaders."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip.color import srgb_to_linear
 from gclip.evaluate import Layer, bernstein
-from player.buffers import BufferCache
-from player.glsl import feedback, give, program
+from player.chunks import ChunkBuffers, ChunkStore, Portion
+from player.glsl import compute, feedback, give, program
+from player.memory import room
 
 if TYPE_CHECKING:
     import moderngl
@@ -23,82 +26,141 @@ LOOK = {
     "SMOOTHING": 1.3,  # reach of the blur of distances, in disc radii
 }
 PALETTE_WIDTH = 1024  # texels in a row of the palette
+WORKGROUP = 128  # invocations of a compute shader, two movers each
 
 
 class Movers:
-    """One clip's buffers, the tracks' palette, and a program for each shader and path degree."""
+    """One clip's chunks, the tracks' palette, and a program for each shader and kind of interval.
 
-    def __init__(self, context: moderngl.Context, clip: Clip) -> None:
+    memory: bytes of the GPU that the movers may take up; None asks the driver.
+    """
+
+    def __init__(self, context: moderngl.Context, clip: Clip, memory: int | None = None) -> None:
         self.context = context
         self.clip = clip
-        self.buffers = BufferCache(context, clip)
+        self.store = ChunkStore(context, clip, room(context) if memory is None else memory)
         self.palette = _palette_texture(context, clip)
-        self._programs: dict[tuple[str, int, bool], moderngl.Program] = {}
+        self._programs: dict[tuple[Any, ...], Any] = {}
 
-    def draw(self, name: str, layers: list[Layer], uniforms: dict[str, Any]) -> None:
-        """Draw layers as points with the shader `name`, into the framebuffer in use."""
+    def draw(
+        self, name: str, portions: list[Portion], uniforms: dict[str, Any], fewer: int = 1
+    ) -> None:
+        """Draw movers as points with the shaders `name`, into the framebuffer in use.
+
+        fewer: of so many one, beyond what the portions leave out already.
+        """
         import moderngl
 
-        for layer in layers:
-            buffers = self.buffers[layer.interval]
-            shader = self._program(name, buffers.degree, buffers.colored)
-            give(shader, **uniforms, blend=layer.blend, opacity=layer.alpha)
-            self._give_layer(shader, layer)
-            buffers.array(shader).render(
-                moderngl.POINTS, vertices=layer.group.count, first=layer.group.first
-            )
+        for portion, buffers, count in self._batches(portions):
+            shader = self._ready(name, "points", portion.layer, buffers, uniforms)
+            every = portion.every * fewer
+            buffers.array(shader, every).render(moderngl.POINTS, vertices=-(-count // every))
 
-    def _give_layer(self, shader: moderngl.Program, layer: Layer) -> None:
+    def compute(
+        self, name: str, portions: list[Portion], uniforms: dict[str, Any], **chosen: int
+    ) -> None:
+        """Run movers through the compute shader `name`; needs OpenGL 4.3.
+
+        chosen: definitions in the shader.
+        """
+        for portion, buffers, count in self._batches(portions):
+            shader = self._ready(name, "compute", portion.layer, buffers, uniforms, **chosen)
+            give(shader, count=count, every=portion.every)
+            buffers.bind()
+            shader.run(-(-count // (2 * WORKGROUP * portion.every)))
+            self.context.memory_barrier()
+
+    def positions(self, layers: list[Layer], computed: bool = False) -> NDArray[np.float32]:
+        """(N, 3) positions of the layers' movers, read back from the GPU, for tests.
+
+        computed: from the compute shaders' interpolation; else by transform feedback from the
+        vertex shaders'. Nothing is drawn, yet GL wants a complete framebuffer in use.
+        """
+        parts = [np.zeros((0, 3), np.float32)]
+        for portion, buffers, count in self._batches(
+            [Portion(ly, ly.group.count) for ly in layers]
+        ):
+            result = self.context.buffer(reserve=12 * max(count, 1))
+            kind = "compute" if computed else "feedback"
+            shader = self._ready("positions", kind, portion.layer, buffers, {})
+            if computed:
+                give(shader, count=count)
+                buffers.bind()
+                result.bind_to_storage_buffer(7)
+                shader.run(-(-count // (2 * WORKGROUP)))
+                self.context.memory_barrier()
+            else:
+                buffers.array(shader).transform(result, vertices=count)
+            parts.append(np.frombuffer(result.read(12 * count), np.float32).reshape(-1, 3))
+            result.release()
+        return np.concatenate(parts)
+
+    def _batches(self, portions: list[Portion]) -> Iterator[tuple[Portion, ChunkBuffers, int]]:
+        for portion in portions:
+            for chunk, count in portion.chunks():
+                yield portion, self.store[chunk], count
+
+    def _ready(
+        self,
+        name: str,
+        kind: str,
+        layer: Layer,
+        buffers: ChunkBuffers,
+        uniforms: dict[str, Any],
+        **chosen: int,
+    ) -> Any:
+        """A program with the uniforms of a layer."""
         interval = self.clip.intervals[layer.interval]
+        shader = self._program(name, kind, layer.interval, **chosen)
         low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
         if interval.box is not None:
             low, step = interval.box.low, tuple(interval.box.step)
         give(
             shader,
+            **uniforms,
+            blend=layer.blend,
+            opacity=layer.alpha,
             box_low=low,
             box_step=step,
             weights=tuple(bernstein(interval.degree, layer.parameter)),
         )
+        return shader
 
-    def _program(self, name: str, degree: int, colored: bool) -> moderngl.Program:
-        key = (name, degree, colored)
+    def _program(self, name: str, kind: str, index: int, **chosen: int) -> Any:
+        interval = self.clip.intervals[index]
+        defined: dict[str, int | float] = {
+            "DEGREE": interval.degree,
+            "SCAN_COLORS": int(interval.start_colors is not None),
+            **chosen,
+        }
+        if kind == "compute":
+            defined["QUANTISED"] = int(interval.box is not None)
+            defined["WIDE_TRACKS"] = int(interval.tracks.itemsize == 4)
+        key = (name, kind, *sorted(defined.items()))
         if key not in self._programs:
-            chosen: dict[str, int | float] = {"DEGREE": degree, "SCAN_COLORS": int(colored)}
             self._programs[key] = (
-                feedback(self.context, name, "out_position", **chosen)
-                if name == "positions"
-                else program(self.context, name, name, **LOOK, **chosen)
+                compute(self.context, name, WORKGROUP=WORKGROUP, **defined)
+                if kind == "compute"
+                else feedback(self.context, name, "out_position", **defined)
+                if kind == "feedback"
+                else program(self.context, name, name, **LOOK, **defined)
             )
         return self._programs[key]
 
-    def positions(self, layers: list[Layer]) -> NDArray[np.float32]:
-        """(N, 3) positions of the layers' movers, read back by transform feedback.
-
-        Nothing is drawn, yet GL wants a complete framebuffer in use.
-        """
-        parts = []
-        for layer in layers:
-            buffers = self.buffers[layer.interval]
-            shader = self._program("positions", buffers.degree, buffers.colored)
-            self._give_layer(shader, layer)
-            result = self.context.buffer(reserve=max(12 * layer.group.count, 4))
-            buffers.array(shader).transform(
-                result, vertices=layer.group.count, first=layer.group.first
-            )
-            parts.append(np.frombuffer(result.read(12 * layer.group.count), np.float32))
-            result.release()
-        return np.concatenate(parts).reshape(-1, 3)
-
     def release(self) -> None:
-        self.buffers.release()
+        self.store.release()
         self.palette.release()
         for shader in self._programs.values():
             shader.release()
 
 
 def _palette_texture(context: moderngl.Context, clip: Clip) -> moderngl.Texture:
+    """The tracks' colours in linear light."""
+    import moderngl
+
     rows = -(-len(clip.track_table) // PALETTE_WIDTH)
-    texels = np.zeros((rows * PALETTE_WIDTH, 4), np.uint8)
-    texels[: len(clip.track_table)] = clip.palette
-    texture = context.texture((PALETTE_WIDTH, rows), 4, texels)
+    texels = np.zeros((rows * PALETTE_WIDTH, 4), np.float32)
+    texels[: len(clip.track_table), :3] = srgb_to_linear(clip.palette[:, :3] / 255.0)
+    texture = context.texture((PALETTE_WIDTH, rows), 4, texels, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture

@@ -1,26 +1,33 @@
 """Draws a clip at a time into a framebuffer.
 
-A picture is made in five passes: the depth of the nearest surface; the movers on it summed as soft
-discs; light from the depths so found; the shadow on the floor; all put together. A layer that fades
-is a cross-fade between the picture without and the picture with it, so that nothing pops.
+A picture is made in steps: the nearest surface, by a rasteriser (rasteriser.py); light from its
+distances; the plant's shadow on the floor; all put together. A layer that fades is a cross-fade
+between the picture without and the picture with it, so that nothing pops.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gclip.evaluate import Layer, layers_at, locate
+from gclip.pack import BLOCK
 from player.camera import Camera, axes, outline
+from player.chunks import Portion
 from player.closing import ClosingDistances
+from player.dots import LARGEST, Dots, Way
 from player.glsl import give, program
 from player.movers import LOOK, Movers
+from player.rasteriser import Discs, Rasteriser
+from player.shadow import Shadow
+from player.splats import Splats
 from player.style import GROUNDS, Style
-from player.targets import SHADOW_SIDE, ShadowTargets, Targets
+from player.targets import Targets
 
 if TYPE_CHECKING:
     import moderngl
@@ -28,7 +35,6 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 DISC = 2.3  # natural disc radius in closing distances: neighbours drift apart between scans
-THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
 SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
 
 
@@ -36,19 +42,32 @@ class Renderer:
     """Draws one clip with one context.
 
     supersample: samples along each side of a pixel; 1 in a window, 2 for export.
+    way:         how dots get into the picture; AUTO takes the faster way.
+    memory:      bytes of the GPU that movers may take up; None asks the driver.
     """
 
-    def __init__(self, context: moderngl.Context, clip: Clip, supersample: int = 1) -> None:
+    def __init__(
+        self,
+        context: moderngl.Context,
+        clip: Clip,
+        supersample: int = 1,
+        *,
+        way: Way = Way.AUTO,
+        memory: int | None = None,
+    ) -> None:
         self.context = context
         self.clip = clip
         self.supersample = supersample
-        self._movers = Movers(context, clip)
+        self._movers = Movers(context, clip, memory)
+        self._dots = Dots(self._movers, way)
+        self._splats = Splats(self._movers)
+        self._shadow = Shadow(self._movers)
         self._closing = ClosingDistances(clip)
         self._targets: Targets | None = None
-        self._shadow_targets = ShadowTargets(context)
+        look = LOOK | {"SUPERSAMPLE": supersample}
         self._screen = {
-            name: context.vertex_array(program(context, "screen", name, **LOOK), [])
-            for name in ("resolve", "smooth", "shade", "blur", "compose")
+            name: context.vertex_array(program(context, "screen", name, **look), [])
+            for name in ("smooth", "shade", "ground", "compose")
         }
         points = outline(clip)
         low, high = points.min(axis=0), points.max(axis=0)
@@ -64,41 +83,78 @@ class Renderer:
         camera: Camera,
         style: Style,
         size: tuple[int, int],
-    ) -> None:
+        *,
+        every: int = 1,
+        patience: float | None = None,
+    ) -> bool:
         """Draw the plant on `day` over all of `framebuffer`, `size` = (width, height) pixels.
 
-        The framebuffer stays bound, with blending and depth test switched off.
+        every:    of so many movers one is drawn, and larger.
+        patience: seconds that uploading may take, or as long as it needs (None). Movers that are
+                  not on the GPU by then are left out this time.
+        Returns whether every mover was drawn. The framebuffer stays bound, with blending and depth
+        test switched off.
         """
         targets = self._targets_for(size)
-        closing = self._closing.at(*locate(self.clip, day))
-        disc = {
-            "radius": DISC * style.point_size * closing,
-            "magnification": targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2)),
-            "smallest": SMALLEST * self.supersample,
-        }
-        for layers, opacity in _stages(layers_at(self.clip, day)):
-            self._draw_surface(targets, layers, camera, style, disc)
-            self._shade(targets, camera, style, disc)
+        layers = layers_at(self.clip, day)
+        portions = self._portions(layers, every, patience)
+        natural = self._closing.at(*locate(self.clip, day), wait=patience is None)
+        magnification = targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2))
+        drawn, there = sum(p.count for p in portions), sum(ly.group.count for ly in layers)
+        radius = DISC * style.point_size * natural * math.sqrt(every)
+        if drawn < there:
+            # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
+            gaps = math.sqrt(BLOCK * there / max(drawn, 1))
+            radius = max(radius, min(gaps * radius, LARGEST * camera.distance / magnification))
+        discs = Discs(
+            camera=camera,
+            samples=targets.size,
+            radius=radius,
+            magnification=magnification,
+            smallest=SMALLEST * self.supersample,
+            by_track=style.color_by == "track",
+        )
+        for stage, opacity in _stages(portions):
+            self._rasteriser(discs).draw(targets, stage, discs)
+            self._shade(targets, discs, style)
             if style.show_ground:
-                self._cast_shadow(layers, day, closing)
+                area = self._mover_area(day, natural)
+                self._shadow.cast(stage, self._from_above(), self._floor_side, area)
             self._compose(framebuffer, targets, camera, style, size, opacity)
+        return drawn == there and every == 1
 
-    def positions(self, day: float) -> NDArray[np.float32]:
+    @property
+    def loaded(self) -> int:
+        """Bytes of movers brought to the GPU so far; grows."""
+        return self._movers.store.loaded
+
+    def positions(self, day: float, computed: bool = False) -> NDArray[np.float32]:
         """(N, 3) positions about the clip's origin as the GPU computes them, layer by layer in the
-        order of `gclip.evaluate.layers_at`; read back by transform feedback, for tests.
+        order of `gclip.evaluate.layers_at`; read back for tests, from the vertex shaders or from
+        the compute shaders.
         """
-        self._shadow_targets.framebuffers[0].use()
-        return self._movers.positions(layers_at(self.clip, day))
+        self._targets_for((16, 16)).surface.use()
+        return self._movers.positions(layers_at(self.clip, day), computed)
 
     def release(self) -> None:
         """Give the GPU's memory back."""
-        self._movers.release()
-        self._shadow_targets.release()
-        if self._targets is not None:
-            self._targets.release()
+        self._closing.release()
+        for part in (self._movers, self._dots, self._splats, self._shadow, self._targets):
+            if part is not None:
+                part.release()
         for array in self._screen.values():
             array.program.release()
             array.release()
+
+    def _portions(self, layers: list[Layer], every: int, patience: float | None) -> list[Portion]:
+        wanted = [Portion(layer, layer.group.count, every) for layer in layers]
+        if patience is None:
+            return wanted
+        there = self._movers.store.load(wanted, patience)
+        return [replace(portion, count=n) for portion, n in zip(wanted, there, strict=True)]
+
+    def _rasteriser(self, discs: Discs) -> Rasteriser:
+        return self._dots if discs.typical_radius <= LARGEST else self._splats
 
     def _targets_for(self, size: tuple[int, int]) -> Targets:
         samples = (size[0] * self.supersample, size[1] * self.supersample)
@@ -108,57 +164,21 @@ class Renderer:
             self._targets = Targets(self.context, *samples)
         return self._targets
 
-    def _draw_surface(
-        self,
-        targets: Targets,
-        layers: list[Layer],
-        camera: Camera,
-        style: Style,
-        disc: dict[str, float],
-    ) -> None:
-        import moderngl
-
-        context = self.context
-        targets.surface.use()
-        targets.surface.clear(0.0, 0.0, 0.0, 0.0)
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "<"
-        uniforms = disc | {
-            "view": camera.view(),
-            "projection": camera.projection(targets.size[0] / targets.size[1]),
-            "thickness": THICKNESS,
-        }
-        targets.surface.color_mask = [(False,) * 4] * 2  # type: ignore[assignment]
-        self._movers.draw("surface", layers, uniforms)
-
-        targets.surface.color_mask = [(True,) * 4] * 2  # type: ignore[assignment]
-        targets.surface.depth_mask = False
-        context.enable(moderngl.BLEND)
-        context.blend_func = moderngl.ONE, moderngl.ONE
-        self._movers.palette.use(0)
-        self._movers.draw(
-            "splat", layers, uniforms | {"palette": 0, "by_track": style.color_by == "track"}
-        )
-        targets.surface.depth_mask = True
-
-    def _shade(
-        self, targets: Targets, camera: Camera, style: Style, disc: dict[str, float]
-    ) -> None:
+    def _shade(self, targets: Targets, discs: Discs, style: Style) -> None:
         import moderngl
 
         context, (width, height) = self.context, targets.size
-        targets.smoothed[0].depth_mask = True
-        targets.smoothed[0].use()
         context.enable_only(moderngl.DEPTH_TEST)
-        context.depth_func = "1"
-        targets.color_sum.use(0)
-        targets.away_sum.use(1)
-        self._fill("resolve", color_sum=0, away_sum=1)
-
         context.depth_func = ">"
-        targets.smoothed[0].depth_mask = False
+        targets.color_sum.use(0)
         targets.smoothed[1].clear(-1.0)
         targets.shaded.clear()
+        camera = discs.camera
+        disc = {
+            "radius": discs.radius,
+            "magnification": discs.magnification,
+            "smallest": discs.smallest,
+        }
         for source, direction in ((0, (1, 0)), (1, (0, 1))):
             targets.smoothed[1 - source].use()
             targets.distances[source].use(1)
@@ -185,36 +205,6 @@ class Renderer:
             haze=ground.haze,
         )
 
-    def _cast_shadow(self, layers: list[Layer], day: float, closing: float) -> None:
-        import moderngl
-
-        context, (first, second) = self.context, self._shadow_targets.framebuffers
-        first.use()
-        first.clear()
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
-        context.blend_func = moderngl.ONE, moderngl.ONE
-        texel = 2.0 * self._floor_side / SHADOW_SIDE
-        self._movers.draw(
-            "shadow",
-            layers,
-            {
-                "from_above": self._from_above(),
-                "reach": 0.12 * self._floor_side,
-                "cover": self._mover_area(day, closing) / texel**2,
-            },
-        )
-        context.enable_only(0)
-        for target, source, direction in ((second, 0, (1, 0)), (first, 1, (0, 1))):
-            target.use()
-            self._shadow_targets.textures[source].use(0)
-            self._fill(
-                "blur",
-                source=0,
-                direction=(direction[0] / SHADOW_SIDE, direction[1] / SHADOW_SIDE),
-                width=(2.0, 9.0),
-                saturate=source == 0,
-            )
-
     def _compose(
         self,
         framebuffer: moderngl.Framebuffer,
@@ -226,9 +216,24 @@ class Renderer:
     ) -> None:
         import moderngl
 
+        colors = GROUNDS[style.ground]
+        self.context.enable_only(0)
+        targets.ground.use()
+        self._shadow.use(1)
+        self._fill(
+            "ground",
+            shadow=1,
+            half_field=_half_field(camera, size[0] / size[1]),
+            to_floor=self._from_above() @ np.linalg.inv(camera.view()),
+            floor_share=1.0 if style.show_ground else 0.0,
+            above_color=colors.above,
+            below_color=colors.below,
+            floor_color=colors.floor,
+            shadow_color=colors.shadow,
+        )
         framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
-        self.context.enable_only(moderngl.BLEND)
+        self.context.enable_only(moderngl.BLEND if opacity < 1.0 else moderngl.NOTHING)
         self.context.blend_func = (  # type: ignore[assignment]
             moderngl.SRC_ALPHA,
             moderngl.ONE_MINUS_SRC_ALPHA,
@@ -236,22 +241,8 @@ class Renderer:
             moderngl.ONE,
         )
         targets.light.use(0)
-        self._shadow_targets.textures[0].use(1)
-        ground = GROUNDS[style.ground]
-        self._fill(
-            "compose",
-            light=0,
-            shadow=1,
-            supersample=self.supersample,
-            half_field=_half_field(camera, size[0] / size[1]),
-            to_floor=self._from_above() @ np.linalg.inv(camera.view()),
-            floor_share=1.0 if style.show_ground else 0.0,
-            above_color=ground.above,
-            below_color=ground.below,
-            floor_color=ground.floor,
-            shadow_color=ground.shadow,
-            opacity=opacity,
-        )
+        targets.ground_light.use(1)
+        self._fill("compose", light=0, ground=1, opacity=opacity)
         self.context.enable_only(0)
 
     def _fill(self, name: str, **uniforms: Any) -> None:
@@ -274,12 +265,13 @@ class Renderer:
         return float(4.0 * closing**2 * points / movers)
 
 
-def _stages(layers: list[Layer]) -> Iterator[tuple[list[Layer], float]]:
+def _stages(portions: list[Portion]) -> Iterator[tuple[list[Portion], float]]:
     """What to draw one upon the other: the opaque layers, then these with each fainter one."""
-    drawn = [layer for layer in layers if layer.alpha >= 1.0]
+    drawn = [portion for portion in portions if portion.layer.alpha >= 1.0]
     yield drawn, 1.0
-    for alpha in sorted({layer.alpha for layer in layers if 0.0 < layer.alpha < 1.0}, reverse=True):
-        drawn = drawn + [layer for layer in layers if layer.alpha == alpha]
+    alphas = {portion.layer.alpha for portion in portions if 0.0 < portion.layer.alpha < 1.0}
+    for alpha in sorted(alphas, reverse=True):
+        drawn = drawn + [portion for portion in portions if portion.layer.alpha == alpha]
         yield drawn, alpha
 
 

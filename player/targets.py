@@ -7,19 +7,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import moderngl
 
-SHADOW_SIDE = 192  # texels along each side of the floor's shadow
+GROUND_SHARE = 4  # sides of the picture to sides of the ground's
 
 
 class Targets:
     """Textures and framebuffers for a picture of `width` × `height` samples.
 
     surface:  the nearest surface's depth, then the splats summed upon it.
+    gathered: the same surface as dots leave it.
     smoothed: distances from the eye, without the scanner's noise.
     mask:     a depth buffer, 0 where the plant is: the later passes run there alone.
     shaded:   the lit plant, premultiplied by its cover.
+    ground:   what is behind it; smooth, and so of fewer samples.
     """
 
     def __init__(self, context: moderngl.Context, width: int, height: int) -> None:
+        import moderngl
+
         size = (width, height)
         self.size = size
         self.color_sum = _texture(context, size, 4, "f4")
@@ -29,37 +33,25 @@ class Targets:
         self.distances = [_texture(context, size, 1, "f4") for _ in range(2)]
         self.mask = context.depth_renderbuffer(size)
         self.smoothed = [context.framebuffer([texture], self.mask) for texture in self.distances]
-        self.smoothed[1].depth_mask = False
+        for framebuffer in self.smoothed:
+            framebuffer.depth_mask = False
+        self.gathered = context.framebuffer([self.color_sum, self.distances[0]], self.mask)
         self.light = _texture(context, size, 4, "f2")
         self.shaded = context.framebuffer([self.light], self.mask)
         self.shaded.depth_mask = False
+        small = (max(width // GROUND_SHARE, 1), max(height // GROUND_SHARE, 1))
+        self.ground_light = _texture(context, small, 4, "f4")
+        self.ground_light.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self.ground = context.framebuffer([self.ground_light])
 
     def release(self) -> None:
-        for framebuffer in (self.surface, *self.smoothed, self.shaded):
+        for framebuffer in (self.surface, *self.smoothed, self.gathered, self.shaded, self.ground):
             framebuffer.release()
         for texture in (self.color_sum, self.away_sum, *self.distances, self.light):
             texture.release()
+        self.ground_light.release()
         self.depth.release()
         self.mask.release()
-
-
-class ShadowTargets:
-    """Two squares that the shadow's blur goes to and fro between."""
-
-    def __init__(self, context: moderngl.Context) -> None:
-        import moderngl
-
-        side = (SHADOW_SIDE, SHADOW_SIDE)
-        self.textures = [_texture(context, side, 2, "f4") for _ in range(2)]
-        for texture in self.textures:
-            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self.framebuffers = [context.framebuffer([texture]) for texture in self.textures]
-
-    def release(self) -> None:
-        for framebuffer in self.framebuffers:
-            framebuffer.release()
-        for texture in self.textures:
-            texture.release()
 
 
 def _texture(

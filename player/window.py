@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from player.camera import Camera
 from player.controls import Controls
 from player.dates import date_at
-from player.detail import Enlarger, Pace
+from player.detail import Detail, Enlarger, Pace
 from player.layout import ABOVE_PLANT, BELOW_PLANT
 from player.scene import Scene
 from player.screen import events_to, opened, shortest_frame, switch_fullscreen
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 NOTICE_SECONDS = 2.5
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
+LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C while nothing moves
 
 
@@ -114,7 +115,7 @@ class Window:
         self._context: Any = from_window()
         self._renderer = Renderer(self._context, clip)
         self._enlarger = Enlarger(self._context)
-        self._pace = Pace()
+        self._pace = Pace(max(len(interval) for interval in clip.intervals))
         self._overlay = Overlay(self._context, clip, name)
         self._measures = self._measured()
         home = home_camera(clip, self._measures.units if self._measures.visible else (16.0, 9.0))
@@ -123,6 +124,8 @@ class Window:
         self._controls = Controls(scene)
         self._drawn: object = None  # what the last picture showed
         self._view: object = None  # its day, camera and size
+        self._whole = True  # whether the last picture showed every mover
+        self._loading = True  # whether movers came to the GPU for it
         self._title = ""
         self._notice, self._notice_ends = "", 0.0
         self._watch: Callable[[Scene], None] = lambda scene: None
@@ -156,7 +159,7 @@ class Window:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         controls, scene = self._controls, self._controls.scene
         plays = scene.timeline.playing and not controls.scrubbing
-        return plays or scene.turning or bool(scene.notice)
+        return plays or scene.turning or bool(scene.notice) or not self._whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         controls, scene = self._controls, self._controls.scene
@@ -193,13 +196,19 @@ class Window:
         scene, screen = controls.scene, self._context.screen
         view = (scene.timeline.day, scene.camera, measures)
         moves = view != self._view and not scene.wants_picture
-        detail = self._pace.detail(measures.framebuffer) if moves else 1.0
+        detail = self._pace.detail(measures.framebuffer) if moves else Detail()
         wanted = (scene, measures, cursor, held, detail)
-        if not measures.visible or wanted == self._drawn:
+        if not measures.visible or (wanted == self._drawn and self._whole):
             return
+        at_rest = not moves and not self._loading
         began = self._glfw.get_time()
         screen.viewport = (0, 0, *measures.framebuffer)
-        self._enlarger.draw(screen, measures.framebuffer, detail, self._draw_plant)
+        self._enlarger.draw(
+            screen,
+            measures.framebuffer,
+            detail.pixels,
+            lambda framebuffer, size: self._draw_plant(framebuffer, size, detail.every, at_rest),
+        )
         if scene.wants_picture:
             controls.scene = scene = self._with_screenshot(scene)
         controls.layout = self._overlay.draw(
@@ -211,9 +220,19 @@ class Window:
         self._drawn, self._view = wanted, view
         self._watch(scene)
 
-    def _draw_plant(self, framebuffer: Any, size: tuple[int, int]) -> None:
+    def _draw_plant(
+        self, framebuffer: Any, size: tuple[int, int], every: int, at_rest: bool
+    ) -> None:
+        """At rest every mover is drawn, whatever it takes; before that, what the GPU has so far."""
         scene = self._controls.scene
-        self._renderer.draw(framebuffer, scene.timeline.day, scene.camera, scene.style, size)
+        patience = None if at_rest or scene.wants_picture else LOADING
+        before = self._renderer.loaded
+        self._whole = self._renderer.draw(
+            *(framebuffer, scene.timeline.day, scene.camera, scene.style, size),
+            every=every,
+            patience=patience,
+        )
+        self._loading = self._renderer.loaded != before
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

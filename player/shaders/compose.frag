@@ -1,43 +1,12 @@
-// The finished picture: plant over floor over background, samples averaged in linear light.
+// The finished picture: the plant over the ground, samples averaged in linear light.
 #version 330 core
 #include "srgb.glsl"
 
 in vec2 v_at;
 uniform sampler2D light;
-uniform sampler2D shadow;
-uniform int supersample;
-uniform vec2 half_field;
-uniform mat4 to_floor;      // the eye's coordinates to the shadow's square, height above the floor in z
-uniform float floor_share;  // 0 without floor
-uniform vec3 above_color;   // background at the top, at the bottom, and the lit floor: linear light
-uniform vec3 below_color;
-uniform vec3 floor_color;
-uniform vec3 shadow_color;
+uniform sampler2D ground;  // sRGB
 uniform float opacity;
 out vec4 out_color;
-
-vec3 background() {
-    vec2 aside = v_at - vec2(0.5, 0.55);
-    float glow = exp(-dot(aside, aside) * 2.2);
-    vec3 wall = mix(below_color, above_color, smoothstep(0.0, 1.0, v_at.y));
-    return wall * mix(0.78, 1.12, glow);
-}
-
-vec3 with_floor(vec3 wall) {
-    vec3 ray = vec3((2.0 * v_at - 1.0) * half_field, -1.0);
-    vec3 eye = to_floor[3].xyz, along = mat3(to_floor) * ray;
-    if (eye.z <= 0.0 || along.z >= 0.0) {
-        return wall;
-    }
-    vec2 spot = (eye - along * (eye.z / along.z)).xy;
-    float disc = exp(-1.3 * dot(spot, spot));
-    vec2 kept = texture(shadow, 0.5 * spot + 0.5).rg;
-    kept *= 1.0 - smoothstep(0.8, 1.0, max(abs(spot.x), abs(spot.y)));
-    float grazing = smoothstep(0.0, 0.12, -normalize(along).z);
-    vec3 lit = mix(wall, floor_color, disc * floor_share * grazing);
-    float dark = clamp(0.80 * kept.x + 0.62 * kept.y, 0.0, 0.9);
-    return mix(lit, shadow_color, dark * floor_share * grazing);
-}
 
 // Breaks up the banding of 8-bit gradients (interleaved gradient noise, Jimenez 2014).
 float dither() {
@@ -46,14 +15,16 @@ float dither() {
 
 void main() {
     vec4 plant = vec4(0.0);
-    ivec2 corner = ivec2(gl_FragCoord.xy) * supersample;
-    for (int y = 0; y < supersample; ++y) {
-        for (int x = 0; x < supersample; ++x) {
+    ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
+    for (int y = 0; y < SUPERSAMPLE; ++y) {
+        for (int x = 0; x < SUPERSAMPLE; ++x) {
             plant += texelFetch(light, corner + ivec2(x, y), 0);
         }
     }
-    plant /= float(supersample * supersample);
-    vec3 picture = plant.rgb + (1.0 - plant.a) * with_floor(background());
-    vec3 shown = linear_to_srgb(picture) + (dither() - 0.5) / 255.0;
-    out_color = vec4(shown, opacity);
+    plant /= float(SUPERSAMPLE * SUPERSAMPLE);
+    vec3 shown = textureLod(ground, v_at, 0.0).rgb;
+    if (plant.a > 0.0) {
+        shown = linear_to_srgb(plant.rgb + (1.0 - plant.a) * srgb_to_linear(shown));
+    }
+    out_color = vec4(shown + (dither() - 0.5) / 255.0, opacity);
 }

@@ -3,7 +3,9 @@
 #include "curve.glsl"
 
 in vec3 in_point0;
+#if DEGREE > 0
 in vec3 in_point1;
+#endif
 #if DEGREE > 1
 in vec3 in_point2;
 #endif
@@ -12,7 +14,9 @@ in vec3 in_point3;
 #endif
 
 vec3 mover_position() {
-#if DEGREE == 1
+#if DEGREE == 0
+    return on_curve(vec3[](in_point0));
+#elif DEGREE == 1
     return on_curve(vec3[](in_point0, in_point1));
 #elif DEGREE == 2
     return on_curve(vec3[](in_point0, in_point1, in_point2));

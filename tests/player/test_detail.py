@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from player.context import headless
-from player.detail import BUDGET, LEVELS, PLENTY, Enlarger, Pace
+from player.detail import BUDGET, FEWEST, LEVELS, PLENTY, Detail, Enlarger, Pace
 
 HUGE = (7680, 4320)
 
@@ -16,25 +16,35 @@ def test_a_fast_machine_keeps_every_pixel() -> None:
     pace = Pace()
     for _ in range(100):
         pace.took(1 / 60)
-    assert pace.detail(HUGE) == 1.0
+    assert pace.detail(HUGE) == Detail()
 
 
 def test_a_slow_machine_draws_less_and_recovers() -> None:
     pace = Pace()
     for _ in range(100):
         pace.took(3 * BUDGET)
-    assert pace.detail(HUGE) == LEVELS[-1]
+    assert pace.detail(HUGE) == Detail(LEVELS[-1])
     for _ in range(100):
         pace.took(0.1 * BUDGET)
-    assert pace.detail(HUGE) == 1.0
+    assert pace.detail(HUGE) == Detail()
+
+
+def test_of_very_many_movers_some_are_left_out_before_pixels_are() -> None:
+    pace, seen = Pace(10 * FEWEST), [Detail()]
+    for _ in range(100):
+        pace.took(3 * BUDGET)
+        if pace.detail(HUGE) != seen[-1]:
+            seen.append(pace.detail(HUGE))
+    assert [detail.every for detail in seen] == [1, 2, 4, 8, 8, 8, 8]
+    assert [detail.pixels for detail in seen] == [1.0] * 4 + list(LEVELS[1:])
 
 
 def test_a_small_window_is_always_drawn_in_full() -> None:
     pace = Pace()
     for _ in range(100):
         pace.took(3 * BUDGET)
-    assert pace.detail((640, 480)) == 1.0
-    assert pace.detail((1280, 720)) ** 2 * 1280 * 720 >= 0.999 * PLENTY
+    assert pace.detail((640, 480)) == Detail()
+    assert pace.detail((1280, 720)).pixels ** 2 * 1280 * 720 >= 0.999 * PLENTY
 
 
 def test_one_slow_picture_changes_nothing() -> None:
@@ -42,14 +52,14 @@ def test_one_slow_picture_changes_nothing() -> None:
     for _ in range(20):
         pace.took(3 * BUDGET)
         pace.took(0.7 * BUDGET)
-    assert pace.detail(HUGE) == 1.0
+    assert pace.detail(HUGE) == Detail()
 
 
 @pytest.mark.parametrize("cost", [0.2, 0.5, 1.2, 2.0, 4.0])
 def test_the_detail_settles_when_the_cost_follows_the_pixels(cost: float) -> None:
     pace, seen = Pace(), []
     for _ in range(200):
-        pace.took(cost * BUDGET * pace.detail(HUGE) ** 2)
+        pace.took(cost * BUDGET * pace.detail(HUGE).pixels ** 2)
         seen.append(pace.detail(HUGE))
     assert len(set(seen[100:])) == 1
 

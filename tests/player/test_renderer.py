@@ -52,9 +52,12 @@ def cover(picture: np.ndarray) -> int:
 @pytest.mark.parametrize("lost", [Motion.FALL, Motion.FADE, Motion.REMOVE])
 @pytest.mark.parametrize("precision", ["auto", "float32"])
 @pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("computed", [False, True])
 def test_positions_on_the_gpu_are_those_of_the_cpu(
-    context: moderngl.Context, make_clip, degree: int, precision: str, lost: Motion
+    context: moderngl.Context, make_clip, computed: bool, degree: int, precision: str, lost: Motion
 ) -> None:
+    if computed and context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
     clip = make_clip(degree=degree, precision=precision, lost=lost)
     assert (clip.intervals[0].box is None) == (precision == "float32")
     size = np.linalg.norm(np.subtract(*clip.bounds))
@@ -63,7 +66,7 @@ def test_positions_on_the_gpu_are_those_of_the_cpu(
         frame = clip.at(day)
         parts = [frame.local] + ([frame.litter.local] if frame.litter else [])
         expected = np.concatenate(parts)
-        found = renderer.positions(day)
+        found = renderer.positions(day, computed)
         assert found.shape == expected.shape
         assert np.abs(found - expected).max() < 1e-4 * size
     renderer.release()
@@ -139,18 +142,3 @@ def test_point_size_and_supersampling(make_clip) -> None:
         assert cover(draw(1.0, replace(PLAIN, point_size=3.0))) > 1.05 * natural
     with drawing(make_clip(), supersample=2) as draw:
         assert cover(draw(1.0)) == pytest.approx(natural, rel=0.03)
-
-
-def test_few_intervals_stay_on_the_gpu(context: moderngl.Context, make_clip) -> None:
-    clip = make_clip()
-    first = clip.intervals[0]
-    many = replace(
-        clip,
-        intervals=tuple(replace(first, start=float(k), end=k + 1.0) for k in range(9)),
-        scans=tuple(replace(clip.scans[0], time=float(k)) for k in range(10)),
-    )
-    renderer = Renderer(context, many)
-    for day in np.linspace(0, 9, 30):
-        renderer.positions(float(day))
-    assert len(renderer._movers.buffers._kept) <= 3
-    renderer.release()

@@ -1,0 +1,195 @@
+"""Movers as dots, one sample each, closed to a surface afterwards: for many movers, small discs.
+
+One pass over the movers finds the nearest in every sample, by OpenGL's own points (3.3) or by a
+compute shader with one atomic operation a mover (4.3; after Schütz et al. 2021, "Rendering point
+clouds with compute shaders and vertex order optimization"). Both leave the same dots, but where
+two are equally near.
+"""
+
+from __future__ import annotations
+
+import time
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+from player.glsl import give, program
+from player.movers import LOOK, Movers
+from player.rasteriser import Discs
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from player.chunks import Portion
+    from player.targets import Targets
+
+LARGEST = 2.0  # disc radius in samples up to which a centre may be rounded to a sample
+NAMED = 1024  # segments that a dot's ten bits tell apart
+TRIAL = 200_000  # movers that the two ways of drawing are compared with
+TILE = 16  # side in samples of the tiles that the empty parts of a picture are skipped by
+
+
+class Way(StrEnum):
+    """What puts the dots into the picture."""
+
+    AUTO = "auto"
+    POINTS = "points"
+    COMPUTE = "compute"
+
+
+class Dots:
+    """Draws dots and closes the surface between them.
+
+    way: AUTO tries both at the first picture and stays with the faster one.
+    """
+
+    def __init__(self, movers: Movers, way: Way = Way.AUTO) -> None:
+        self._movers = movers
+        self.way = Way.POINTS if movers.context.version_code < 430 else way
+        self._targets: DotTargets | None = None
+        self._screen: dict[tuple[str, int], moderngl.VertexArray] = {}
+
+    def draw(self, targets: Targets, portions: list[Portion], discs: Discs) -> None:
+        dots = self._targets_for(discs.samples)
+        near, far = discs.camera.near, discs.camera.far
+        projection = discs.projection
+        uniforms = discs.uniforms() | {
+            "focal": (projection[0, 0], projection[1, 1]),
+            "samples": discs.samples,
+            "depths": (near, far),
+            "palette": 2,
+        }
+        self._movers.palette.use(2)
+        named = self._ten_bits_name_colors(discs)
+        if self.way is Way.AUTO:
+            self.way = self._faster_way(dots, portions, uniforms, named)
+        self._scatter(self.way, dots, portions, uniforms, named)
+        self._gather(dots, targets, uniforms, named, reach=1 if discs.typical_radius <= 1.5 else 2)
+
+    def _scatter(
+        self,
+        way: Way,
+        dots: DotTargets,
+        portions: list[Portion],
+        uniforms: dict[str, Any],
+        named: bool,
+    ) -> None:
+        import moderngl
+
+        context, framebuffer = self._movers.context, dots.named if named else dots.picked_too
+        framebuffer.use()
+        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        context.depth_func = "1"
+        self._fill("empty")
+        if way is Way.POINTS:
+            context.depth_func = "<"
+            self._movers.draw("dots", portions, uniforms)
+            return
+        dots.nearest.bind_to_image(0, read=True, write=True)
+        self._movers.compute("dots", portions, uniforms, PICK=0)
+        if not named:
+            dots.picked.bind_to_image(1, read=True, write=True)
+            self._movers.compute("dots", portions, uniforms, PICK=1)
+
+    def _gather(
+        self,
+        dots: DotTargets,
+        targets: Targets,
+        uniforms: dict[str, Any],
+        named: bool,
+        reach: int,
+    ) -> None:
+        import moderngl
+
+        dots.nearest.use(0)
+        dots.picked.use(1)
+        dots.tiled.use()
+        self._movers.context.enable_only(0)
+        self._fill("tiles", reach, nearest=0)
+
+        # Points are clipped by their middles: the last ones may lie beyond the picture.
+        across, up = dots.tiles.size
+        targets.gathered.viewport = (0, 0, across * TILE, up * TILE)
+        targets.gathered.use()
+        targets.gathered.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        self._movers.context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        self._movers.context.depth_func = "1"
+        dots.tiles.use(3)
+        uniforms |= {"occupied": 3, "nearest": 0, "picked": 1, "by_segment": named}
+        self._fill("gather", reach, across * up, **uniforms)
+
+    def _ten_bits_name_colors(self, discs: Discs) -> bool:
+        clip = self._movers.clip
+        return len(clip.track_table) <= NAMED and (discs.by_track or not clip.has_colors)
+
+    def _faster_way(
+        self,
+        dots: DotTargets,
+        portions: list[Portion],
+        uniforms: dict[str, Any],
+        named: bool,
+    ) -> Way:
+        """Draw some of the movers both ways, once to compile and once to measure."""
+        from player.chunks import Portion
+
+        share = min(TRIAL / max(sum(p.count for p in portions), 1), 1.0)
+        some = [Portion(p.layer, int(share * p.count)) for p in portions]
+        seconds = {}
+        for way in (Way.POINTS, Way.COMPUTE):
+            for _ in range(2):
+                self._movers.context.finish()
+                began = time.perf_counter()
+                self._scatter(way, dots, some, uniforms, named)
+                self._movers.context.finish()
+                seconds[way] = time.perf_counter() - began
+        return min(seconds, key=lambda way: seconds[way])
+
+    def _fill(self, name: str, reach: int = 1, tiles: int = 0, **uniforms: Any) -> None:
+        """Draw over the whole picture, or over as many tiles as are not empty."""
+        import moderngl
+
+        if (name, reach) not in self._screen:
+            context, vertex = self._movers.context, "tile" if tiles else "screen"
+            chosen = LOOK | {"REACH": reach, "TILE": TILE}
+            self._screen[name, reach] = context.vertex_array(
+                program(context, vertex, name, **chosen), []
+            )
+        array = self._screen[name, reach]
+        give(array.program, **uniforms)
+        array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
+
+    def _targets_for(self, size: tuple[int, int]) -> DotTargets:
+        if self._targets is None or self._targets.nearest.size != size:
+            if self._targets is not None:
+                self._targets.release()
+            self._targets = DotTargets(self._movers.context, size)
+        return self._targets
+
+    def release(self) -> None:
+        if self._targets is not None:
+            self._targets.release()
+        for array in self._screen.values():
+            array.program.release()
+            array.release()
+
+
+class DotTargets:
+    """The nearest dot's number in every sample (dot.glsl), and its colour where that needs room."""
+
+    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
+        import moderngl
+
+        self.nearest, self.picked = (context.texture(size, 1, dtype="u4") for _ in range(2))
+        for texture in (self.nearest, self.picked):
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._depth = context.depth_renderbuffer(size)
+        self.tiles = context.texture((-(-size[0] // TILE), -(-size[1] // TILE)), 1)
+        self.tiles.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.tiled = context.framebuffer([self.tiles])
+        self.named = context.framebuffer([self.nearest], self._depth)
+        self.picked_too = context.framebuffer([self.nearest, self.picked], self._depth)
+
+    def release(self) -> None:
+        for part in (self.named, self.picked_too, self.tiled):
+            part.release()
+        for texture in (self.nearest, self.picked, self.tiles, self._depth):
+            texture.release()

@@ -1,0 +1,44 @@
+"""How much of the GPU's memory movers may take up."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import moderngl
+
+SHARE = 0.6  # of the memory that is there: the rest is for pictures, and for others
+LEAST = 256 << 20
+TOTAL_NVIDIA = 0x9048  # GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, in KiB
+FREE_AMD = 0x87FC  # GL_VBO_FREE_MEMORY_ATI, in KiB
+
+
+def room(context: moderngl.Context) -> int:
+    """Bytes. Where the driver doesn't say, what half of the machine's own memory would allow."""
+    told = 0
+    if "GL_NVX_gpu_memory_info" in context.extensions:
+        told = _integer(context, TOTAL_NVIDIA)
+    elif "GL_ATI_meminfo" in context.extensions:
+        told = _integer(context, FREE_AMD)
+    total = told * 1024 if told > 0 else _own_memory() // 2
+    return max(int(SHARE * total), LEAST)
+
+
+def _integer(context: moderngl.Context, name: int) -> int:
+    """glGetIntegerv, which moderngl keeps to itself; 0 where it can't be had."""
+    try:
+        address = context.mglo._context.load_opengl_function("glGetIntegerv")
+    except AttributeError:
+        return 0
+    values = (ctypes.c_int * 4)()
+    ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.POINTER(ctypes.c_int))(address)(name, values)
+    return values[0]
+
+
+def _own_memory() -> int:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return 8 << 30

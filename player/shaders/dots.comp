@@ -1,0 +1,50 @@
+// Movers as dots: the nearest in every sample stays. With PICK, a second run over the movers, each
+// that stayed leaves its colour.
+#version 430 core
+#include "stored_mover.glsl"
+#include "dot.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+layout(r32ui, binding = 0) uniform uimage2D nearest;
+#if PICK
+#include "light.glsl"
+layout(r32ui, binding = 1) uniform uimage2D picked;
+#endif
+uniform int count;
+uniform int every;  // of so many pairs one is drawn
+
+void draw(uint mover, vec3 position, uint track) {
+    ivec2 texel;
+    uint number;
+    if (mover >= uint(count) || !place_dot(position, track, texel, number)) {
+        return;
+    }
+#if !PICK
+    // Most movers lie behind one that is there already: reading is cheaper than the atomic.
+    if (imageLoad(nearest, texel).r > number) {
+        imageAtomicMin(nearest, texel, number);
+    }
+#else
+    if (imageLoad(nearest, texel).r == number) {
+#if SCAN_COLORS
+        vec3 light = mover_light(track, unpackUnorm4x8(stored_start_color[mover]),
+                                 unpackUnorm4x8(stored_end_color[mover]));
+#else
+        vec3 light = track_light(track);
+#endif
+        imageAtomicMax(picked, texel, packed_light(light));
+    }
+#endif
+}
+
+void main() {
+    uint pair = gl_GlobalInvocationID.x * uint(every);
+    if (2u * pair >= uint(count)) {
+        return;
+    }
+    vec3 first, second;
+    mover_positions(pair, first, second);
+    uvec2 tracks = mover_tracks(pair);
+    draw(2u * pair, first, tracks.x);
+    draw(2u * pair + 1u, second, tracks.y);
+}
