@@ -120,6 +120,16 @@ def bake_command(
             help="Drop points whose neighbours are R standard deviations too far; try 2.",
         ),
     ] = None,
+    denoise: Annotated[
+        int | None,
+        typer.Option(
+            min=4, metavar="K", help="Draw points onto planes through K neighbours; try 20."
+        ),
+    ] = None,
+    resample: Annotated[
+        int | None,
+        typer.Option(min=10, metavar="N", help="Keep about N points of a scan, evenly spread."),
+    ] = None,
     neighbors: Annotated[
         int, typer.Option(min=1, help="Neighbours in the transport's support (k).")
     ] = 15,
@@ -159,6 +169,8 @@ def bake_command(
         label_field=label_field,
         voxel=voxel,
         outliers=outliers,
+        denoise=denoise,
+        resample=resample,
         every=every,
         transport=transport,
         neighbors=neighbors,

@@ -98,6 +98,8 @@ class Options:
     label_field: str | None = None
     voxel: float | None = None
     outliers: float | None = None
+    denoise: int | None = None
+    resample: int | None = None
     every: int = 1
     transport: str = "auto"
     neighbors: int = 15

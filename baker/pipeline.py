@@ -122,6 +122,8 @@ def _read_options(options: Options) -> ReadOptions:
         times_file=options.times,
         outliers=options.outliers,
         voxel=options.voxel,
+        denoise=options.denoise,
+        resample=options.resample,
         use_labels=options.labels != "ignore",
         every=options.every,
     )

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
 
+FEWEST = {"denoise": 4, "resample": 10}
+
 
 @dataclass(frozen=True)
 class ReadOptions:
@@ -33,6 +35,9 @@ class ReadOptions:
                   (2 is usual, smaller drops more).
     voxel:        None keeps all points; a length (unit of the scans) keeps one point for each cube
                   of that size and label.
+    denoise:      None leaves points where they are; a number k draws each onto a plane through its
+                  k nearest neighbours.
+    resample:     None keeps all points; a number keeps about as many of each scan, evenly spread.
     every:        1 reads all scans; n only the first and then each n-th, in the order of time.
     """
 
@@ -41,12 +46,17 @@ class ReadOptions:
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None
+    denoise: int | None = None
+    resample: int | None = None
     every: int = 1
 
     def __post_init__(self) -> None:
         for name, value in (("outliers", self.outliers), ("voxel", self.voxel)):
             if value is not None and not (isfinite(value) and value > 0):
                 raise InputError(f"{name} must be a number above 0, not {value}.")
+        for name, number in (("denoise", self.denoise), ("resample", self.resample)):
+            if number is not None and number < FEWEST[name]:
+                raise InputError(f"{name} must be {FEWEST[name]} or more, not {number}.")
         if self.every < 1:
             raise InputError(f"every must be a whole number, 1 or more, not {self.every}.")
 
@@ -66,6 +76,7 @@ def read_series(
     `times`, `formats`, `fields` and `clean` for each step's own rules.
     """
     from baker.scans import clean, place
+    from baker.scans.denoise import denoised
     from baker.scans.find import find_scans
     from baker.scans.times import schedule_scans
 
@@ -95,6 +106,10 @@ def read_series(
             cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
         if options.voxel is not None:
             cloud = clean.thin(cloud, options.voxel)
+        if options.denoise is not None:
+            cloud = denoised(cloud, options.denoise)
+        if options.resample is not None:
+            cloud = clean.resampled(cloud, options.resample)
         scans.append(
             Scan(
                 name=entry.name,

@@ -117,3 +117,18 @@ def test_stray_points_do_not_move_the_origin():
 def test_a_scan_far_from_the_first_says_what_is_lost():
     points = np.random.default_rng(0).random((100, 3)) + 1e6
     assert "far from the series' first scan" in relative_to(np.zeros(3), Cloud(points)).notes[0]
+
+
+def test_resampling_comes_near_the_number_and_evens_the_density():
+    rng = np.random.default_rng(0)
+    dense, sparse = rng.random((9000, 3)) * [1, 1, 0], rng.random((1000, 3)) * [1, 1, 0] + [1, 0, 0]
+    kept = clean.resampled(Cloud(np.concatenate([dense, sparse])), 800)
+    assert len(kept) == pytest.approx(800, rel=0.02)
+    share = (kept.points[:, 0] < 1).mean()
+    assert 0.45 < share < 0.6
+    assert "resampled evenly from 10000" in kept.notes[-1]
+
+
+def test_resampling_leaves_small_scans_alone():
+    cloud = Cloud(np.random.default_rng(0).random((50, 3)))
+    assert clean.resampled(cloud, 50) is cloud
