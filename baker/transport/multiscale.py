@@ -1,45 +1,43 @@
-"""The optimal plan of large clouds: from coarse to fine, then cell by cell.
+"""The optimal plan of large clouds: from coarse to fine, and cell by cell.
 
-A plan between blocks of points says roughly where each point goes: neighbours of *there* are the
-pairs worth looking at, and handing the blocks' mass to their points is a first, feasible plan. It
-is improved in sweeps: the cloud is cut into cells, each cell's part of the plan is solved exactly
-(domain decomposition: Bonafini and Schmitzer, Math. Program. 2021), and the next sweep cuts
-elsewhere. Time and memory grow linearly with the points.
+Both clouds are cut into ever smaller blocks. The plan between the blocks of one level, handed out
+to the blocks within them, is a feasible plan of the next level that is nearly right, and is
+improved there; on the last level the blocks are the points. Large levels are improved in cells,
+each solved exactly, in sweeps that cut elsewhere (domain decomposition: Bonafini and Schmitzer,
+Math. Program. 2021). Time and memory grow linearly with the points.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport import bisection, linear
+from baker.transport import bisection
+from baker.transport.bisection import Blocks
 from baker.transport.plan import Edges, Masses, Points, costs
-from baker.transport.support import nearest, shield, unique
+from baker.workers import in_parallel
 
-_DENSE = 1_000_000  # pairs up to which the dense problem is solved directly
-_FEWEST_BLOCKS = 700
-_BLOCK = 4  # points in a block, more where the blocks would outnumber the next line
-_BLOCKS = 10_000  # blocks of both sides
-_WHOLE = 25_000  # points of both sides up to which a sweep has one cell
-_CELL = 2_500  # points of both sides in a cell above that
-_WHOLE_BIJECTION = 200_000  # the same where both sides have as many points: assignment is faster
-_CELL_BIJECTION = 40_000
-_SHIELD = 8  # neighbours whose partners are tried
+_COARSEST = 64  # blocks of either side on the first level
+_FINER = 4  # blocks within a block
+_NEIGHBORS = 6  # neighbours whose partners are tried
+_EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
+_WHOLE = 3_000  # points of both sides up to which a level has one cell
+_CELL = 1_000  # points of both sides in a cell above that: its data stay in the cache
 _ENOUGH = 1e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """A feasible plan in whole masses."""
+    """A feasible plan in whole masses; `sweeps` that the points took."""
 
     edges: Edges
     mass: Masses
     solver: str
     sweeps: int = 1
-    notes: tuple[str, ...] = ()
 
     def turned(self) -> Coupling:
         return replace(self, edges=self.edges[::-1])
@@ -49,16 +47,33 @@ class Coupling:
 class Search:
     """How to look for the plan of least cost.
 
-    power: the cost of a pair is distance ** power.
-    k:     nearest neighbours tried, both ways.
-    seed:  of the directions in which clouds are cut.
-    slack: mean cost below which an improvement is not worth another sweep.
+    power:   the cost of a pair is distance ** power.
+    seed:    of the directions in which clouds are cut.
+    slack:   mean cost below which an improvement is not worth another sweep.
+    workers: threads; the plan is the same whatever their number.
     """
 
     power: int = 2
-    k: int = 15
     seed: int = 0
     slack: float = 0.0
+    workers: int = 1
+
+
+@dataclass(frozen=True)
+class _Level:
+    """A cloud as n blocks, in the order of its bisection; on the finest level as n points.
+
+    points: (n, 3) float64, centres; masses: (n,).
+    first:  where each block of the level above begins.
+    """
+
+    points: NDArray[np.float64]
+    masses: Masses
+    first: NDArray[np.int64]
+
+    def as_blocks(self) -> Blocks:
+        """The blocks of the level above, made of this level's."""
+        return Blocks(np.arange(len(self.points)), self.first)
 
 
 def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: Search) -> Coupling:
@@ -68,115 +83,116 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
         return couple(end, start, demand, supply, search).turned()
     if m == 1:
         return Coupling((np.arange(n), np.zeros(n, np.int64)), supply, "only choice")
-    if n * m <= _DENSE:
-        cost = costs(start, end, np.divmod(np.arange(n * m), m), search.power).reshape(n, m)
-        return Coupling(*linear.solve_dense(cost, supply, demand), "emd dense")
-
-    share = min(1 / _BLOCK, _BLOCKS / (n + m))
-    rows = bisection.cut(start, max(_FEWEST_BLOCKS, int(n * share)), search.seed)
-    columns = bisection.cut(end, max(_FEWEST_BLOCKS, int(m * share)), search.seed)
-    block_start, block_end = rows.centres(start), columns.centres(end)
-    coarse = couple(block_start, block_end, rows.masses(supply), columns.masses(demand), search)
-    warped = start + _interpolate(block_start, _motion(block_start, block_end, coarse), start)
-    # Bisecting where the points go is the better start, but not where they gather about few ends.
-    firsts = [
-        bisection.expand(rows, columns, supply, demand, coarse.edges, coarse.mass),
-        bisection.couple(warped, end, supply, demand, search.seed),
-    ]
-    first = min(firsts, key=lambda plan: float(plan[1] @ costs(start, end, plan[0], search.power)))
-    return _sweep(start, end, first, nearest(warped, end, search.k), search)
+    row_order, row_levels = _levels(start, supply, search.seed)
+    column_order, column_levels = _levels(end, demand, search.seed)
+    edges: Edges = (np.zeros(1, np.int64), np.zeros(1, np.int64))
+    mass, sweeps = np.array([supply.sum()]), 0
+    for index in range(len(row_levels)):
+        rows, columns = row_levels[index], _at(column_levels, index)
+        edges, mass = bisection.expand(
+            rows.as_blocks(), columns.as_blocks(), rows.masses, columns.masses, edges, mass
+        )
+        most = _SWEEPS if index == len(row_levels) - 1 else 1
+        edges, mass, sweeps = _improve(rows, columns, edges, mass, search, most)
+    edges = row_order[edges[0]], column_order[edges[1]]
+    return Coupling(edges, mass, "network simplex", sweeps)
 
 
-def _motion(start: Points, end: Points, coupling: Coupling) -> NDArray[np.float64]:
-    """The mean way that each start point's mass goes."""
-    (rows, columns), mass = coupling.edges, coupling.mass
-    ways = mass[:, None] * (end[columns] - start[rows])
-    total = [np.bincount(rows, way, len(start)) for way in ways.T]
-    return np.stack(total, axis=1) / np.bincount(rows, mass, len(start))[:, None]
+def _levels(points: Points, masses: Masses, seed: int) -> tuple[NDArray[np.int64], list[_Level]]:
+    """The order of a cloud's bisection, and its levels from coarse to fine."""
+    n = len(points)
+    order = bisection.order(points, max(1, (n - 1).bit_length()), seed)[0]
+    points, masses = points[order], masses[order]
+    counts, count = [], _COARSEST
+    while 2 * count <= n:
+        counts.append(count)
+        count *= _FINER
+    levels, above = [], np.zeros(1, np.int64)
+    for count in (*counts, n):
+        own = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
+        sizes = np.diff(own, append=n)
+        centres = np.add.reduceat(points, own) / sizes[:, None]
+        levels.append(_Level(centres, np.add.reduceat(masses, own), np.searchsorted(own, above)))
+        above = own
+    return order, levels
 
 
-def _interpolate(
-    places: Points, values: NDArray[np.float64], wanted: Points
-) -> NDArray[np.float64]:
-    """Values at the wanted places: Gaussian means over the nearest known ones."""
+def _at(levels: list[_Level], index: int) -> _Level:
+    """A level from the coarsest on; a cloud that has fewer than the other waits at its points."""
+    if index < len(levels):
+        return levels[index]
+    return replace(levels[-1], first=np.arange(len(levels[-1].points)))
+
+
+def _improve(
+    rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, most: int
+) -> tuple[Edges, Masses, int]:
+    """Improve a feasible plan in up to `most` sweeps, until one gains next to nothing."""
+    start, end = rows.points, columns.points
+    n, m = len(start), len(end)
+    near = _neighbours(start), _neighbours(end)
+    cells = 1 if n + m <= _WHOLE else -(-(n + m) // _CELL)
+    best, sweep = np.inf, 0
+    while True:
+        cell = _cells(start, cells, search.seed, sweep)
+        edges, mass = _solve_cells(start, end, near, edges, mass, cell, search)
+        cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
+        gained, best, sweep = best - cost, cost, sweep + 1
+        # A sweep can't see past its cells' borders: the next one cuts elsewhere.
+        if cells == 1 or sweep == most or gained <= max(_ENOUGH * cost, search.slack):
+            return edges, mass, sweep
+
+
+def _neighbours(points: Points) -> NDArray[np.int32]:
+    """(n, k) the nearest other points of each point; itself where there are fewer than k."""
     from scipy.spatial import cKDTree
 
-    distance, near = cKDTree(places).query(wanted, 8)
-    width = np.maximum(distance[:, -1:], np.finfo(float).tiny)
-    weight = np.exp(-2.0 * (distance / width) ** 2)
-    return np.einsum("ij,ijk->ik", weight, values[near]) / weight.sum(1, keepdims=True)
+    n = len(points)
+    near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
+    k = min(_NEIGHBORS, n - 1)
+    if k > 0:
+        near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2))[1]
+    return near
 
 
-def _sweep(
-    start: Points, end: Points, first: tuple[Edges, Masses], candidates: Edges, search: Search
-) -> Coupling:
-    """Improve a feasible plan until a sweep gains next to nothing; it stays feasible throughout."""
-    (edges, mass), n, m = first, len(start), len(end)
-    bijection = n == m and bool((mass == mass[0]).all())
-    whole, part = (_WHOLE_BIJECTION, _CELL_BIJECTION) if bijection else (_WHOLE, _CELL)
-    cells = 1 if n + m <= whole else -(-(n + m) // part)
-    total = mass.sum()
-    best = float(mass @ costs(start, end, edges, search.power)) / total
-    notes: list[str] = []
-    for sweep in range(1, _SWEEPS + 1):
-        cell = np.empty(n, np.int64)
-        cut = bisection.cut(start, cells, search.seed + sweep)
-        cell[cut.order] = np.searchsorted(cut.first, np.arange(n), side="right") - 1
-        edges, mass, failed = _solve_cells(
-            start, end, edges, mass, candidates, cell, cells, search.power
-        )
-        if failed:
-            notes.append(f"{failed} of {cells} cells kept their plan in sweep {sweep}")
-        cost = float(mass @ costs(start, end, edges, search.power)) / total
-        # The first sweep can't see past its cells' borders: the second cuts elsewhere.
-        if (sweep > 1 and best - cost <= max(_ENOUGH * best, search.slack)) or cost == 0.0:
-            break
-        best = cost
-        candidates = shield(start, end, edges, _SHIELD)
-    solver = "assignment" if bijection else "emd sparse"
-    return Coupling(edges, mass, solver, sweep, tuple(notes))
+def _cells(start: Points, cells: int, seed: int, sweep: int) -> NDArray[np.int64]:
+    """(n,) the cell of each row; every sweep cuts elsewhere, the first along the bisection."""
+    n = len(start)
+    cell = np.arange(n) * cells // n
+    if sweep > 0:
+        cut = bisection.cut(start, cells, seed + sweep)
+        cell[cut.order] = np.arange(n) * cells // n
+    return cell
 
 
 def _solve_cells(
     start: Points,
     end: Points,
+    near: tuple[NDArray[np.int32], NDArray[np.int32]],
     edges: Edges,
     mass: Masses,
-    candidates: Edges,
     cell: NDArray[np.int64],
-    cells: int,
-    power: int,
-) -> tuple[Edges, Masses, int]:
-    """Solve each cell's rows exactly for the masses that they now send; count those that failed."""
-    mine, bounds = _by_cell(cell[edges[0]], cells)
-    tried, tried_bounds = _by_cell(cell[candidates[0]], cells)
-    local_row, local_column = np.zeros(len(start), np.int64), np.full(len(end), -1)
-    parts, failed = [], 0
-    for index in range(cells):
-        own = mine[bounds[index] : bounds[index + 1]]
-        old, old_mass = (edges[0][own], edges[1][own]), mass[own]
-        rows, columns = np.unique(old[0]), np.unique(old[1])
-        local_row[rows], local_column[columns] = np.arange(len(rows)), np.arange(len(columns))
-        new = tried[tried_bounds[index] : tried_bounds[index + 1]]
-        new = new[local_column[candidates[1][new]] >= 0]
-        allowed = unique(old, (candidates[0][new], candidates[1][new]))
-        try:
-            found, found_mass = linear.solve_sparse(
-                (local_row[allowed[0]], local_column[allowed[1]]),
-                costs(start, end, allowed, power),
-                np.bincount(local_row[old[0]], old_mass).astype(np.int64),
-                np.bincount(local_column[old[1]], old_mass).astype(np.int64),
-            )
-            parts.append((rows[found[0]], columns[found[1]], found_mass))
-        except linear.SolverError:
-            parts.append((*old, old_mass))
-            failed += 1
-        local_column[columns] = -1
-    rows, columns, mass = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return (rows, columns), mass, failed
+    search: Search,
+) -> tuple[Edges, Masses]:
+    """Solve each cell's rows exactly for the masses that they now send."""
+    from baker.transport.simplex import improve_cells
 
+    order = np.lexsort((edges[0], cell[edges[0]]))
+    rows, columns, mass = edges[0][order], edges[1][order], mass[order]
+    cells = int(cell.max()) + 1
+    first = np.searchsorted(cell[rows], np.arange(cells + 1))
+    exhaustive = len(start) * len(end) <= _EXHAUSTIVE
 
-def _by_cell(cell: NDArray[np.int64], cells: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Indices grouped by cell, and where each group begins."""
-    grouped = np.argsort(cell, kind="stable")
-    return grouped, np.searchsorted(cell[grouped], np.arange(cells + 1))
+    def solve(part: tuple[int, int]) -> tuple[NDArray[np.integer], ...]:
+        bounds = first[part[0] : part[1] + 1]
+        span = slice(bounds[0], bounds[-1])
+        return improve_cells(
+            start, end, *near, rows[span], columns[span], mass[span], bounds - bounds[0],
+            search.power, exhaustive,
+        )  # fmt: skip
+
+    parts = min(cells, 1 if search.workers == 1 else 4 * search.workers)
+    stops = [part * cells // parts for part in range(parts + 1)]
+    solved = in_parallel(solve, list(pairwise(stops)), search.workers)
+    rows, columns, mass = (np.concatenate(found) for found in zip(*solved, strict=True))
+    return (rows, columns), mass

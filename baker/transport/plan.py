@@ -31,13 +31,14 @@ class TransportOptions:
 
     method:     `exact` (also `auto`), or `sinkhorn`, the paper's regularised transport (3.4).
     power:      2, the squared Euclidean distance, or 1, the distance itself (the paper's).
-    neighbors:  k of the k-nearest-neighbour support, both ways.
+    neighbors:  Sinkhorn only: k of the k-nearest-neighbour support, both ways.
     gamma:      Sinkhorn's regularisation, relative to the median cost of the support.
     feasible:   Sinkhorn only: add a feasible plan's pairs to the support. False is the paper's
                 plain support, on which often not all of the mass can flow.
     tolerance:  Sinkhorn stops at this L1 error of the marginals ...
     iterations: ... or after so many iterations.
     seed:       directions of the bisections that give first plans; any value gives a good plan.
+    workers:    threads that the exact method may use; the plan is the same whatever their number.
     """
 
     method: Method | str = Method.AUTO
@@ -48,6 +49,7 @@ class TransportOptions:
     tolerance: float = 1e-3
     iterations: int = 2000
     seed: int = 0
+    workers: int = 1
 
     def __post_init__(self) -> None:
         Method(self.method)
@@ -68,7 +70,7 @@ class Plan:
     cost:           sum of mass times distance ** power.
     distance:       cost ** (1 / power), the Wasserstein distance in the points' unit.
     marginal_error: L1 error of the row sums plus that of the column sums.
-    solver:         what found the plan: "emd dense", "emd sparse", "assignment", "sinkhorn", ...
+    solver:         what found the plan: "network simplex", "sinkhorn", or "only choice".
     feasible:       whether all of the mass could flow on the support.
     iterations:     sweeps of the exact solver, iterations of Sinkhorn's algorithm.
     notes:          what a reader of the report should know, one sentence each.

@@ -23,8 +23,8 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
 
     start, end: (n, 3) and (m, 3) finite floats, in any order, duplicates allowed.
 
-    The exact method minimises sum(T * distance ** power) over couplings T: up to a million pairs
-    by the dense linear program, above that by the multiscale solver, within 0.5 % of it. Raises
+    The exact method minimises sum(T * distance ** power) over couplings T: clouds that are
+    small together (n m up to 1.5 million) to the optimum, others to within 0.5 % of it. Raises
     ValueError where a side is empty, not (n, 3), or not finite.
     """
     options = options or TransportOptions()
@@ -36,9 +36,9 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     if options.power == 2:
         here, there = balance(start, end)
         slack = _SLACK * explained_cost(start, end, here, there)
-    search = Search(options.power, options.neighbors, options.seed, slack)
+    search = Search(options.power, options.seed, slack, options.workers)
     found = couple(here, there, *uniform_masses(len(start), len(end)), search)
     return make_plan(
         start, end, found.edges, found.mass / found.mass.sum(), options.power, found.solver,
-        iterations=found.sweeps, notes=found.notes,
+        iterations=found.sweeps,
     )  # fmt: skip

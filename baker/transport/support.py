@@ -2,7 +2,7 @@
 
 Two ideas make a few neighbours enough where the paper's k = 15 usually can't carry all of the
 mass: look for neighbours after the part of the motion that a linear map explains has been taken
-out (`balance`), and add a plan that is feasible by construction (`bisection`).
+out (`balance`), and start from a plan that is feasible by construction (`bisection`).
 """
 
 from __future__ import annotations
@@ -74,28 +74,3 @@ def unique(*supports: Edges) -> Edges:
     keys = rows * width + columns
     keys.sort()  # np.unique hashes integers, ten times slower here
     return np.divmod(keys[np.diff(keys, prepend=-1) > 0], width)
-
-
-def shield(start: Points, end: Points, plan: Edges, k: int) -> Edges:
-    """Pairs of each point with the partners of its k nearest neighbours, both ways.
-
-    For the squared distance a plan that is optimal against its neighbours' partners is optimal
-    against everything (the "shielding" of Schmitzer, J. Math. Imaging Vis. 56, 2016), so adding
-    these pairs and solving again goes to the optimum of the dense problem.
-    """
-    from scipy.sparse import csr_matrix
-
-    carried = csr_matrix((np.ones(len(plan[0]), bool), plan), shape=(len(start), len(end)))
-    ahead = (_neighbour_graph(start, k) @ carried).tocoo()
-    back = (carried @ _neighbour_graph(end, k).T).tocoo()
-    return unique((ahead.row, ahead.col), (back.row, back.col))
-
-
-def _neighbour_graph(points: Points, k: int):  # type: ignore[no-untyped-def]
-    from scipy.sparse import csr_matrix
-    from scipy.spatial import cKDTree
-
-    n = len(points)
-    near = cKDTree(points).query(points, min(k + 1, n))[1].reshape(n, -1)
-    first = np.arange(n + 1) * near.shape[1]
-    return csr_matrix((np.ones(near.size, bool), near.ravel(), first), shape=(n, n))
