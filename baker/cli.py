@@ -89,6 +89,14 @@ def bake_command(
             min=1, metavar="L", help="Points a new organ unfolds from; 1 % of what it grows on."
         ),
     ] = None,
+    smooth: Annotated[
+        bool,
+        typer.Option(
+            "--smooth",
+            help="Steady organs that sway back and forth from scan to scan; scans are then no "
+            "longer met exactly.",
+        ),
+    ] = False,
     even: Annotated[
         float | None,
         typer.Option(
@@ -179,6 +187,7 @@ def bake_command(
         paper=paper,
         holdout=holdout,
         bud=bud,
+        smooth=smooth,
         even=even,
         decay=decay,
         missing=missing,

@@ -109,6 +109,7 @@ class Options:
     holdout: int | None = None
     bud: int | None = None
     even: float | None = None
+    smooth: bool = False
     decay: str = "fall"
     missing: str | None = None
     colors: str = "scan"

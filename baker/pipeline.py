@@ -28,6 +28,7 @@ from baker.scans import ReadOptions, Series, read_series
 from baker.segment.given import root_point
 from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
+from baker.steady import steadied
 from baker.tasks import interval_tasks
 from baker.vertical import Vertical
 from baker.workers import worker_count
@@ -196,6 +197,9 @@ def _intervals(
         vertical=vertical,
         floor=floor,
     )
+    if options.smooth:
+        times = [scan.time for scan in series.scans]
+        keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
         keyframes = [replace(f, surface=point_surface(f.positions)) for f in keyframes]
     whole = completed(
