@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.segment.graph import connected_graph
-from baker.spacing import point_spacing
+from baker.spacing import point_spacing, without_outliers
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -56,13 +56,17 @@ class EvenSample:
 def even_sample(points: NDArray[np.floating], root: int, neighbors: int) -> EvenSample:
     """Thin an (N, 3) cloud to a fifth of its stem's diameter; `root`: the point at its base."""
     cloud = np.asarray(points, np.float64)
-    coarse = _walked(cloud, one_per_cube(cloud, _cube_for(cloud, COARSE)), root, neighbors)
+    coarse = _walked(cloud, _thinned(cloud, _cube_for(cloud, COARSE)), root, neighbors)
     if coarse.diameter == 0.0:
         return coarse
-    kept = one_per_cube(cloud, GRAIN * coarse.diameter)
-    if len(kept) > FINE:
-        kept = one_per_cube(cloud, _cube_for(cloud, FINE))
-    return _walked(cloud, kept, root, neighbors)
+    fine = max(GRAIN * coarse.diameter, _cube_for(cloud, FINE))
+    return _walked(cloud, _thinned(cloud, fine), root, neighbors)
+
+
+def _thinned(cloud: NDArray[np.float64], size: float) -> NDArray[np.intp]:
+    """Indices of one point of each cube, without those that are alone."""
+    kept = one_per_cube(cloud, size)
+    return kept[without_outliers(cloud[kept])]
 
 
 def one_per_cube(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.segment.blades import organs_of_nodes
+from baker.segment.contact import join_touching
 from baker.segment.even import even_sample
 from baker.segment.levels import level_tree
 
@@ -23,4 +24,5 @@ def segment_organs(
     if sample.diameter == 0.0 or len(sample.points) < FEWEST:
         return np.zeros(len(points), np.int64)
     tree = level_tree(sample)
-    return organs_of_nodes(sample, tree)[tree.node][sample.nearest].astype(np.int64)
+    organ = join_touching(sample, organs_of_nodes(sample, tree)[tree.node])
+    return organ[sample.nearest].astype(np.int64)
