@@ -14,6 +14,7 @@ from baker.options import (
     Labels,
     Missing,
     Options,
+    Paths,
     Precision,
     Segment,
     Transport,
@@ -66,6 +67,13 @@ def bake_command(
     decay: Annotated[
         Decay, typer.Option(help="What organs do that a later scan no longer has.")
     ] = Decay.fall,
+    paths: Annotated[
+        Paths,
+        typer.Option(
+            help="How points travel: straight, curved as organs bend (usual), or smooth across "
+            "scans too, for 6 bytes a mover."
+        ),
+    ] = Paths.auto,
     missing: Annotated[
         Missing | None,
         typer.Option(
@@ -190,6 +198,7 @@ def bake_command(
         smooth=smooth,
         even=even,
         decay=decay,
+        paths=paths,
         missing=missing,
         colors=colors,
         precision=precision,

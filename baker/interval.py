@@ -31,11 +31,20 @@ class Keyframe:
 
 @dataclass(frozen=True)
 class Moved:
-    """A solved task: the movers and what is to be told of them; None of a part of an organ."""
+    """A solved task: the movers and what is to be told of them; None of a part of an organ.
+
+    surface: (M,) what each mover stands for half-way; None where density is left as it is.
+    start_points, end_points: (M,) the points of both scans that movers go from and to; None of
+             what is lost.
+    born:    whether they unfold from a bud.
+    """
 
     movers: Movers
     pair: SegmentPair | None
     surface: NDArray[np.floating] | None = None
+    start_points: NDArray[np.intp] | None = None
+    end_points: NDArray[np.intp] | None = None
+    born: bool = False
 
 
 def solve_task(
@@ -72,9 +81,9 @@ def solve_task(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
     )
     pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    return Moved(
-        movers, pair, surface_half_way(start.surface, a, end.surface, b, task.event == "birth")
-    )
+    born = task.event == "birth"
+    surface = surface_half_way(start.surface, a, end.surface, b, born)
+    return Moved(movers, pair, surface, a, b, born)
 
 
 def _movers(

@@ -58,6 +58,13 @@ class Missing(StrEnum):
     shrink = "shrink"
 
 
+class Paths(StrEnum):
+    auto = "auto"
+    straight = "straight"
+    curved = "curved"
+    smooth = "smooth"
+
+
 class Colors(StrEnum):
     scan = "scan"
     segment = "segment"
@@ -76,6 +83,7 @@ CHOICES: dict[str, type[StrEnum]] = {
     "up": Up,
     "transport": Transport,
     "decay": Decay,
+    "paths": Paths,
     "missing": Missing,
     "colors": Colors,
     "precision": Precision,
@@ -111,6 +119,7 @@ class Options:
     even: float | None = None
     smooth: bool = False
     decay: str = "fall"
+    paths: str = "auto"
     missing: str | None = None
     colors: str = "scan"
     precision: str = "auto"

@@ -20,7 +20,7 @@ from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
-from baker.options import Options
+from baker.options import Options, Paths
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
@@ -30,6 +30,7 @@ from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
 from baker.steady import steadied
 from baker.tasks import interval_tasks
+from baker.through import smooth_through
 from baker.vertical import Vertical
 from baker.workers import worker_count
 from gclip.clip import Clip, Interval, Motion, ScanMark
@@ -197,8 +198,8 @@ def _intervals(
         vertical=vertical,
         floor=floor,
     )
+    times = [scan.time for scan in series.scans]
     if options.smooth:
-        times = [scan.time for scan in series.scans]
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
         keyframes = [replace(f, surface=point_surface(f.positions)) for f in keyframes]
@@ -227,19 +228,18 @@ def _intervals(
     moved = iter(
         solve_all(jobs, worker_count(options.workers), lambda n: tell("transport", n, len(jobs)))
     )
-    intervals = []
-    for k, size in enumerate(sizes):
-        solved = [next(moved) for _ in range(size)]
-        intervals.append(
-            pack_interval(
-                series.scans[k].time,
-                series.scans[k + 1].time,
-                with_even_density(
-                    [m.movers for m in solved], [m.surface for m in solved], recipe.even
-                ),
-                spacing=spacing,
-                precision=options.precision,
-                segments=tuple(m.pair for m in solved if m.pair is not None),
-            )
+    solved = [[next(moved) for _ in range(size)] for size in sizes]
+    if recipe.paths == Paths.smooth:
+        solved = smooth_through(solved, keyframes, times)
+    intervals = [
+        pack_interval(
+            times[k],
+            times[k + 1],
+            with_even_density([m.movers for m in tasks], [m.surface for m in tasks], recipe.even),
+            spacing=spacing,
+            precision=options.precision,
+            segments=tuple(m.pair for m in tasks if m.pair is not None),
         )
+        for k, tasks in enumerate(solved)
+    ]
     return tuple(intervals), spacing, floor

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from baker.match.greedy import PAPER, GreedyRules
-from baker.options import Missing, Options
+from baker.options import Missing, Options, Paths
 from baker.transport.plan import TransportOptions
 
 
@@ -20,6 +20,7 @@ class Recipe:
     transport:       of each pair of segments.
     even:            movers to add at most where they would be sparse, as a share of all.
     missing:         what becomes of parts of organs that a later scan lacks.
+    paths:           how movers travel: straight, curved or smooth.
     """
 
     align: str
@@ -29,6 +30,7 @@ class Recipe:
     transport: TransportOptions
     even: float
     missing: str
+    paths: str
 
 
 def recipe_for(options: Options) -> Recipe:
@@ -49,13 +51,17 @@ def recipe_for(options: Options) -> Recipe:
             ),
             even=options.even or 0.0,
             missing=options.missing or Missing.shrink,
+            paths=Paths.straight if options.paths == Paths.auto else options.paths,
         )
+    paths = Paths.curved if options.paths == Paths.auto else options.paths
+    usual = 0.0 if paths == Paths.straight else 1.0  # what is added travels on curves
     return Recipe(
         align=options.align,
         whole=whole,
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
-        even=1.0 if options.even is None else options.even,
+        even=usual if options.even is None else options.even,
         missing=options.missing or Missing.fade,
+        paths=paths,
     )
