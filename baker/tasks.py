@@ -14,6 +14,7 @@ from baker.segment.hierarchy import NO_PARENT
 from gclip.clip import Motion
 
 BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
+SAMPLED = 10  # times as many points as the bud's bound how far it reaches
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,12 @@ def interval_tasks(
         Task("match", organs.second[b], first.segments[a], second.segments[b])
         for a, b in match.pairs
     ]
+    buds: dict[tuple[int | None, int], NDArray[np.intp]] = {}
     for segment in match.births:
-        bud = _bud(points, match, segment, bud_points)
-        tasks.append(Task("birth", organs.second[segment], bud, second.segments[segment]))
+        place = _bud_place(match, segment)
+        if place not in buds:
+            buds[place] = _bud(points, match, *place, bud_points)
+        tasks.append(Task("birth", organs.second[segment], buds[place], second.segments[segment]))
     nothing = np.empty(0, np.intp)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
     for part in parts:
@@ -68,30 +72,44 @@ def _without(task: Task, part: Part) -> Task:
     return replace(task, start=kept, notes=(*task.notes, part.note))
 
 
-def _bud(
-    points: tuple[NDArray[np.floating], NDArray[np.floating]],
-    match: Match,
-    segment: int,
-    bud_points: int | None,
-) -> NDArray[np.intp]:
-    """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
+def _bud_place(match: Match, segment: int) -> tuple[int | None, int]:
+    """Where a new segment unfolds: the first scan's segment, and the second's that grows there.
 
     A whole new subtree unfolds from one bud, on the nearest ancestor that both scans have; under
-    an empty virtual root the bud lies anywhere on the plant. The bud is the l points nearest to
-    the subtree's base, l = 1 % of the ancestor's, at least 10, at most 100; ties: lowest index.
+    an empty virtual root (None) the bud lies anywhere on the plant.
     """
-    from scipy.spatial import cKDTree
-
     first, second = match.first, match.second
     base = segment
     ancestor = match.start_of(second.parents[base])
     while ancestor is None and second.parents[base] != NO_PARENT:
         base = second.parents[base]
         ancestor = match.start_of(second.parents[base])
-    candidates = np.arange(len(points[0]))
-    if ancestor is not None and len(first.segments[ancestor]):
-        candidates = first.segments[ancestor]
-    target = second.segments[base if len(second.segments[base]) else segment]
-    distances, _ = cKDTree(points[1][target]).query(points[0][candidates])
+    if ancestor is not None and not len(first.segments[ancestor]):
+        ancestor = None
+    return ancestor, base if len(second.segments[base]) else segment
+
+
+def _bud(
+    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    match: Match,
+    ancestor: int | None,
+    base: int,
+    bud_points: int | None,
+) -> NDArray[np.intp]:
+    """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
+
+    The l points nearest to the base, l = 1 % of the ancestor's, at least 10, at most 100; ties:
+    lowest index.
+    """
+    from scipy.spatial import cKDTree
+
+    everywhere = np.arange(len(points[0]))
+    candidates = everywhere if ancestor is None else match.first.segments[ancestor]
     count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
+    tree = cKDTree(points[1][match.second.segments[base]])
+    # A sample bounds how far the bud reaches, and the search ends there: most points are further.
+    sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
+    reach = np.sort(tree.query(points[0][sample])[0])[:count][-1]
+    bound = 1.000001 * reach or np.inf
+    distances, _ = tree.query(points[0][candidates], distance_upper_bound=bound)
     return candidates[np.argsort(distances, kind="stable")[:count]]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,13 +64,14 @@ def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], thresh
     from scipy.spatial import cKDTree
 
     k = min(NEIGHBORS, len(points))
-    if k < 2:
+    near = np.flatnonzero(_near_others(points, owner, threshold))
+    if k < 2 or not len(near):
         return {}
     distances, neighbors = cKDTree(points).query(
-        points, k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
+        points[near], k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
     )
     found = np.isfinite(distances)
-    a = np.broadcast_to(owner[:, None], distances.shape)[found]
+    a = np.broadcast_to(owner[near, None], distances.shape)[found]
     b, gap = owner[neighbors[found]], distances[found]
     foreign = a != b
     a, b, gap = np.minimum(a, b)[foreign], np.maximum(a, b)[foreign], gap[foreign]
@@ -78,6 +80,34 @@ def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], thresh
     return {
         (int(i), int(j)): float(g) for (i, j), g in zip(pairs, gap[order][nearest], strict=True)
     }
+
+
+def _near_others(
+    points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float
+) -> NDArray[np.bool_]:
+    """(N,) whether a point may be nearer than the threshold to another segment; most are not.
+
+    A point is not where the 27 cubes about it, each as long as the threshold, hold one segment.
+    """
+    if threshold == 0:
+        return np.ones(len(points), bool)
+    cells = np.floor((points - points.min(axis=0)) / (1.001 * threshold)).astype(np.int64) + 1
+    size = cells.max(axis=0) + 2
+    if np.prod(size.astype(float)) > 2.0**62:
+        return np.ones(len(points), bool)
+    keys = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
+    order = np.argsort(keys, kind="stable")
+    occupied, first = np.unique(keys[order], return_index=True)
+    least = np.minimum.reduceat(owner[order], first)
+    most = np.maximum.reduceat(owner[order], first)
+    lowest, highest = least.copy(), most.copy()
+    for x, y, z in product((-1, 0, 1), repeat=3):
+        beside = occupied + (x * size[1] + y) * size[2] + z
+        place = np.minimum(np.searchsorted(occupied, beside), len(occupied) - 1)
+        there = occupied[place] == beside
+        np.minimum(lowest, np.where(there, least[place], lowest), out=lowest)
+        np.maximum(highest, np.where(there, most[place], highest), out=highest)
+    return (lowest < highest)[np.searchsorted(occupied, keys)]
 
 
 def _grow_from(

@@ -1,6 +1,7 @@
 """What is to be transported: every point starts or ends somewhere, buds lie where organs attach."""
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from baker.match import IntervalOrgans, match_by_label
 from baker.segment.given import hierarchy_from_labels
@@ -53,3 +54,14 @@ def test_a_bud_on_a_small_parent_has_at_least_ten_points_or_all():
     assert len(next(t.start for t in tasks if t.event == "birth")) == len(tiny)
     tasks = tasks_between(scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF)))
     assert len(next(t.start for t in tasks if t.event == "birth")) == 10
+
+
+def test_the_bud_is_what_lies_nearest_to_the_new_organ():
+    thick = np.random.default_rng(0).normal(size=(6000, 3)) * [0.3, 0.3, 4] + [0, 0, 5]
+    bud = next(
+        t.start
+        for t in tasks_between(scan((0, thick)), scan((0, thick), (1, LEAF)))
+        if t.event == "birth"
+    )
+    nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:60]
+    assert np.array_equal(bud, nearest)
