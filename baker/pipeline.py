@@ -32,7 +32,7 @@ from baker.steady import steadied
 from baker.tasks import interval_tasks
 from baker.through import smooth_through
 from baker.vertical import Vertical
-from baker.workers import worker_count
+from baker.workers import in_parallel, worker_count
 from gclip.clip import Clip, Interval, Motion, ScanMark
 from gclip.pack import pack_interval
 
@@ -76,7 +76,8 @@ def bake_recorded(
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    bases = [root_point(cloud, vertical, root) for cloud in clouds]
+    workers = worker_count(chosen.workers)
+    bases = in_parallel(partial(root_point, vertical=vertical, root=root), clouds, workers)
     labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     tell("matching", 0, len(hierarchies) - 1)
@@ -189,11 +190,13 @@ def _intervals(
     options: Options,
     tell: Progress,
 ) -> tuple[tuple[Interval, ...], float, float]:
-    spacing = float(np.median([point_spacing(frame.positions) for frame in keyframes]))
+    workers = worker_count(options.workers)
+    clouds = [frame.positions for frame in keyframes]
+    spacing = float(np.median(in_parallel(point_spacing, clouds, workers)))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     solve = partial(
         solve_task,
-        transport=recipe.transport,
+        transport=replace(recipe.transport, workers=workers),
         decay=Motion(options.decay),
         vertical=vertical,
         floor=floor,
@@ -202,7 +205,8 @@ def _intervals(
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
-        keyframes = [replace(f, surface=point_surface(f.positions)) for f in keyframes]
+        surfaces = in_parallel(point_surface, [f.positions for f in keyframes], workers)
+        keyframes = [replace(f, surface=s) for f, s in zip(keyframes, surfaces, strict=True)]
     whole = completed(
         keyframes,
         matches,
@@ -225,9 +229,7 @@ def _intervals(
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
     tell("transport", 0, len(jobs))
-    moved = iter(
-        solve_all(jobs, worker_count(options.workers), lambda n: tell("transport", n, len(jobs)))
-    )
+    moved = iter(solve_all(jobs, workers, lambda n: tell("transport", n, len(jobs))))
     solved = [[next(moved) for _ in range(size)] for size in sizes]
     if recipe.paths == Paths.smooth:
         solved = smooth_through(solved, keyframes, times)

@@ -130,7 +130,7 @@ def _improve(
     """Improve a feasible plan in up to `most` sweeps, until one gains next to nothing."""
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    near = _neighbours(start), _neighbours(end)
+    near = _neighbours(start, search.workers), _neighbours(end, search.workers)
     cells = 1 if n + m <= _WHOLE else -(-(n + m) // _CELL)
     best, sweep = np.inf, 0
     while True:
@@ -143,7 +143,7 @@ def _improve(
             return edges, mass, sweep
 
 
-def _neighbours(points: Points) -> NDArray[np.int32]:
+def _neighbours(points: Points, workers: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
     from scipy.spatial import cKDTree
 
@@ -151,7 +151,8 @@ def _neighbours(points: Points) -> NDArray[np.int32]:
     near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
     k = min(_NEIGHBORS, n - 1)
     if k > 0:
-        near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2))[1]
+        threads = workers if n > _WHOLE else 1
+        near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2), workers=threads)[1]
     return near
 
 
