@@ -9,6 +9,7 @@ two are equally near.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
@@ -49,37 +50,23 @@ class Dots:
         self._screen: dict[tuple[str, int], moderngl.VertexArray] = {}
 
     def draw(self, targets: Targets, portions: list[Portion], discs: Discs) -> None:
-        dots = self._targets_for(discs.samples)
-        near, far = discs.camera.near, discs.camera.far
-        projection = discs.projection
-        uniforms = discs.uniforms() | {
-            "focal": (projection[0, 0], projection[1, 1]),
-            "samples": discs.samples,
-            "depths": (near, far),
-            "palette": 2,
-        }
-        self._movers.palette.use(2)
-        named = self._ten_bits_name_colors(discs)
         if self.way is Way.AUTO:
-            self.way = self._faster_way(dots, portions, uniforms, named)
-        self._scatter(self.way, dots, portions, uniforms, named)
-        self._gather(dots, targets, uniforms, named, reach=1 if discs.typical_radius <= 1.5 else 2)
+            self.way = self._faster_way(portions, discs)
+        self.scatter(self.way, portions, discs)
+        self._gather(targets, discs)
 
-    def _scatter(
-        self,
-        way: Way,
-        dots: DotTargets,
-        portions: list[Portion],
-        uniforms: dict[str, Any],
-        named: bool,
-    ) -> None:
+    def scatter(self, way: Way, portions: list[Portion], discs: Discs) -> None:
+        """Find the nearest mover in every sample: the one pass over all of them."""
         import moderngl
 
-        context, framebuffer = self._movers.context, dots.named if named else dots.picked_too
+        context, dots = self._movers.context, self._targets_for(discs.samples)
+        uniforms, named = self._uniforms(discs), self._ten_bits_name_colors(discs)
+        framebuffer = dots.named if named else dots.picked_too
         framebuffer.use()
         context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         context.depth_func = "1"
         self._fill("empty")
+        self._movers.palette.use(2)
         if way is Way.POINTS:
             context.depth_func = "<"
             self._movers.draw("dots", portions, uniforms)
@@ -90,16 +77,10 @@ class Dots:
             dots.picked.bind_to_image(1, read=True, write=True)
             self._movers.compute("dots", portions, uniforms, PICK=1)
 
-    def _gather(
-        self,
-        dots: DotTargets,
-        targets: Targets,
-        uniforms: dict[str, Any],
-        named: bool,
-        reach: int,
-    ) -> None:
+    def _gather(self, targets: Targets, discs: Discs) -> None:
         import moderngl
 
+        dots, reach = self._targets_for(discs.samples), 1 if discs.typical_radius <= 1.5 else 2
         dots.nearest.use(0)
         dots.picked.use(1)
         dots.tiled.use()
@@ -114,34 +95,44 @@ class Dots:
         self._movers.context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         self._movers.context.depth_func = "1"
         dots.tiles.use(3)
-        uniforms |= {"occupied": 3, "nearest": 0, "picked": 1, "by_segment": named}
-        self._fill("gather", reach, across * up, **uniforms)
+        self._fill(
+            "gather",
+            reach,
+            across * up,
+            **self._uniforms(discs),
+            occupied=3,
+            nearest=0,
+            picked=1,
+            by_segment=self._ten_bits_name_colors(discs),
+        )
 
     def _ten_bits_name_colors(self, discs: Discs) -> bool:
         clip = self._movers.clip
         return len(clip.track_table) <= NAMED and (discs.by_track or not clip.has_colors)
 
-    def _faster_way(
-        self,
-        dots: DotTargets,
-        portions: list[Portion],
-        uniforms: dict[str, Any],
-        named: bool,
-    ) -> Way:
+    def _faster_way(self, portions: list[Portion], discs: Discs) -> Way:
         """Draw some of the movers both ways, once to compile and once to measure."""
-        from player.chunks import Portion
-
-        share = min(TRIAL / max(sum(p.count for p in portions), 1), 1.0)
-        some = [Portion(p.layer, int(share * p.count)) for p in portions]
+        context = self._movers.context
+        share = min(TRIAL / max(sum(portion.count for portion in portions), 1), 1.0)
+        some = [replace(portion, count=int(share * portion.count)) for portion in portions]
         seconds = {}
         for way in (Way.POINTS, Way.COMPUTE):
             for _ in range(2):
-                self._movers.context.finish()
+                context.finish()
                 began = time.perf_counter()
-                self._scatter(way, dots, some, uniforms, named)
-                self._movers.context.finish()
+                self.scatter(way, some, discs)
+                context.finish()
                 seconds[way] = time.perf_counter() - began
         return min(seconds, key=lambda way: seconds[way])
+
+    def _uniforms(self, discs: Discs) -> dict[str, Any]:
+        projection = discs.projection
+        return discs.uniforms() | {
+            "focal": (projection[0, 0], projection[1, 1]),
+            "samples": discs.samples,
+            "depths": (discs.camera.near, discs.camera.far),
+            "palette": 2,
+        }
 
     def _fill(self, name: str, reach: int = 1, tiles: int = 0, **uniforms: Any) -> None:
         """Draw over the whole picture, or over as many tiles as are not empty."""

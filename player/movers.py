@@ -115,6 +115,7 @@ class Movers:
         low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
         if interval.box is not None:
             low, step = interval.box.low, tuple(interval.box.step)
+        weights = tuple(bernstein(interval.degree, layer.parameter))
         give(
             shader,
             **uniforms,
@@ -122,7 +123,7 @@ class Movers:
             opacity=layer.alpha,
             box_low=low,
             box_step=step,
-            weights=tuple(bernstein(interval.degree, layer.parameter)),
+            weights=weights if len(weights) > 1 else weights[0],  # as moderngl wants it
         )
         return shader
 

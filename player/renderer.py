@@ -96,32 +96,16 @@ class Renderer:
         test switched off.
         """
         targets = self._targets_for(size)
-        layers = layers_at(self.clip, day)
-        portions = self._portions(layers, every, patience)
-        natural = self._closing.at(*locate(self.clip, day), wait=patience is None)
-        magnification = targets.size[1] / (2.0 * math.tan(camera.field_of_view / 2))
-        drawn, there = sum(p.count for p in portions), sum(ly.group.count for ly in layers)
-        radius = DISC * style.point_size * natural * math.sqrt(every)
-        if drawn < there:
-            # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
-            gaps = math.sqrt(BLOCK * there / max(drawn, 1))
-            radius = max(radius, min(gaps * radius, LARGEST * camera.distance / magnification))
-        discs = Discs(
-            camera=camera,
-            samples=targets.size,
-            radius=radius,
-            magnification=magnification,
-            smallest=SMALLEST * self.supersample,
-            by_track=style.color_by == "track",
-        )
+        portions = self._portions(layers_at(self.clip, day), every, patience)
+        discs = self._discs(day, camera, style, targets.size, portions, patience is None)
+        area = self._mover_area(day, self._closing.at(*locate(self.clip, day), patience is None))
         for stage, opacity in _stages(portions):
             self._rasteriser(discs).draw(targets, stage, discs)
             self._shade(targets, discs, style)
             if style.show_ground:
-                area = self._mover_area(day, natural)
                 self._shadow.cast(stage, self._from_above(), self._floor_side, area)
             self._compose(framebuffer, targets, camera, style, size, opacity)
-        return drawn == there and every == 1
+        return _missing(portions) == 0 and every == 1
 
     @property
     def loaded(self) -> int:
@@ -145,6 +129,34 @@ class Renderer:
         for array in self._screen.values():
             array.program.release()
             array.release()
+
+    def _discs(
+        self,
+        day: float,
+        camera: Camera,
+        style: Style,
+        samples: tuple[int, int],
+        portions: list[Portion],
+        wait: bool,
+    ) -> Discs:
+        """As large as closes the surface between as many points as are drawn."""
+        magnification = samples[1] / (2.0 * math.tan(camera.field_of_view / 2))
+        natural = self._closing.at(*locate(self.clip, day), wait)
+        every = max((portion.every for portion in portions), default=1)
+        radius = DISC * style.point_size * natural * math.sqrt(every)
+        missing, drawn = _missing(portions), sum(portion.count for portion in portions)
+        if missing:
+            # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
+            gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
+            radius = max(radius, min(gaps * radius, LARGEST * camera.distance / magnification))
+        return Discs(
+            camera=camera,
+            samples=samples,
+            radius=radius,
+            magnification=magnification,
+            smallest=SMALLEST * self.supersample,
+            by_track=style.color_by == "track",
+        )
 
     def _portions(self, layers: list[Layer], every: int, patience: float | None) -> list[Portion]:
         wanted = [Portion(layer, layer.group.count, every) for layer in layers]
@@ -273,6 +285,11 @@ def _stages(portions: list[Portion]) -> Iterator[tuple[list[Portion], float]]:
     for alpha in sorted(alphas, reverse=True):
         drawn = drawn + [portion for portion in portions if portion.layer.alpha == alpha]
         yield drawn, alpha
+
+
+def _missing(portions: list[Portion]) -> int:
+    """Movers that are to be drawn, and are not on the GPU yet."""
+    return sum(portion.layer.group.count - portion.count for portion in portions)
 
 
 def _half_field(camera: Camera, aspect: float) -> tuple[float, float]:
