@@ -169,6 +169,10 @@ def bake_command(
         Path | None,
         typer.Option(metavar="OUT.html", help="Write what was done and found, with pictures."),
     ] = None,
+    traits: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.csv", help="Write lengths, areas and growth, organ by organ."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Say what was found in each scan.")
@@ -207,14 +211,17 @@ def bake_command(
     )
     _check_output(output)
     if report is not None:
-        _check_report(report)
-    _bake(inputs, output, report, options, quiet, verbose)
+        _check_beside(report, "a report", (".html", ".htm"))
+    if traits is not None:
+        _check_beside(traits, "a table of traits", (".csv",))
+    _bake(inputs, output, report, traits, options, quiet, verbose)
 
 
 def _bake(
     inputs: list[Path],
     output: Path,
     report: Path | None,
+    traits: Path | None,
     options: Options,
     quiet: bool,
     verbose: bool,
@@ -246,12 +253,18 @@ def _bake(
                 workers=options.workers,
                 progress=progress,
             )
+        if traits is not None:
+            from baker.traits import write_traits
+
+            write_traits(traits, clip, output.stem, progress)
     _print_notes(console, clip, verbose)
     print_summary(console, clip, output, progress.seconds)
     if errors:
         print_errors(console, errors)
     if report is not None:
         console.print(f"report: {report}", markup=False, highlight=False)
+    if traits is not None:
+        console.print(f"traits: {traits}", markup=False, highlight=False)
 
 
 def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
@@ -288,15 +301,16 @@ def _check_output(output: Path) -> None:
         raise InputError(f"{output}: the folder {output.parent} does not exist.")
 
 
-def _check_report(report: Path) -> None:
+def _check_beside(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
+    """Refuse what can't be written beside the clip."""
     from baker.errors import InputError
 
-    if report.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{report}: a report's name ends in .html.")
-    if report.is_dir():
-        raise InputError(f"{report} is a folder; a file's name is needed.")
-    if not report.parent.is_dir():
-        raise InputError(f"{report}: the folder {report.parent} does not exist.")
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; a file's name is needed.")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist.")
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -123,7 +123,9 @@ def play_command(
     ] = True,
     title: Annotated[
         str,
-        typer.Option(help="What to call the plant on the page; the output's name if not given."),
+        typer.Option(
+            help="What to call the plant, on pages and in tables; the clip's name if not given."
+        ),
     ] = "",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
@@ -147,7 +149,11 @@ def play_command(
     if export is not None:
         from player.export import Film
 
-        film = Film(pixels, fps, seconds, camera is View.turntable, style, days, every, title)
+        film = Film(
+            *(pixels, fps, seconds, camera is View.turntable, style, days, every),
+            title=title,
+            name=clip.stem,
+        )
         _export(clip, film, Path(export), quiet)
     elif info:
         from rich.console import Console

@@ -48,7 +48,7 @@ def write_report(
     tell: Progress = progress or (lambda stage, done, total: None)
     found = verify(clip, record, tell) if errors is None else errors
     page = render_page(clip, record, title, found, seconds, workers, tell)
-    _write(Path(path), page)
+    write_whole(Path(path), page)
     tell("report", 1, 1)
 
 
@@ -191,12 +191,13 @@ def _ink(color: tuple[int, int, int]) -> str:
     return "#111" if luma > 140 else "#fff"
 
 
-def _write(path: Path, page: str) -> None:
+def write_whole(path: Path, text: str) -> None:
+    """Write `text` in one step: a temporary file beside it, then renamed. Raises InputError."""
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         try:
             with open(handle, "w", encoding="utf-8") as file:
-                file.write(page)
+                file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
             umask = os.umask(0)

@@ -32,7 +32,8 @@ class Film:
     at:      the days of still pictures, one each; empty films real time, first to last scan.
     every:   the time between two frames, in the clip's unit, from the first scan on; None spreads
              the frames over the film's length.
-    title:   what the plant is called in the picture or on the page, "" where nothing was said.
+    title:   written into the picture or on the page, "" where nothing was said.
+    name:    what the plant is called where it needs a name: its clip's.
     """
 
     size: tuple[int, int] = (1280, 720)
@@ -43,6 +44,7 @@ class Film:
     at: tuple[float, ...] = ()
     every: float | None = None
     title: str = ""
+    name: str = "plant"
 
     @property
     def aspect(self) -> float:

@@ -157,4 +157,8 @@ FORMATS: tuple[Format, ...] = (
         _from("ply", "write_sequence"), sequence=True, days=2,
     ),
     Format("plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb")),
+    Format(
+        "traits.csv", "height, length, area, volume, angle, growth of each organ", _from("table"),
+        days=2,
+    ),
 )  # fmt: skip

@@ -74,7 +74,7 @@ def build(
         scene=0,
         nodes=[
             gltf.Node(
-                name=film.title or "plant",
+                name=film.title or film.name,
                 matrix=_placed(clip).T.ravel().tolist(),
                 children=[],
                 extras={"origin": list(clip.origin), "up": clip.up, "unit": clip.unit},

@@ -41,7 +41,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], Non
             )
         progress(done, total)
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
-        file.writelines(render(clip, film, film.title or path.stem, packed))
+        file.writelines(render(clip, film, film.title or film.name, packed))
 
 
 def render(clip: Clip, film: Film, title: str, packed: list[Packed]) -> Iterator[str]:

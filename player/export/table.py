@@ -1,0 +1,23 @@
+"""The traits of the plant and its organs, as a table (see `measure`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from measure import measure_days, write_table
+from measure.table import Namer
+from player.export.film import Film
+from player.export.output import whole_file
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+
+def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+    """Measure on the film's days where it names some, else at the scans and half way between."""
+    named = film.at or film.every is not None
+    days = sorted(set(film.days(clip))) if named else measure_days(clip)
+    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+        write_table(file, Namer(clip, film.title or film.name), days, progress)
