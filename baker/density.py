@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.spacing import reach
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, morton_codes, raised
 
@@ -26,13 +27,11 @@ def point_surface(points: NDArray[np.floating]) -> NDArray[np.float64]:
 
     Points that stand alone count no more than most do.
     """
-    from scipy.spatial import cKDTree
-
     k = min(NEIGHBORS, len(points) - 1)
     if k < 1:
         return np.ones(len(points))
-    reach = cKDTree(points).query(points, k=[k + 1])[0][:, 0] ** 2
-    return np.minimum(reach, np.quantile(reach, 0.98))
+    surface = reach(points, k) ** 2
+    return np.minimum(surface, np.quantile(surface, 0.98))
 
 
 def surface_half_way(

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
 from baker.spacing import lowest_point, point_spacing
 from baker.vertical import Vertical
+from gclip.pack import morton_codes
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
 ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
@@ -67,6 +68,7 @@ def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], thresh
     near = np.flatnonzero(_near_others(points, owner, threshold))
     if k < 2 or not len(near):
         return {}
+    near = near[np.argsort(morton_codes(points[near]), kind="stable")]  # side by side is faster
     distances, neighbors = cKDTree(points).query(
         points[near], k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
     )
