@@ -11,7 +11,7 @@ from gclip.clip import Clip, Interval, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 LEAVES = 14
-MOST = 1 << 20  # movers that are computed; more are these again, each time a little aside
+MOST = 1_000_003  # movers that are computed; more are these again, each time a little aside
 COLORS = ((120, 170, 60), (70, 140, 50), (160, 190, 80), (90, 160, 90))
 
 

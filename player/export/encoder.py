@@ -5,8 +5,9 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def encode(
     arguments: ffmpeg's, between the input and the output; the pictures are its input 0.
     Raises PlayerError with ffmpeg's own words where it fails.
     """
-    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", str(fps)]
+    source = ["-f", "rawvideo", "-pix_fmt", "rgb0", "-s", f"{size[0]}x{size[1]}", "-r", str(fps)]
     command = [
         *(_ffmpeg(), "-hide_banner", "-loglevel", "error", "-y"),
         *(*source, "-i", "pipe:0", *arguments, *REPRODUCIBLE, str(output.absolute())),
@@ -40,8 +41,15 @@ def encode(
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=words, stderr=words)
         assert process.stdin is not None
         try:
-            for picture in pictures:
-                process.stdin.write(np.ascontiguousarray(picture[..., :3]).data)
+            with ThreadPoolExecutor(1) as sender:
+                sent: Future[int] | None = None
+                for picture in pictures:
+                    ready = np.ascontiguousarray(picture)
+                    if sent is not None:
+                        sent.result()  # one on its way while the next is drawn, never more
+                    sent = sender.submit(_send, ready, process.stdin)
+                if sent is not None:
+                    sent.result()
             process.stdin.close()
         except BrokenPipeError:
             pass  # ffmpeg has given up: its exit code and its words tell why
@@ -55,6 +63,10 @@ def encode(
             lines = words.read().decode("utf-8", "replace").strip().splitlines()
             reason = lines[-1].rstrip(".") if lines else f"exit code {process.returncode}"
             raise PlayerError(f"{output.name} can't be encoded: ffmpeg says: {reason}.")
+
+
+def _send(picture: NDArray[np.uint8], pipe: IO[bytes]) -> int:
+    return pipe.write(picture.data)
 
 
 def _ffmpeg() -> str:
