@@ -121,12 +121,17 @@ def play_command(
     floor: Annotated[
         bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
     ] = True,
-    title: Annotated[
-        str,
-        typer.Option(
-            help="What to call the plant, on pages and in tables; the clip's name if not given."
-        ),
-    ] = "",
+    title: Annotated[str, typer.Option(help="Written into pictures, on pages and in tables.")] = "",
+    date: Annotated[bool, typer.Option("--date", help="Write the date into pictures.")] = False,
+    scale_bar: Annotated[
+        bool, typer.Option("--scale-bar", help="Draw a scale bar into pictures.")
+    ] = False,
+    legend: Annotated[
+        bool, typer.Option("--legend", help="List the organs' colours in pictures.")
+    ] = False,
+    transparent: Annotated[
+        bool, typer.Option("--transparent", help="PNG pictures of the plant alone.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures."""
@@ -148,10 +153,13 @@ def play_command(
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
         from player.export import Film
+        from player.export.stamp import Stamps
 
         film = Film(
             *(pixels, fps, seconds, camera is View.turntable, style, days, every),
             title=title,
+            stamps=Stamps(date, scale_bar, legend),
+            cut_out=transparent,
             name=clip.stem,
         )
         _export(clip, film, Path(export), quiet)

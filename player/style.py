@@ -1,6 +1,6 @@
 """How the plant is to look: what the user chooses, apart from camera and time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 COLOR_CHOICES = ("auto", "scan", "track")
 GROUND_CHOICES = ("dark", "light")
@@ -71,4 +71,12 @@ GROUNDS = {
         floor_light=(0.34, 0.34, 0.32),
         lamp_light=(0.86, 0.83, 0.76),
     ),
+}
+
+# What transparent pictures are found from (player/export/cutout.py): the same light on the plant
+# before a black and before a grey wall. Grey stays below white where the wall is brightest.
+GROUNDS |= {
+    f"{name} on {screen}": replace(ground, above=(level,) * 3, below=(level,) * 3)
+    for name, ground in tuple(GROUNDS.items())
+    for screen, level in (("black", 0.0), ("grey", 0.8))
 }

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from player.export.stamp import Stamps, stamped
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ class Film:
     every:   the time between two frames, in the clip's unit, from the first scan on; None spreads
              the frames over the film's length.
     title:   written into the picture or on the page, "" where nothing was said.
+    stamps:  what else is written into the picture.
+    cut_out: the plant alone, on a transparent ground.
     name:    what the plant is called where it needs a name: its clip's.
     """
 
@@ -44,6 +47,8 @@ class Film:
     at: tuple[float, ...] = ()
     every: float | None = None
     title: str = ""
+    stamps: Stamps = field(default_factory=Stamps)
+    cut_out: bool = False
     name: str = "plant"
 
     @property
@@ -78,8 +83,25 @@ class Film:
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
         """(height, width, 4) uint8 pictures, one after the other; memory stays constant."""
+        draw = self.painter(clip, offscreen)
         for day, camera in zip(self.days(clip), self.cameras(clip), strict=True):
-            yield offscreen.picture(day, camera, self.style)
+            yield draw(day, camera)
+
+    def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
+        """Draws the picture of a day, with all that is written into it."""
+        from player.export.cutout import Cutout
+
+        cutout = Cutout(offscreen, self.style) if self.cut_out else None
+
+        def draw(day: float, camera: Camera) -> NDArray:
+            plain = (
+                cutout.picture(day, camera)
+                if cutout
+                else offscreen.picture(day, camera, self.style)
+            )
+            return stamped(plain, day, camera, self, clip)
+
+        return draw
 
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""

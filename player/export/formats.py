@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
-from player.export import gif, mp4, png
+from player.export import gif, mp4, png, stamp, webm
 from player.export.film import Film
 from player.export.output import check_folder
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from gclip import Clip
     from player.render import Offscreen
+
+MOST = 200_000  # frames; more are a slip of the keyboard
 
 Progress = Callable[[int, int], None]  # steps done, steps in all
 Writer = Callable[["Clip", Film, Path, Progress], None]
@@ -57,7 +59,13 @@ def export(
     Raises PlayerError for an unknown suffix, a missing folder, a size or speed that the format
     can't hold, no OpenGL, or an encoder that fails.
     """
-    format_of(path, film).write(clip, film, path, progress)
+    chosen = format_of(path, film)
+    count = film.frame_count(clip)
+    if count > MOST:
+        raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
+    if chosen.picture:
+        stamp.check(film.stamps, clip, film)
+    chosen.write(clip, film, path, progress)
 
 
 def format_of(path: Path, film: Film) -> Format:
@@ -88,6 +96,8 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
     if film.at and not chosen.days:
         raise PlayerError(f"--day is for pictures, like still.png; {path.name} is a film.")
+    if film.cut_out and chosen.suffix != ".png":
+        raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")
 
@@ -97,11 +107,17 @@ def _mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
         mp4.write(_counted(film, clip, offscreen, progress), film, path)
 
 
+def _webm(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    with _offscreen(clip, film) as offscreen:
+        webm.write(_counted(film, clip, offscreen, progress), film, path)
+
+
 def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     with _offscreen(clip, film) as offscreen:
         days, camera = film.days(clip), film.camera(clip)
         chosen = days[:: max(1, len(days) // gif.SAMPLES)]
-        samples = [offscreen.picture(day, camera, film.style)[::2, ::2] for day in chosen]
+        draw = film.painter(clip, offscreen)
+        samples = [draw(day, camera)[::2, ::2] for day in chosen]
         gif.write(_counted(film, clip, offscreen, progress), film, path, samples)
 
 
@@ -115,7 +131,7 @@ def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     day = film.at[0] if film.at else clip.times[-1]
     camera = film.camera(clip)
     with _offscreen(clip, film) as offscreen:
-        picture = offscreen.picture(day, camera, film.style)
+        picture = film.painter(clip, offscreen)(day, camera)
         png.write_one(picture, path, camera.matrix(film.aspect))
     progress(1, 1)
 
@@ -146,6 +162,7 @@ def _from(module: str, name: str = "write") -> Writer:
 FORMATS: tuple[Format, ...] = (
     Format("film.mp4", "film that plays everywhere (H.264)", _mp4, mp4.check, picture=True),
     Format("film.gif", "film for pages and slides", _gif, gif.check, picture=True),
+    Format("film.webm", "film for web pages (VP9)", _webm, picture=True),
     Format("still.png", "one picture", _still, picture=True, days=1),
     Format(
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2

@@ -52,4 +52,5 @@ def _save(picture: NDArray, path: Path, view: NDArray) -> None:
 
     metadata = PngInfo()
     metadata.add_text("view", json.dumps(view.tolist()))
-    Image.fromarray(picture[..., :3]).save(path, pnginfo=metadata)
+    opaque = bool((picture[..., 3] == 255).all())
+    Image.fromarray(picture[..., :3] if opaque else picture).save(path, pnginfo=metadata)
