@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
-from player.export import gif, mp4, png, stamp, webm
+from player.export import gif, mp4, png, stamp, usd, webm
 from player.export.film import Film
 from player.export.output import check_folder
 
@@ -36,6 +36,7 @@ class Format:
     sequence: numbered files, one a moment: the name has a place for a number.
     picture:  drawn, so that size, colours and stamps count.
     days:     how many --day it takes: 0, 1, or 2 for any number.
+    also:     other suffixes that ask for it.
     """
 
     example: str
@@ -45,6 +46,7 @@ class Format:
     sequence: bool = False
     picture: bool = False
     days: int = 0
+    also: tuple[str, ...] = ()
 
     @property
     def suffix(self) -> str:
@@ -73,7 +75,7 @@ def format_of(path: Path, film: Film) -> Format:
     if path.is_dir():
         raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
     suffix = path.suffix.lower()
-    known = [one for one in FORMATS if one.suffix == suffix]
+    known = [one for one in FORMATS if suffix in (one.suffix, *one.also)]
     if not known:
         names = ", ".join(one.example for one in FORMATS)
         raise PlayerError(f'{path}: "{suffix}" is no known suffix; these are: {names}.')
@@ -174,6 +176,10 @@ FORMATS: tuple[Format, ...] = (
         _from("ply", "write_sequence"), sequence=True, days=2,
     ),
     Format("plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb")),
+    Format(
+        "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", _from("usd"),
+        usd.check, also=(".usda", ".usdc"),
+    ),
     Format(
         "traits.csv", "height, length, area, volume, angle, growth of each organ", _from("table"),
         days=2,

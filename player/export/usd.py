@@ -1,0 +1,134 @@
+"""The growing plant as an OpenUSD stage: points with time samples.
+
+Each interval has movers of its own, so each group of them is a Points prim of its own, visible
+while its time lasts. Between time samples USD interpolates linearly, so straight paths need two
+samples and curved ones some more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from player.errors import PlayerError
+from player.export.film import Film
+from player.export.output import whole_file
+
+if TYPE_CHECKING:
+    from gclip import Clip, Group, Interval
+
+CURVED_SAMPLES = 17  # an interval, where movers go along curves or fall
+METERS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
+
+
+def check(film: Film) -> None:
+    """Raise PlayerError where OpenUSD is not installed."""
+    if find_spec("pxr") is None:
+        raise PlayerError(
+            "USD needs OpenUSD's library: pip install 'plant-growth-clips[usd]' brings it."
+        )
+
+
+def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+    """Write the plant; its time codes are the film's frames, from 0."""
+    from pxr import Gf, Sdf, Usd, UsdGeom
+
+    total = len(clip.intervals)
+    frames = film.length(clip) * film.fps
+    rate = frames / (clip.times[-1] - clip.times[0])
+    with whole_file(path) as part:
+        stage = Usd.Stage.CreateNew(str(part))
+        stage.SetStartTimeCode(0.0)
+        stage.SetEndTimeCode(frames)
+        stage.SetTimeCodesPerSecond(film.fps)
+        stage.SetFramesPerSecond(film.fps)
+        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y if clip.up == "y" else UsdGeom.Tokens.z)
+        UsdGeom.SetStageMetersPerUnit(stage, METERS.get(clip.unit, 1.0))
+        root = UsdGeom.Xform.Define(stage, "/plant")
+        root.AddTransformOp().Set(Gf.Matrix4d(*_placed(clip).T.ravel().tolist()))
+        root.GetPrim().SetMetadata(Sdf.PrimSpec.DocumentationKey, film.title or film.name)
+        stage.SetDefaultPrim(root.GetPrim())
+        progress(0, total)
+        for index, interval in enumerate(clip.intervals):
+            begin = (interval.start - clip.times[0]) * rate
+            length = (interval.end - interval.start) * rate
+            for group in interval.groups:
+                _add(stage, clip, index, group, begin, length)
+            progress(index + 1, total)
+        stage.GetRootLayer().Save()
+        del stage, root
+
+
+def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length: float) -> None:
+    """One prim: places over time, colours, labels, and when it is seen."""
+    from pxr import Sdf, UsdGeom, Vt
+
+    from gclip import Motion
+    from gclip.evaluate import positions_on_curve
+
+    if group.motion is Motion.REMOVE or not group.count:
+        return
+    interval, movers = clip.intervals[index], slice(group.first, group.stop)
+    prim = UsdGeom.Points.Define(stage, f"/plant/interval_{index:04d}_{group.motion.value}")
+    straight = interval.degree == 1 and group.motion is not Motion.FALL
+    places, extents = prim.CreatePointsAttr(), prim.CreateExtentAttr()
+    for share in np.linspace(0.0, 1.0, 2 if straight else CURVED_SAMPLES).tolist():
+        parameter = share**2 if group.motion is Motion.FALL else share
+        points = positions_on_curve(interval, movers, parameter)
+        time = begin + share * length
+        places.Set(Vt.Vec3fArray.FromNumpy(points), time)
+        corners = np.stack([points.min(axis=0), points.max(axis=0)])
+        extents.Set(Vt.Vec3fArray.FromNumpy(corners), time)
+    prim.CreateWidthsAttr(Vt.FloatArray([2.0 * clip.spacing]))
+    prim.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+
+    paint = prim.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
+    first, last = _linear_colors(clip, interval, movers)
+    paint.Set(Vt.Vec3fArray.FromNumpy(first), begin)
+    if last is not None:
+        paint.Set(Vt.Vec3fArray.FromNumpy(last), begin + length)
+    label = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
+        "label", Sdf.ValueTypeNames.IntArray, UsdGeom.Tokens.vertex
+    )
+    label.Set(Vt.IntArray.FromNumpy(interval.tracks[movers].astype(np.int32)))
+    if group.motion is Motion.FADE:
+        opacity = prim.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.constant)
+        opacity.Set(Vt.FloatArray([1.0]), begin)
+        opacity.Set(Vt.FloatArray([0.0]), begin + length)
+
+    seen = prim.CreateVisibilityAttr()
+    if begin > 0.0:
+        seen.Set(UsdGeom.Tokens.invisible, 0.0)
+    seen.Set(UsdGeom.Tokens.inherited, begin)
+    if index < len(clip.intervals) - 1 or group.motion is not Motion.MOVE:
+        seen.Set(UsdGeom.Tokens.invisible, begin + length)
+
+
+def _linear_colors(
+    clip: Clip, interval: Interval, movers: slice
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+    """(n, 3) linear light at the interval's start, and at its end where that differs."""
+    from gclip.color import srgb_to_linear
+
+    def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)
+
+    if interval.start_colors is not None and interval.end_colors is not None:
+        return linear(interval.start_colors[movers]), linear(interval.end_colors[movers])
+    return linear(clip.palette[interval.tracks[movers]]), None
+
+
+def _placed(clip: Clip) -> NDArray[np.float64]:
+    """(4, 4) from local coordinates to the stage's: y or z up as it is, else turned to z up."""
+    from player.camera import axes
+
+    matrix = np.eye(4)
+    if clip.up != "y":
+        matrix[:3, :3] = axes(clip.up)
+    matrix[:3, 3] = matrix[:3, :3] @ np.asarray(clip.origin)
+    return matrix
