@@ -187,13 +187,13 @@ def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:
     from player.export import export, format_of
     from player.progress import FrameProgress
 
-    format_of(output, film)
+    chosen = format_of(output, film)
     clip = _open(path)
     first, last = clip.times[0], clip.times[-1]
     for day in film.at:
         if not first <= day <= last:
             raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
-    with FrameProgress(quiet) as progress:
+    with FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
         export(clip, film, output, progress)
     if not quiet:
         typer.echo(f"wrote {output}", err=True)

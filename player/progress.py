@@ -7,9 +7,9 @@ from typing import Self
 
 
 class FrameProgress:
-    """An instance is the `progress` callable of `export`: frames drawn, frames in all."""
+    """An instance is the `progress` callable of `export`: steps done, steps in all."""
 
-    def __init__(self, quiet: bool = False) -> None:
+    def __init__(self, quiet: bool = False, doing: str = "drawing") -> None:
         from rich.console import Console
         from rich.progress import (
             BarColumn,
@@ -22,14 +22,15 @@ class FrameProgress:
         self._console = Console(stderr=True, quiet=quiet)
         self._plain = not quiet and not self._console.is_terminal
         self._bar = Progress(
-            TextColumn("drawing"),
+            TextColumn(doing),
             BarColumn(),
             MofNCompleteColumn(),
             TimeRemainingColumn(),
             console=self._console,
             disable=quiet or not self._console.is_terminal,
         )
-        self._task = self._bar.add_task("drawing", total=None)
+        self._task = self._bar.add_task(doing, total=None)
+        self._doing = doing
         self._tenth = 0
 
     def __enter__(self) -> Self:
@@ -48,4 +49,4 @@ class FrameProgress:
         self._bar.update(self._task, completed=done, total=total)
         if self._plain and 10 * done // total > self._tenth:
             self._tenth = 10 * done // total
-            self._console.print(f"drawing: {done} of {total}", highlight=False)
+            self._console.print(f"{self._doing}: {done} of {total}", highlight=False)

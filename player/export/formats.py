@@ -97,7 +97,7 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
     if len(film.at) > 1 and chosen.days == 1:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
     if film.at and not chosen.days:
-        raise PlayerError(f"--day is for pictures, like still.png; {path.name} is a film.")
+        raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
     if film.cut_out and chosen.suffix != ".png":
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:

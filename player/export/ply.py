@@ -33,10 +33,10 @@ def write_sequence(
     """The film's moments, evenly from the first scan to the last, numbered from 0."""
     days = moments(clip, film)
     with whole_sequence(path) as file:
-        for done, day in enumerate(days):
-            progress(done, len(days))
-            _save(clip, day, cloud_at(clip, day), file(done))
-    progress(len(days), len(days))
+        progress(0, len(days))
+        for number, day in enumerate(days):
+            _save(clip, day, cloud_at(clip, day), file(number))
+            progress(number + 1, len(days))
 
 
 def moments(clip: Clip, film: Film) -> list[float]:

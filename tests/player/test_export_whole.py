@@ -1,0 +1,48 @@
+"""Every way out, stopped half way or refused, leaves nothing behind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from player.errors import PlayerError
+from player.export import Film, export
+from player.export.formats import FORMATS
+
+SMALL = Film(size=(64, 48), fps=5, seconds=0.8)
+
+
+@pytest.mark.parametrize("example", [one.example for one in FORMATS])
+def test_stopping_leaves_nothing_and_spares_what_was_there(
+    make_clip: Any, tmp_path: Path, example: str
+) -> None:
+    if example.endswith(".usd"):
+        pytest.importorskip("pxr", reason="usd-core is not installed")
+    path = tmp_path / example
+    before = []
+    if "/" not in example:
+        path.write_text("an earlier one")
+        before = [example]
+
+    def stop(done: int, total: int) -> None:
+        if done == total:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        export(make_clip(), SMALL, path, stop)
+    left = [entry.name for entry in tmp_path.iterdir()]
+    if example in ("still.png", "cloud.ply"):
+        return  # done in one step, before anything is told
+    assert left == before
+    assert not before or path.read_text() == "an earlier one"
+
+
+@pytest.mark.parametrize("example", [one.example for one in FORMATS])
+def test_a_missing_folder_is_said_at_once(make_clip: Any, tmp_path: Path, example: str) -> None:
+    if example.endswith(".usd"):
+        pytest.importorskip("pxr", reason="usd-core is not installed")
+    with pytest.raises(PlayerError, match="does not exist"):
+        export(make_clip(), SMALL, tmp_path / "no" / "where" / example)
+    assert list(tmp_path.iterdir()) == []
