@@ -1,10 +1,9 @@
-"""Matching organs whose labels are numbered anew in every scan: all organs of a scan at once.
+"""Organs or pieces of organs, numbered anew in every scan, named the same in all.
 
-An organ that grows covers what it was: each point of the younger organ lies near the older one,
-however much longer that has become. So the mean distance from the younger to the older organ says
-how well they match, better than any distance both ways (docs/method.md has the figures). Leaving
-two organs unmatched costs a share of what it takes to fold one back into its bud and unfold the
-other.
+Whole organs are followed through the series at once (baker/match/tracks.py). Pieces of a
+segmentation are matched from scan to scan, all of a scan at once: by the mean distance of the
+younger piece from the older one, for what grows covers what it was. Leaving two pieces unmatched
+costs a share of what it takes to fold one back into its bud and unfold the other.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match.assignment import assign_with_dummies
+from baker.match.tracks import track_organs
 from baker.segment.hierarchy import split_by_label
 
 if TYPE_CHECKING:
@@ -44,6 +44,8 @@ def consistent_labels(
         birth and no loss but one more piece of the organ that it lies on.
     Returns (N,) organ numbers for each scan, from 0 in order of first appearance.
     """
+    if whole_organs:
+        return track_organs(clouds, labels, root_points)
     names = {int(label): index for index, label in enumerate(np.unique(labels[0]))}
     born = len(names)
     named = [_rename(labels[0], names)]
@@ -51,18 +53,16 @@ def consistent_labels(
         first = _Organs(clouds[k - 1], named[-1], root_points[k - 1])
         second = _Organs(clouds[k], labels[k], root_points[k])
         pairs = {b: first.labels[a] for a, b in match_organs(first, second)}
-        if not whole_organs:
-            pairs |= _pieces(second, first, {a: b for b, a in pairs.items()})
+        pairs |= _pieces(second, first, {a: b for b, a in pairs.items()})
         names = {}
         for index, label in enumerate(second.labels):
             names[label] = pairs.get(index, born)
             born += index not in pairs
         named.append(_rename(labels[k], names))
-        if not whole_organs:
-            later = _Organs(clouds[k], named[-1], root_points[k])
-            kept = {name: i for i, name in enumerate(first.labels) if name in later.labels}
-            for index, organ in _pieces(first, later, kept).items():
-                named = [np.where(scan == first.labels[index], organ, scan) for scan in named]
+        later = _Organs(clouds[k], named[-1], root_points[k])
+        kept = {name: i for i, name in enumerate(first.labels) if name in later.labels}
+        for index, organ in _pieces(first, later, kept).items():
+            named = [np.where(scan == first.labels[index], organ, scan) for scan in named]
     return named
 
 
@@ -92,15 +92,18 @@ def agreement(
     labels: Sequence[NDArray[np.integer]],
     root_points: Sequence[int],
 ) -> float:
-    """Of the organs whose label the next scan has too: the share matched to their namesake."""
-    organs = [_Organs(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
-    same = [
-        first.labels[a] == second.labels[b]
-        for first, second in pairwise(organs)
-        for a, b in match_organs(first, second)
-        if first.labels[a] in second.labels
-    ]
+    """Of the organs whose label the next scan has too: the share followed to their namesake."""
+    tracks = track_organs(clouds, labels, root_points)
+    same: list[bool] = []
+    for (first, second), (before, after) in zip(pairwise(labels), pairwise(tracks), strict=True):
+        was, now = _numbers(first, before), _numbers(second, after)
+        same += [was[name] == now[name] for name in was.keys() & now.keys()]
     return float(np.mean(same)) if same else 0.0
+
+
+def _numbers(labels: NDArray[np.integer], tracks: NDArray[np.int64]) -> dict[int, int]:
+    names, where = np.unique(labels, return_index=True)
+    return dict(zip(names.tolist(), tracks[where].tolist(), strict=True))
 
 
 class _Organs:
