@@ -137,6 +137,10 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
             "light": film.style.ground == "light",
             "byTrack": film.style.color_by == "track",
             "turning": film.turning,
+            "pointSize": film.style.point_size,
+            "eyeDome": film.style.eye_dome,
+            "depthCue": 0.45 if film.style.depth_cue else 0.0,
+            "floor": 1.0 if film.style.show_ground else 0.0,
         },
         "grounds": {name: _ground(asdict(ground)) for name, ground in GROUNDS.items()},
     }

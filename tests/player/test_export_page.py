@@ -39,7 +39,9 @@ def browser() -> Iterator[Any]:
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     """Export a clip, open the page from disk, and see to it that it asks for nothing else."""
-    context = browser.new_context(viewport={"width": 480, "height": 360}, has_touch=True)
+    context = browser.new_context(
+        viewport={"width": 480, "height": 360}, has_touch=True, reduced_motion="reduce"
+    )
     tab = context.new_page()
     troubles: list[str] = []
     tab.on("pageerror", lambda error: troubles.append(str(error)))

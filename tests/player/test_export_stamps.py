@@ -33,15 +33,14 @@ def still(clip: Clip, folder: Path, **wishes: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("wishes", "rows", "columns"),
+    ("wishes", "rows", "columns", "ground"),
     [
-        ({"title": "Maize"}, slice(0, 60), slice(0, 200)),
-        ({"stamps": Stamps(date=True)}, slice(300, 360), slice(0, 200)),
-        ({"stamps": Stamps(scale=True)}, slice(300, 360), slice(440, 640)),
-        ({"stamps": Stamps(legend=True)}, slice(0, 60), slice(440, 640)),
+        ({"title": "Maize"}, slice(0, 60), slice(0, 200), "light"),
+        ({"stamps": Stamps(date=True)}, slice(300, 360), slice(0, 200), "dark"),
+        ({"stamps": Stamps(scale=True)}, slice(300, 360), slice(440, 640), "dark"),
+        ({"stamps": Stamps(legend=True)}, slice(0, 60), slice(440, 640), "dark"),
     ],
 )
-@pytest.mark.parametrize("ground", ["dark", "light"])
 def test_each_stamp_has_its_corner(
     clip: Clip, tmp_path: Path, wishes: dict, rows: slice, columns: slice, ground: str
 ) -> None:

@@ -10,9 +10,7 @@ function start(about, shaders) {
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times);
     const camera = new Camera({ ...clip.home, target: [...clip.home.target] }, clip.up, clip.radius);
-    const look = {
-        light: clip.look.light, byTrack: clip.look.byTrack || !clip.colored, pointSize: 1, chosen: -1,
-    };
+    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1 };
     const state = { dirty: true, moved: 0, turning: clip.look.turning, level: 0, pace: 0, fitted: true };
     const show = () => { state.dirty = true; };
     const move = () => { state.dirty = true; state.fitted = false; state.moved = performance.now(); };

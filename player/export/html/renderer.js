@@ -81,7 +81,8 @@ class Renderer {
         }
     }
 
-    // look: { light, byTrack, pointSize, chosen }; share: of the movers to draw, 1 for all.
+    // look: { light, byTrack, chosen, pointSize, eyeDome, depthCue, floor };
+    // share: of the movers to draw, 1 for all.
     draw(day, camera, look, size, share) {
         const gl = this.gl, [width, height] = size;
         if (!this.targets || this.targets.width !== width || this.targets.height !== height) {
@@ -181,8 +182,8 @@ class Renderer {
             half_field: [(slope * width) / height, slope],
             to_floor: product(this.fromAbove(), inverse(rows, camera)),
             sky: rows.map((row) => dot(row, up)),
-            dome_radius: Math.max(1, (1.2 * height) / 720), eye_dome: 1, depth_cue: 0.45,
-            floor_share: 1,
+            dome_radius: Math.max(1, (1.2 * height) / 720), eye_dome: look.eyeDome,
+            depth_cue: look.depthCue, floor_share: look.floor,
         });
     }
 
