@@ -13,7 +13,7 @@ uniform float middle;
 out vec4 out_away;            // in scene radii beyond the target, FAR where nothing is
 
 const float FAR = 1e4;
-const int TAPS = 3;
+const int TAPS = 4;
 
 float away_at(ivec2 texel) {
     float value = texelFetch(source, texel, 0).r;
