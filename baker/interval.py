@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,10 @@ def solve_task(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
     )
     pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error, plan.notes)
+    if task.birth is not None:
+        origin, target = movers.curve
+        curve = (origin, task.birth.control(origin, target), target)
+        movers = replace(movers, curve=curve)
     born = task.event == "birth"
     surface = surface_half_way(start.surface, a, end.surface, b, born)
     return Moved(movers, pair, surface, a, b, born)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align import Alignment, align
+from baker.birth import Birth, births
 from baker.complete import completed
 from baker.density import point_surface, with_even_density
 from baker.describe import describe_provenance, describe_tracks
@@ -216,15 +217,15 @@ def _intervals(
         Motion(options.decay),
     )
     keyframes, matches = whole.keyframes, whole.matches
+    clouds = [frame.positions for frame in keyframes]
+    born: list[dict[int, Birth]] = [{} for _ in matches]
+    if recipe.paths != Paths.straight:
+        born = births(clouds, matches, organs, times)
     jobs: list[Callable[[], Moved]] = []
     sizes = []
     for k, match in enumerate(matches):
         tasks = interval_tasks(
-            (keyframes[k].positions, keyframes[k + 1].positions),
-            match,
-            organs[k],
-            options.bud,
-            whole.parts[k],
+            (clouds[k], clouds[k + 1]), match, organs[k], options.bud, whole.parts[k], born[k]
         )
         sizes.append(len(tasks))
         jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]

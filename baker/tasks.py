@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.birth import Birth
 from baker.match import IntervalOrgans, Match
 from baker.missing import Part
 from baker.segment.hierarchy import NO_PARENT
@@ -23,6 +25,7 @@ class Task:
 
     event: "match", "birth" (start is the bud), "loss" (end is empty), or "part": of a matched
            organ a part is lost, and leaves in its own way.
+    birth:  how a new organ unfolds; None in straight lines from its bud.
     leaves: how a part goes; notes: for the report.
     """
 
@@ -30,6 +33,7 @@ class Task:
     organ: int
     start: NDArray[np.intp]
     end: NDArray[np.intp]
+    birth: Birth | None = None
     leaves: Motion | None = None
     notes: tuple[str, ...] = ()
 
@@ -40,10 +44,11 @@ def interval_tasks(
     organs: IntervalOrgans,
     bud_points: int | None = None,
     parts: Sequence[Part] = (),
+    born: Mapping[int, Birth] = MappingProxyType({}),
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
-    parts: what matched organs lose.
+    parts: what matched organs lose; born: by organ, how new ones unfold.
     bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
@@ -58,12 +63,13 @@ def interval_tasks(
         place = _bud_place(match, segment)
         if place not in buds:
             buds[place] = _bud(points, match, *place, bud_points)
-        tasks.append(Task("birth", organs.second[segment], buds[place], second.segments[segment]))
+        organ, members = organs.second[segment], second.segments[segment]
+        tasks.append(Task("birth", organ, buds[place], members, born.get(organ)))
     nothing = np.empty(0, np.intp)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
     for part in parts:
         tasks = [task if task.organ != part.organ else _without(task, part) for task in tasks]
-        tasks.append(Task("part", part.organ, part.points, nothing, part.leaves))
+        tasks.append(Task("part", part.organ, part.points, nothing, leaves=part.leaves))
     return [task for task in tasks if len(task.start) or len(task.end)]
 
 

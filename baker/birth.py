@@ -1,0 +1,143 @@
+"""How far a new organ has unfolded half-way through the interval that it is born in.
+
+What a scan does not show yet may appear at any time before the next. How fast the organ grows
+afterwards suggests when: drawn back, its growth gives the size that it had half-way, between a
+quarter, when it comes late and fast, and half of what it is at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.match import IntervalOrgans, Match
+from baker.segment.hierarchy import NO_PARENT, Hierarchy
+
+LATE, EVEN = 0.35, 0.5  # earlier than half-way through, as growth that slows down was faster
+AT_BASE = 0.02  # share of an organ's points that are its base
+
+
+@dataclass(frozen=True)
+class Birth:
+    """base: (3,) where the organ is attached at the end; size: its share of its size half-way."""
+
+    base: NDArray[np.float64]
+    size: float
+
+    def control(
+        self, start: NDArray[np.floating], end: NDArray[np.floating]
+    ) -> NDArray[np.float32]:
+        """(N, 3) control points: half-way each mover is `size` of the way from the base to its end.
+
+        The base itself is half-way between bud and attachment then.
+        """
+        return (start / 2 + (1 - 2 * self.size) * self.base + (2 * self.size - 0.5) * end).astype(
+            np.float32
+        )
+
+
+def births(
+    clouds: Sequence[NDArray[np.floating]],
+    matches: Sequence[Match],
+    organs: Sequence[IntervalOrgans],
+    times: Sequence[float],
+) -> list[dict[int, Birth]]:
+    """For each interval, by organ, how those that are born in it unfold.
+
+    All that unfolds from one bud does so as one piece. Where nothing tells how an organ goes on to
+    grow, the series' other births do.
+    """
+    spans = np.diff(times)
+    found = []
+    for k, match in enumerate(matches):
+        bases = {top: _base(clouds[k + 1], match.second, top) for top in _tops(match)}
+        sizes = {
+            top: _size_half_way(clouds, matches, organs, spans, k, top, base)
+            for top, base in bases.items()
+        }
+        found.append((bases, sizes))
+    known = [size for _, sizes in found for size in sizes.values() if size is not None]
+    usual = float(np.median(known)) if known else EVEN
+    born = []
+    for match, named, (bases, sizes) in zip(matches, organs, found, strict=True):
+        tops = _tops_of_births(match)
+        born.append(
+            {
+                named.second[segment]: Birth(bases[top], sizes[top] or usual)
+                for segment, top in tops.items()
+            }
+        )
+    return born
+
+
+def _tops_of_births(match: Match) -> dict[int, int]:
+    """Each born segment, and the born segment nearest to the root that it unfolds with."""
+    new = set(match.births)
+    return {
+        segment: next(
+            (
+                s
+                for s in reversed([segment, *match.second.ancestors(segment)])
+                if _opens(s, match, new)
+            ),
+            segment,
+        )
+        for segment in match.births
+        if len(match.second.segments[segment])
+    }
+
+
+def _opens(segment: int, match: Match, new: set[int]) -> bool:
+    """Whether a born segment with points grows on one that was there before, or on nothing."""
+    parent = match.second.parents[segment]
+    return segment in new and parent not in new and bool(len(match.second.segments[segment]))
+
+
+def _tops(match: Match) -> set[int]:
+    return set(_tops_of_births(match).values())
+
+
+def _size_half_way(
+    clouds: Sequence[NDArray[np.floating]],
+    matches: Sequence[Match],
+    organs: Sequence[IntervalOrgans],
+    spans: NDArray[np.float64],
+    k: int,
+    top: int,
+    base: NDArray[np.float64],
+) -> float | None:
+    """The organ's size half-way as a share of its size at the end, None where nothing tells."""
+    if k + 1 >= len(matches):
+        return None
+    following, organ = matches[k + 1], organs[k].second[top]
+    named = organs[k + 1].second
+    later = next((b for _, b in following.pairs if named[b] == organ), None)
+    if later is None:
+        return None
+    size = _extent(clouds[k + 1], matches[k].second, top, base)
+    grown = _extent(
+        clouds[k + 2], following.second, later, _base(clouds[k + 2], following.second, later)
+    )
+    growth = (grown / max(size, 1e-12) - 1) * spans[k] / (2 * spans[k + 1])
+    return float(np.clip(1 - growth, LATE, EVEN))
+
+
+def _extent(
+    cloud: NDArray[np.floating], hierarchy: Hierarchy, segment: int, base: NDArray[np.float64]
+) -> float:
+    return float(np.sqrt(((cloud[hierarchy.segments[segment]] - base) ** 2).sum(axis=1).mean()))
+
+
+def _base(cloud: NDArray[np.floating], hierarchy: Hierarchy, segment: int) -> NDArray[np.float64]:
+    """(3,) the middle of the segment's points nearest to what it grows from."""
+    from scipy.spatial import cKDTree
+
+    own = cloud[hierarchy.segments[segment]].astype(float)
+    parent = hierarchy.parents[segment]
+    bearer = hierarchy.segments[parent] if parent != NO_PARENT else np.empty(0, np.intp)
+    others = cloud[bearer] if len(bearer) else np.median(cloud, axis=0, keepdims=True)
+    apart = cKDTree(others).query(own)[0]
+    return own[np.argsort(apart, kind="stable")[: max(1, round(AT_BASE * len(own)))]].mean(axis=0)
