@@ -13,9 +13,9 @@ from baker.options import Options
 from baker.recipe import Recipe
 from baker.scans import Scan
 from baker.segment.hierarchy import Hierarchy
+from baker.segment.organs import segment_organs
 from baker.segment.series import (
     labelled_hierarchies,
-    organ_numbers,
     thin_hierarchies,
     whole_hierarchies,
 )
@@ -47,7 +47,7 @@ def segment_scans(
             return labels, hierarchies
         labels = labels_of_pieces(clouds, hierarchies, bases, labels.sentence)
     elif labels.labels is None:
-        numbers = organ_numbers(clouds, bases, done)
+        numbers = segment_organs(clouds, bases, done)
         labels = labels_of_organs(clouds, numbers, bases, labels.sentence)
     assert labels.labels is not None
     return labels, labelled_hierarchies(

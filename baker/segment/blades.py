@@ -22,9 +22,19 @@ BARE = 3.0  # a branch without blades is an organ from this length on, in stem d
 STEM = 0
 
 
-def organs_of_nodes(sample: EvenSample, tree: LevelTree) -> NDArray[np.intp]:
-    """(m,) the organ of each node: 0 for stem and petioles, blades and bare branches from 1 on."""
-    likeness = np.clip(ROUND - flatness(sample), -CLEAR, CLEAR) / CLEAR
+def blade_likeness(sample: EvenSample) -> NDArray[np.float64]:
+    """(n,) how surely each point lies on a blade: from -1, on stem or petiole, to 1."""
+    clear: NDArray[np.float64] = np.clip(ROUND - flatness(sample), -CLEAR, CLEAR) / CLEAR
+    return clear
+
+
+def organs_of_nodes(
+    sample: EvenSample, tree: LevelTree, likeness: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """(m,) the organ of each node: 0 for stem and petioles, blades and bare branches from 1 on.
+
+    likeness: (n,) how surely each point of the sample lies on a blade, not on stem or petiole.
+    """
     gain = np.bincount(tree.node, likeness, len(tree.parent)).astype(np.float64)
     least = PRICE * (sample.diameter / sample.spacing) ** 2
     organ = _blades(sample, tree, _begins_blade(tree, tree.gathered(gain) - least), least)

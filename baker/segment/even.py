@@ -122,7 +122,9 @@ def _stem_diameter(
     spacing: float,
 ) -> float:
     """Median width of the sections up to six diameters above the base: a fixed point, found by
-    iteration; 0 where there are no sections."""
+    iteration; 0 where there are none."""
+    if spacing == 0.0:
+        return 0.0
     diameter = 8.0 * spacing
     for _ in range(ROUNDS):
         thickness = max(THICKNESS * diameter, FINEST * spacing)

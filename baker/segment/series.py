@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from baker.segment.given import hierarchy_from_labels, under_virtual_root
 from baker.segment.hierarchy import Hierarchy, whole
-from baker.segment.organs import segment_organs
 from baker.segment.thin import segment_thin
 
 
@@ -35,19 +34,6 @@ def thin_hierarchies(
         hierarchies.append(segment_thin(cloud, base, neighbors, threshold).hierarchy)
         done(k + 1)
     return hierarchies
-
-
-def organ_numbers(
-    clouds: Sequence[NDArray[np.floating]],
-    bases: Sequence[int],
-    done: Callable[[int], None],
-) -> list[NDArray[np.int64]]:
-    """Organs without labels, (N,) numbers for each cloud, each by itself."""
-    numbers = []
-    for k, (cloud, base) in enumerate(zip(clouds, bases, strict=True)):
-        numbers.append(segment_organs(cloud, base))
-        done(k + 1)
-    return numbers
 
 
 def labelled_hierarchies(

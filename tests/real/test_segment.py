@@ -1,0 +1,29 @@
+"""Real scans without labels: the organs found are those that people marked."""
+
+import numpy as np
+import pytest
+
+from baker.segment.given import root_point
+from baker.segment.organs import segment_organs
+from baker.vertical import Vertical
+
+SERIES = (
+    "maize_control_plant1",
+    "sorghum_control_plant1",
+    "tobacco_heat_plant3",
+    "tomato1_control2_plant1",
+    "tomato2_control_plant3",
+)
+
+
+@pytest.mark.parametrize("series", SERIES)
+def test_organs_overlap_with_those_marked(shared_data, series):
+    tables = [np.loadtxt(path) for path in sorted((shared_data / series).glob("*.txt"))]
+    clouds = [table[:, :3] - tables[0][:, :3].mean(axis=0) for table in tables]
+    found = segment_organs(clouds, [root_point(c, Vertical.named("z")) for c in clouds])
+    overlap = [
+        max((own & (numbers == n)).sum() / (own | (numbers == n)).sum() for n in set(numbers[own]))
+        for table, numbers in zip(tables, found, strict=True)
+        for own in (table[:, 3] == label for label in np.unique(table[:, 3]))
+    ]
+    assert np.mean(overlap) > 0.75
