@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.match.cover import agreement, consistent_labels
+from baker.match.pieces import consistent_pieces
 from baker.scans.scan import Scan
 from baker.segment.hierarchy import Hierarchy
 
@@ -92,6 +93,6 @@ def labels_of_pieces(
     origin: why there were no labels, for the sentence.
     """
     pieces = [hierarchy.numbers() for hierarchy in hierarchies]
-    named = consistent_labels(clouds, pieces, root_points, whole_organs=False)
+    named = consistent_pieces(clouds, pieces, root_points)
     sentence = f"{origin}: segmented at the forks, organs matched by shape"
     return LabelUse(tuple(named), True, sentence, renamed=True)

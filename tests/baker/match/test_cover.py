@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from baker.match.cover import agreement, consistent_labels
+from baker.match.pieces import consistent_pieces
 
 
 def growing_plant(day: int, rng: np.random.Generator):
@@ -73,7 +74,7 @@ def test_pieces_of_an_organ_are_neither_born_nor_lost():
         pieces = [labels.copy() for labels in truth]
         upper = (truth[cut] == 0) & (clouds[cut][:, 2] > 7)
         pieces[cut][upper] = 99
-        named = consistent_labels(clouds, pieces, [0] * len(clouds), whole_organs=False)
+        named = consistent_pieces(clouds, pieces, [0] * len(clouds))
         stem = named[cut][(truth[cut] == 0) & ~upper][0]
         assert set(named[cut][upper]) == {stem}
         assert all(set(n[t == 0]) == {stem} for n, t in zip(named, truth, strict=True))
@@ -83,5 +84,5 @@ def test_whole_organs_are_never_merged(series):
     clouds, truth = series
     pieces = [labels.copy() for labels in truth]
     pieces[1][(truth[1] == 0) & (clouds[1][:, 2] > 7)] = 99
-    named = consistent_labels(clouds, pieces, [0] * len(clouds), whole_organs=True)
+    named = consistent_labels(clouds, pieces, [0] * len(clouds))
     assert len(np.unique(named[1])) == len(np.unique(pieces[1]))
