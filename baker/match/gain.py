@@ -18,19 +18,20 @@ from numpy.typing import NDArray
 from baker.match.shapes import Shapes
 
 # Worth of a match before its faults: shares of the younger and of the older organ's size, and of
-# the plant's. Losing an organ is the exception, a birth is not.
-LOSS, BIRTH, EITHER = 1.5, 0.8, 0.4
-BEND = 0.7  # a distance counts by this power: one organ far off beats two a little off
-BACK = 0.05  # of the older organ's distance from the younger
-TURN = 0.35  # of the plant's size, a radian
-ORDER, MOST_ORDER = 0.2, 2.0  # of the plant's size, an organ more or fewer below; at most so many
-LOW = 0.45  # of the plant's size: what begins at the stem's base is no birth
-SHRINK = 0.8  # of the size lost
+# the plant's. An organ is seldom lost; small ones are born, large ones have been there.
+LOSS, BIRTH, EITHER = 1.8, 0.9, 1.2
+TURN = 0.3  # a radian, of the plant's size
+ORDER, MOST_ORDER = 0.2, 2.0  # an organ more or fewer below, of the plant's size; at most so many
+LOW = 0.75  # worth, of the plant's size: what begins at the stem's base is no birth
+SHRINK = 0.6  # of the size lost
+HOPELESS = 1.8  # faults, in the plant's size, from which on a loss and a birth are likelier
+# Nothing leaves its place by more than so many of its later sizes, and this share of the plant's.
+AWAY, SWAY = 2.0, 0.1
 CANDIDATES = 16  # organs of the other scan that each is compared with
 
 
 def gains(first: Shapes, second: Shapes) -> NDArray[np.float64]:
-    """(n, m) worth of each match, in the plant's size; -inf where the two are far apart.
+    """(n, m) worth of each match, in the plant's size; -inf where that is out of the question.
 
     Above 0 it is worth more than a loss and a birth.
     """
@@ -40,29 +41,29 @@ def gains(first: Shapes, second: Shapes) -> NDArray[np.float64]:
 
 
 def _gains(young: Shapes, old: Shapes) -> NDArray[np.float64]:
-    plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean()))
-    plant = max(plant, np.finfo(float).tiny)
+    plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
     before, after = young.sizes[:, None] / plant, old.sizes / plant
-    there, back = _distances(young, old)
+    apart = _distances(young, old) / plant
     turned = np.arccos(np.clip(young.directions @ old.directions.T, -1.0, 1.0))
     moved = MOST_ORDER * np.tanh(np.abs(young.below[:, None] - old.below) / MOST_ORDER)
-    worth = LOSS * before + BIRTH * after + EITHER + LOW * (1.0 - old.height)
-    faults = (there / plant) ** BEND + BACK * back / plant + TURN * turned + ORDER * moved
-    gain: NDArray[np.float64] = worth - faults - SHRINK * np.maximum(before - after, 0.0)
-    return gain
+    shrunk = np.maximum(before - after, 0.0)
+    # The root: one organ far off is likelier than two a little off, for the old ones stand still.
+    faults = np.sqrt(apart) + TURN * turned + ORDER * moved + SHRINK * shrunk
+    faults -= LOW * (1.0 - old.height)
+    worth = LOSS * before + BIRTH * after + EITHER
+    likely = (faults < HOPELESS) & (apart < AWAY * after + SWAY)
+    return np.where(likely, worth - faults, -np.inf)
 
 
-def _distances(young: Shapes, old: Shapes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean distance of each young organ's points from each old organ, (n, m), and the way back."""
-    from scipy.spatial.distance import cdist
+def _distances(young: Shapes, old: Shapes) -> NDArray[np.float64]:
+    """(n, m) mean distance of each young organ's points from each old one; inf for the farthest."""
+    from scipy.spatial import cKDTree
 
-    there = np.full((len(young.labels), len(old.labels)), np.inf)
-    back = there.copy()
+    distances = np.full((len(young.labels), len(old.labels)), np.inf)
+    trees = [cKDTree(sample) for sample in old.samples]
     for i, j in np.argwhere(_near(young, old)):
-        apart = cdist(young.samples[i], old.samples[j])
-        there[i, j] = apart.min(axis=1).mean()
-        back[i, j] = apart.min(axis=0).mean()
-    return there, back
+        distances[i, j] = trees[j].query(young.samples[i])[0].mean()
+    return distances
 
 
 def _near(young: Shapes, old: Shapes) -> NDArray[np.bool_]:

@@ -108,7 +108,7 @@ def _number_below(along: NDArray[np.float64], root: int, apart: float) -> NDArra
     """
     from scipy.special import expit
 
-    nearer = expit((along[:, None] - along) / max(apart, np.finfo(float).tiny))
+    nearer = expit((along[:, None] - along) / apart) if apart else np.full([len(along)] * 2, 0.5)
     np.fill_diagonal(nearer, 0.0)
     nearer[:, root] = 0.0
     number: NDArray[np.float64] = nearer.sum(axis=1)
