@@ -108,7 +108,8 @@ class Dots:
 
     def _ten_bits_name_colors(self, discs: Discs) -> bool:
         clip = self._movers.clip
-        return len(clip.track_table) <= NAMED and (discs.by_track or not clip.has_colors)
+        by_track = not discs.by_value and (discs.by_track or not clip.has_colors)
+        return len(clip.track_table) <= NAMED and by_track
 
     def _faster_way(self, portions: list[Portion], discs: Discs) -> Way:
         """Draw some of the movers both ways, once to compile and once to measure."""

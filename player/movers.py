@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.color import srgb_to_linear
+from gclip.clip import Interval, Motion
 from gclip.evaluate import Layer, bernstein
 from player.chunks import ChunkBuffers, ChunkStore, Portion
+from player.colors import STEPS, Colors
 from player.glsl import compute, feedback, give, program
 from player.memory import room
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from gclip import Clip
+    from player.style import Style
 
 LOOK = {
     "CORE": 0.7,  # share of its radius in which a disc hides what lies behind
@@ -26,6 +28,7 @@ LOOK = {
     "SMOOTHING": 1.3,  # reach of the blur of distances, in disc radii
 }
 PALETTE_WIDTH = 1024  # texels in a row of the palette
+RAMP, MARKS = 6, 7  # texture units of a value's colours, and of what is hidden
 WORKGROUP = 128  # invocations of a compute shader, two movers each
 
 
@@ -39,8 +42,27 @@ class Movers:
         self.context = context
         self.clip = clip
         self.store = ChunkStore(context, clip, room(context) if memory is None else memory)
-        self.palette = _palette_texture(context, clip)
+        self.palette = _texture(
+            context, (PALETTE_WIDTH, -(-len(clip.track_table) // PALETTE_WIDTH))
+        )
+        self.ramp = _texture(context, (STEPS, 1))
+        self._painted: object = None
+        self._look: dict[str, int] = {"VALUED": 0, "MARKED": 0}
+        self._values: dict[str, object] = {}
         self._programs: dict[tuple[Any, ...], Any] = {}
+
+    def paint(self, colors: Colors, day: float, style: Style) -> None:
+        """Have all that is drawn from now on wear a style's colours of a day."""
+        wanted = (day if style.color_by == "age" else None, style)
+        if wanted == self._painted:
+            return
+        texels = np.zeros((self.palette.height * PALETTE_WIDTH, 4), np.float32)
+        texels[: len(self.clip.track_table)] = colors.palette(day, style)
+        self.palette.write(texels)
+        self.ramp.write(colors.ramp(style))
+        self._look = {"VALUED": int(colors.value(style)), "MARKED": int(style.marked)}
+        self._values = colors.uniforms() if self._look["VALUED"] else {}
+        self._painted = wanted
 
     def draw(
         self, name: str, portions: list[Portion], uniforms: dict[str, Any], fewer: int = 1
@@ -116,6 +138,12 @@ class Movers:
         if interval.box is not None:
             low, step = interval.box.low, tuple(interval.box.step)
         weights = tuple(bernstein(interval.degree, layer.parameter))
+        if self._look["VALUED"]:
+            self.ramp.use(RAMP)
+            give(shader, **self._values, ramp=RAMP, slopes=tuple(velocity_weights(interval, layer)))
+        if self._look["MARKED"]:
+            self.palette.use(MARKS)
+            give(shader, marks=MARKS)
         give(
             shader,
             **uniforms,
@@ -132,6 +160,7 @@ class Movers:
         defined: dict[str, int | float] = {
             "DEGREE": interval.degree,
             "SCAN_COLORS": int(interval.start_colors is not None),
+            **self._look,
             **chosen,
         }
         if kind == "compute":
@@ -151,17 +180,23 @@ class Movers:
     def release(self) -> None:
         self.store.release()
         self.palette.release()
+        self.ramp.release()
         for shader in self._programs.values():
             shader.release()
 
 
-def _palette_texture(context: moderngl.Context, clip: Clip) -> moderngl.Texture:
-    """The tracks' colours in linear light."""
+def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:
+    """(degree + 1,) weights of the Bézier points that give a mover's way a unit of time."""
+    n = interval.degree
+    lower = bernstein(n - 1, layer.parameter)
+    rate = 2.0 * layer.blend if layer.group.motion is Motion.FALL else 1.0  # falling: u = share²
+    passed = np.inf if layer.litter else interval.end - interval.start
+    return n * rate / passed * (np.append(0.0, lower) - np.append(lower, 0.0))
+
+
+def _texture(context: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
     import moderngl
 
-    rows = -(-len(clip.track_table) // PALETTE_WIDTH)
-    texels = np.zeros((rows * PALETTE_WIDTH, 4), np.float32)
-    texels[: len(clip.track_table), :3] = srgb_to_linear(clip.palette[:, :3] / 255.0)
-    texture = context.texture((PALETTE_WIDTH, rows), 4, texels, dtype="f4")
+    texture = context.texture(size, 4, dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture

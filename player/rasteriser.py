@@ -23,6 +23,7 @@ class Discs:
     magnification: samples that one unit takes up at distance 1.
     smallest:      diameter in samples below which no disc shrinks.
     by_track:      coloured by track, else by the scans' colours where there are any.
+    by_value:      coloured by a value of each mover instead.
     """
 
     camera: Camera
@@ -31,6 +32,7 @@ class Discs:
     magnification: float
     smallest: float
     by_track: bool
+    by_value: bool = False
 
     @property
     def typical_radius(self) -> float:

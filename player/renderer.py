@@ -20,6 +20,7 @@ from gclip.pack import BLOCK
 from player.camera import Camera, axes, outline
 from player.chunks import Portion
 from player.closing import ClosingDistances
+from player.colors import Colors, Value
 from player.dots import LARGEST, Dots, Way
 from player.glsl import give, program
 from player.movers import LOOK, Movers
@@ -63,6 +64,7 @@ class Renderer:
         self._splats = Splats(self._movers)
         self._shadow = Shadow(self._movers)
         self._closing = ClosingDistances(clip)
+        self._colors = Colors(clip)
         self._targets: Targets | None = None
         look = LOOK | {"SUPERSAMPLE": supersample}
         self._screen = {
@@ -99,6 +101,7 @@ class Renderer:
         portions = self._portions(layers_at(self.clip, day), every, patience)
         discs = self._discs(day, camera, style, targets.size, portions, patience is None)
         area = self._mover_area(day, self._closing.at(*locate(self.clip, day), patience is None))
+        self._movers.paint(self._colors, day, style)
         for stage, opacity in _stages(portions):
             self._rasteriser(discs).draw(targets, stage, discs)
             self._shade(targets, discs, style)
@@ -149,13 +152,17 @@ class Renderer:
             # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
             gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
             radius = max(radius, min(gaps * radius, LARGEST * camera.distance / magnification))
+        smallest = SMALLEST * self.supersample
+        if style.pixels is not None:
+            radius, smallest = 1e-6 * radius, max(style.pixels * samples[1] / 720, smallest)
         return Discs(
             camera=camera,
             samples=samples,
             radius=radius,
             magnification=magnification,
-            smallest=SMALLEST * self.supersample,
-            by_track=style.color_by == "track",
+            smallest=smallest,
+            by_track=style.color_by in ("track", "age"),
+            by_value=self._colors.value(style) is not Value.NONE,
         )
 
     def _portions(self, layers: list[Layer], every: int, patience: float | None) -> list[Portion]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-COLOR_CHOICES = ("auto", "scan", "track")
+COLOR_CHOICES = ("auto", "scan", "track", "age", "speed", "height")
 GROUND_CHOICES = ("dark", "light")
 
 Light = tuple[float, float, float]
@@ -14,12 +14,17 @@ class Style:
 
     color_by:    "scan" for the scans' own colours, "track" for one colour an organ, "auto" for the
                  scans' colours where there are any. "scan" falls back to "track" without any.
+                 "age", "speed" and "height" colour by value (player/colors.py).
     ground:      "dark" or "light", the background.
     point_size:  factor on the clip's natural point size, 1 closes the surfaces.
     depth_cue:   far parts recede into the background.
     eye_dome:    strength of the shading found from depth alone, 0 switches it off
                  (Boucheny 2009, eye-dome lighting).
     show_ground: a soft floor with the plant's shadow.
+    pixels:      diameter of all points in pixels of a picture 720 high, whatever their distance;
+                 None gives them the size in the world that closes the surfaces.
+    picked:      the track that is highlighted: all others stand back.
+    hidden:      tracks that are not drawn; alone: the only track that is.
     """
 
     color_by: str = "auto"
@@ -28,6 +33,15 @@ class Style:
     depth_cue: bool = True
     eye_dome: float = 1.0
     show_ground: bool = True
+    pixels: float | None = None
+    picked: int | None = None
+    hidden: frozenset[int] = frozenset()
+    alone: int | None = None
+
+    @property
+    def marked(self) -> bool:
+        """Whether organs are told apart beyond their colours."""
+        return bool(self.hidden) or self.picked is not None or self.alone is not None
 
 
 @dataclass(frozen=True)

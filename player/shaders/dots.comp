@@ -3,6 +3,7 @@
 #version 430 core
 #include "stored_mover.glsl"
 #include "dot.glsl"
+#include "marks.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 layout(r32ui, binding = 0) uniform uimage2D nearest;
@@ -16,7 +17,8 @@ uniform int every;  // of so many pairs one is drawn
 void draw(uint mover, vec3 position, uint track) {
     ivec2 texel;
     uint number;
-    if (mover >= uint(count) || !place_dot(position, track, texel, number)) {
+    if (mover >= uint(count) || is_hidden(track)
+            || !place_dot(position, track, texel, number)) {
         return;
     }
 #if !PICK
@@ -26,7 +28,11 @@ void draw(uint mover, vec3 position, uint track) {
     }
 #else
     if (imageLoad(nearest, texel).r == number) {
-#if SCAN_COLORS
+#if VALUED == 1
+        vec3 light = set_back(value_light(height_value(position)), track);
+#elif VALUED == 2
+        vec3 light = set_back(value_light(speed_value(MOVER_POINTS(mover))), track);
+#elif SCAN_COLORS
         vec3 light = mover_light(track, unpackUnorm4x8(stored_start_color[mover]),
                                  unpackUnorm4x8(stored_end_color[mover]));
 #else

@@ -1,5 +1,7 @@
 // A mover's colour, in linear light.
 #include "srgb.glsl"
+#include "marks.glsl"
+#include "value.glsl"
 
 uniform sampler2D palette;  // the tracks' colours, in linear light
 #if SCAN_COLORS
@@ -14,7 +16,10 @@ vec3 track_light(uint track) {
 
 #if SCAN_COLORS
 vec3 mover_light(uint track, vec4 start_color, vec4 end_color) {
-    return by_track ? track_light(track)
-                    : mix(srgb_to_linear(start_color.rgb), srgb_to_linear(end_color.rgb), blend);
+    if (by_track) {
+        return track_light(track);
+    }
+    vec3 start = srgb_to_linear(start_color.rgb), end = srgb_to_linear(end_color.rgb);
+    return set_back(mix(start, end, blend), track);
 }
 #endif

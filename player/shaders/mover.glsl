@@ -13,14 +13,16 @@ in vec3 in_point2;
 in vec3 in_point3;
 #endif
 
-vec3 mover_position() {
 #if DEGREE == 0
-    return on_curve(vec3[](in_point0));
+#define MOVER_POINTS vec3[](in_point0)
 #elif DEGREE == 1
-    return on_curve(vec3[](in_point0, in_point1));
+#define MOVER_POINTS vec3[](in_point0, in_point1)
 #elif DEGREE == 2
-    return on_curve(vec3[](in_point0, in_point1, in_point2));
+#define MOVER_POINTS vec3[](in_point0, in_point1, in_point2)
 #else
-    return on_curve(vec3[](in_point0, in_point1, in_point2, in_point3));
+#define MOVER_POINTS vec3[](in_point0, in_point1, in_point2, in_point3)
 #endif
+
+vec3 mover_position() {
+    return on_curve(MOVER_POINTS);
 }

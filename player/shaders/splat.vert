@@ -16,7 +16,14 @@ flat out float v_away;
 void main() {
     float world_radius;
     v_away = place_disc(world_radius);
-#if SCAN_COLORS
+    if (is_hidden(in_track)) {
+        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    }
+#if VALUED == 1
+    v_color = set_back(value_light(height_value(mover_position())), in_track);
+#elif VALUED == 2
+    v_color = set_back(value_light(speed_value(MOVER_POINTS)), in_track);
+#elif SCAN_COLORS
     v_color = mover_light(in_track, in_start_color, in_end_color);
 #else
     v_color = track_light(in_track);

@@ -61,6 +61,21 @@ void mover_positions(uint pair, out vec3 first, out vec3 second) {
 #endif
 }
 
+// The points of one mover's curve, as numbers of steps.
+#define ONE(stored, mover) ((mover & 1u) == 0u ? FIRST(stored, WORDS * (mover >> 1)) \
+                                               : SECOND(stored, WORDS * (mover >> 1)))
+#if DEGREE == 0
+#define MOVER_POINTS(mover) vec3[](ONE(stored_point0, mover))
+#elif DEGREE == 1
+#define MOVER_POINTS(mover) vec3[](ONE(stored_point0, mover), ONE(stored_point1, mover))
+#elif DEGREE == 2
+#define MOVER_POINTS(mover) vec3[](ONE(stored_point0, mover), ONE(stored_point1, mover), \
+                                   ONE(stored_point2, mover))
+#else
+#define MOVER_POINTS(mover) vec3[](ONE(stored_point0, mover), ONE(stored_point1, mover), \
+                                   ONE(stored_point2, mover), ONE(stored_point3, mover))
+#endif
+
 uvec2 mover_tracks(uint pair) {
 #if WIDE_TRACKS
     return uvec2(stored_track[2u * pair], stored_track[2u * pair + 1u]);
