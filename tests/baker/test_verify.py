@@ -16,7 +16,7 @@ from baker.pipeline import bake_recorded
 from baker.record import left_out
 from baker.verify import both_ways, overall, verify
 
-PLAIN = Options(align="none", up="z", workers=1)
+PLAIN = Options(align="none", up="z", paths="straight", workers=1)
 
 
 def test_every_second_scan_is_left_out_as_in_the_paper():
