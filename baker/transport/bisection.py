@@ -7,32 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.plan import Edges, Masses, Points
+from baker.transport.plan import Edges, Indices, Masses, Points
 
 
 def order(
-    points: Points, depth: int, seed: int, like: list[NDArray[np.int64]] | None = None
-) -> tuple[NDArray[np.int64], list[NDArray[np.int64]]]:
+    points: Points, depth: int, seed: int, like: Indices | None = None
+) -> tuple[Indices, Indices]:
     """Indices of the points along `depth` levels of halving, and the axis of each cut.
 
     Every part is cut across its longest extent, in a frame turned at random by the seed; or, with
     the axes that another cloud was cut along, `like` that one.
     """
+    from baker.transport.halving import halve
+
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
-    turned, rank = points @ turn, np.arange(len(points))
-    result, axes = rank, []
-    for level in range(depth):
-        part = (rank << level) // len(points)
-        if like is None:
-            first = np.searchsorted(part, np.arange(2**level))
-            extent = np.maximum.reduceat(turned[result], first)
-            extent -= np.minimum.reduceat(turned[result], first)
-            axes.append(extent.argmax(axis=1))
-        else:
-            axes.append(like[level])
-        along = turned[result, axes[level][part]]
-        result = result[np.lexsort((along, part))]
-    return result, axes
+    axes = np.zeros(2**depth, np.int64) if like is None else like
+    return halve(points @ turn, depth, axes, like is not None), axes
 
 
 @dataclass(frozen=True)
@@ -43,8 +33,8 @@ class Blocks:
     first: (blocks,) where in `order` each block begins.
     """
 
-    order: NDArray[np.int64]
-    first: NDArray[np.int64]
+    order: Indices
+    first: Indices
 
     def __len__(self) -> int:
         return len(self.first)

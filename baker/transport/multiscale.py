@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 
 from baker.transport import bisection
 from baker.transport.bisection import Blocks
-from baker.transport.plan import Edges, Masses, Points, costs
+from baker.transport.plan import Edges, Indices, Masses, Points, costs
 from baker.workers import in_parallel
 
 _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
 _NEIGHBORS = 6  # neighbours whose partners are tried
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
+_FEW = 4_000  # pairs up to which that is all that is done
 _WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL = 1_000  # points of both sides in a cell above that: its data stay in the cache
-_ENOUGH = 1e-3  # sweeps end when one lowers the cost by less than this share
+_CELL = 1_000  # points of both sides in a cell above that: its data stay in the cache; then double
+_ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
 
 
@@ -98,13 +99,13 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
     return Coupling(edges, mass, "network simplex", sweeps)
 
 
-def _levels(points: Points, masses: Masses, seed: int) -> tuple[NDArray[np.int64], list[_Level]]:
+def _levels(points: Points, masses: Masses, seed: int) -> tuple[Indices, list[_Level]]:
     """The order of a cloud's bisection, and its levels from coarse to fine."""
     n = len(points)
     order = bisection.order(points, max(1, (n - 1).bit_length()), seed)[0]
     points, masses = points[order], masses[order]
     counts, count = [], _COARSEST
-    while 2 * count <= n:
+    while 3 * count <= n:
         counts.append(count)
         count *= _FINER
     levels, above = [], np.zeros(1, np.int64)
@@ -130,10 +131,11 @@ def _improve(
     """Improve a feasible plan in up to `most` sweeps, until one gains next to nothing."""
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    near = _neighbours(start, search.workers), _neighbours(end, search.workers)
-    cells = 1 if n + m <= _WHOLE else -(-(n + m) // _CELL)
+    near = _neighbours(start, search.workers, n * m), _neighbours(end, search.workers, n * m)
     best, sweep = np.inf, 0
     while True:
+        size = _CELL * 2**sweep  # what is left to do in later sweeps is little
+        cells = 1 if n + m <= _WHOLE else -(-(n + m) // size)
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, search)
         cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
@@ -143,14 +145,16 @@ def _improve(
             return edges, mass, sweep
 
 
-def _neighbours(points: Points, workers: int) -> NDArray[np.int32]:
-    """(n, k) the nearest other points of each point; itself where there are fewer than k."""
+def _neighbours(points: Points, workers: int, pairs: int) -> NDArray[np.int32]:
+    """(n, k) the nearest other points of each point; itself where there are fewer than k, or so
+    few pairs that all of them are tried anyway.
+    """
     from scipy.spatial import cKDTree
 
     n = len(points)
     near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
     k = min(_NEIGHBORS, n - 1)
-    if k > 0:
+    if k > 0 and pairs > _FEW:
         threads = workers if n > _WHOLE else 1
         near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2), workers=threads)[1]
     return near
