@@ -1,8 +1,8 @@
 """How far a new organ has unfolded half-way through the interval that it is born in.
 
 What a scan does not show yet may appear at any time before the next. How fast the organ grows
-afterwards suggests when: drawn back, its growth gives the size that it had half-way, between a
-quarter, when it comes late and fast, and half of what it is at the end.
+afterwards suggests when: drawn back, its growth gives the size that it had half-way, at most a half
+of what it is at the end, and less where it comes late and fast.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from baker.match import IntervalOrgans, Match
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
-LATE, EVEN = 0.35, 0.5  # earlier than half-way through, as growth that slows down was faster
+LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 AT_BASE = 0.02  # share of an organ's points that are its base
 
 
