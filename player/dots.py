@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from player.chunks import Portion
+    from player.region import Region
     from player.targets import Targets
 
 LARGEST = 2.0  # disc radius in samples up to which a centre may be rounded to a sample
@@ -49,11 +50,11 @@ class Dots:
         self._targets: DotTargets | None = None
         self._screen: dict[tuple[str, int], moderngl.VertexArray] = {}
 
-    def draw(self, targets: Targets, portions: list[Portion], discs: Discs) -> None:
+    def draw(self, targets: Targets, portions: list[Portion], discs: Discs, region: Region) -> None:
         if self.way is Way.AUTO:
             self.way = self._faster_way(portions, discs)
         self.scatter(self.way, portions, discs)
-        self._gather(targets, discs)
+        self._gather(targets, discs, region)
 
     def scatter(self, way: Way, portions: list[Portion], discs: Discs) -> None:
         """Find the nearest mover in every sample: the one pass over all of them."""
@@ -77,12 +78,14 @@ class Dots:
             dots.picked.bind_to_image(1, read=True, write=True)
             self._movers.compute("dots", portions, uniforms, PICK=1)
 
-    def _gather(self, targets: Targets, discs: Discs) -> None:
+    def _gather(self, targets: Targets, discs: Discs, region: Region) -> None:
         import moderngl
 
         dots, reach = self._targets_for(discs.samples), 1 if discs.typical_radius <= 1.5 else 2
         dots.nearest.use(0)
         dots.picked.use(1)
+        dots.tiled.clear()
+        dots.tiled.scissor = region.scaled(dots.tiles.size, TILE, margin=1).rectangle
         dots.tiled.use()
         self._movers.context.enable_only(0)
         self._fill("tiles", reach, nearest=0)
@@ -91,7 +94,6 @@ class Dots:
         across, up = dots.tiles.size
         targets.gathered.viewport = (0, 0, across * TILE, up * TILE)
         targets.gathered.use()
-        targets.gathered.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
         self._movers.context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         self._movers.context.depth_func = "1"
         dots.tiles.use(3)

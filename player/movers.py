@@ -25,7 +25,6 @@ LOOK = {
     "CORE": 0.7,  # share of its radius in which a disc hides what lies behind
     "RIM_OUTSIDE": 0.16,  # summed weights where the plant's silhouette begins and is closed
     "RIM_INSIDE": 0.30,
-    "SMOOTHING": 1.3,  # reach of the blur of distances, in disc radii
 }
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 RAMP, MARKS = 6, 7  # texture units of a value's colours, and of what is hidden

@@ -9,6 +9,7 @@ from player.camera import Camera
 
 if TYPE_CHECKING:
     from player.chunks import Portion
+    from player.region import Region
     from player.targets import Targets
 
 THICKNESS = 1.6  # depth, in disc radii, over which discs count as one surface
@@ -55,8 +56,13 @@ class Discs:
 
 
 class Rasteriser(Protocol):
-    """Leaves the nearest surface in `color_sum`, `distances[0]` and `mask` of the targets."""
+    """Leaves the nearest surface in `color_sum`, `distances[0]` and `mask` of the cleared targets.
 
-    def draw(self, targets: Targets, portions: list[Portion], discs: Discs) -> None: ...
+    region: the samples that the discs may cover.
+    """
+
+    def draw(
+        self, targets: Targets, portions: list[Portion], discs: Discs, region: Region
+    ) -> None: ...
 
     def release(self) -> None: ...

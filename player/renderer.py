@@ -10,24 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gclip.evaluate import Layer, layers_at, locate
 from gclip.pack import BLOCK
+from player.backdrop import Backdrop
 from player.camera import Camera, axes, outline
 from player.chunks import Portion
 from player.closing import ClosingDistances
 from player.colors import Colors, Value
 from player.dots import LARGEST, Dots, Way
-from player.glsl import give, program
+from player.lighting import Lighting
 from player.movers import LOOK, Movers
+from player.passes import Passes
 from player.rasteriser import Discs, Rasteriser
-from player.shadow import Shadow
+from player.region import Region, corners, seen
+from player.shadow import BLURRED, Shadow
 from player.splats import Splats
-from player.style import GROUNDS, Style
+from player.style import Style
 from player.targets import Targets
 
 if TYPE_CHECKING:
@@ -65,18 +68,16 @@ class Renderer:
         self._shadow = Shadow(self._movers)
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
-        self._targets: Targets | None = None
-        look = LOOK | {"SUPERSAMPLE": supersample}
-        self._screen = {
-            name: context.vertex_array(program(context, "screen", name, **look), [])
-            for name in ("smooth", "shade", "ground", "compose")
-        }
+        self._passes = Passes(context, **LOOK, SUPERSAMPLE=supersample)
+        self._sized: tuple[()] | tuple[Targets, Lighting, Backdrop] = ()
         points = outline(clip)
         low, high = points.min(axis=0), points.max(axis=0)
         self._middle = (low + high) / 2
         spread = float(np.hypot(*(points[:, :2] - self._middle[:2]).T).max())
         self._floor_side = 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9)
+        self._half_shadow = float((high - low)[:2].max()) / 2 + BLURRED * self._floor_side
         self._radius = max(float(np.linalg.norm(high - low)) / 2, 1e-9)
+        self._all_bounds: tuple[NDArray, NDArray] | None = None
 
     def draw(
         self,
@@ -97,17 +98,24 @@ class Renderer:
         Returns whether every mover was drawn. The framebuffer stays bound, with blending and depth
         test switched off.
         """
-        targets = self._targets_for(size)
+        targets, lighting, backdrop = self._targets_for(size)
         portions = self._portions(layers_at(self.clip, day), every, patience)
         discs = self._discs(day, camera, style, targets.size, portions, patience is None)
         area = self._mover_area(day, self._closing.at(*locate(self.clip, day), patience is None))
         self._movers.paint(self._colors, day, style)
+        region, shadowed = self._plant_region(discs, portions), self._shadow_region(size, camera)
+        from_above = self._from_above()
+        to_floor = from_above @ np.linalg.inv(camera.view())
+        framebuffer.viewport = (0, 0, *size)
         for stage, opacity in _stages(portions):
-            self._rasteriser(discs).draw(targets, stage, discs)
-            self._shade(targets, discs, style)
             if style.show_ground:
-                self._shadow.cast(stage, self._from_above(), self._floor_side, area)
-            self._compose(framebuffer, targets, camera, style, size, opacity)
+                self._shadow.cast(stage, from_above, self._floor_side, area)
+            backdrop.draw(lighting.picture, camera, style, self._shadow, to_floor, shadowed)
+            targets.clear()
+            self._rasteriser(discs).draw(targets, stage, discs, region)
+            smoothed = lighting.smooth(discs, region)
+            lighting.light(discs, style, region, self._radius, backdrop.small, smoothed)
+            self._show(framebuffer, lighting, opacity)
         return _missing(portions) == 0 and every == 1
 
     @property
@@ -120,18 +128,15 @@ class Renderer:
         order of `gclip.evaluate.layers_at`; read back for tests, from the vertex shaders or from
         the compute shaders.
         """
-        self._targets_for((16, 16)).surface.use()
+        self._targets_for((16, 16))[0].surface.use()
         return self._movers.positions(layers_at(self.clip, day), computed)
 
     def release(self) -> None:
         """Give the GPU's memory back."""
         self._closing.release()
-        for part in (self._movers, self._dots, self._splats, self._shadow, self._targets):
-            if part is not None:
-                part.release()
-        for array in self._screen.values():
-            array.program.release()
-            array.release()
+        parts = (self._movers, self._dots, self._splats, self._shadow, self._passes, *self._sized)
+        for part in parts:
+            part.release()
 
     def _discs(
         self,
@@ -175,98 +180,65 @@ class Renderer:
     def _rasteriser(self, discs: Discs) -> Rasteriser:
         return self._dots if discs.typical_radius <= LARGEST else self._splats
 
-    def _targets_for(self, size: tuple[int, int]) -> Targets:
+    def _targets_for(self, size: tuple[int, int]) -> tuple[Targets, Lighting, Backdrop]:
         samples = (size[0] * self.supersample, size[1] * self.supersample)
-        if self._targets is None or self._targets.size != samples:
-            if self._targets is not None:
-                self._targets.release()
-            self._targets = Targets(self.context, *samples)
-        return self._targets
+        if not self._sized or self._sized[0].size != samples:
+            for part in self._sized:
+                part.release()
+            targets = Targets(self.context, *samples)
+            self._sized = (
+                targets,
+                Lighting(self.context, size, self.supersample, targets, self._passes),
+                Backdrop(self.context, size, self._passes),
+            )
+        return self._sized
 
-    def _shade(self, targets: Targets, discs: Discs, style: Style) -> None:
+    def _show(self, framebuffer: moderngl.Framebuffer, lighting: Lighting, opacity: float) -> None:
         import moderngl
 
-        context, (width, height) = self.context, targets.size
-        context.enable_only(moderngl.DEPTH_TEST)
-        context.depth_func = ">"
-        targets.color_sum.use(0)
-        targets.smoothed[1].clear(-1.0)
-        targets.shaded.clear()
-        camera = discs.camera
-        disc = {
-            "radius": discs.radius,
-            "magnification": discs.magnification,
-            "smallest": discs.smallest,
-        }
-        for source, direction in ((0, (1, 0)), (1, (0, 1))):
-            targets.smoothed[1 - source].use()
-            targets.distances[source].use(1)
-            self._fill("smooth", distances=1, direction=direction, **disc)
-        targets.shaded.use()
-        targets.distances[0].use(1)
-        ground = GROUNDS[style.ground]
-        up = camera.view()[:3, :3] @ axes(camera.up)[2]
-        self._fill(
-            "shade",
-            color_sum=0,
-            distances=1,
-            **disc,
-            half_field=_half_field(camera, width / height),
-            sky=tuple(up),
-            scale=self._radius,
-            middle=camera.distance,
-            dome_radius=max(1.0, 1.2 * height / 720),
-            eye_dome=style.eye_dome,
-            depth_cue=0.45 if style.depth_cue else 0.0,
-            sky_light=ground.sky_light,
-            floor_light=ground.floor_light,
-            lamp_light=ground.lamp_light,
-            haze=ground.haze,
-        )
-
-    def _compose(
-        self,
-        framebuffer: moderngl.Framebuffer,
-        targets: Targets,
-        camera: Camera,
-        style: Style,
-        size: tuple[int, int],
-        opacity: float,
-    ) -> None:
-        import moderngl
-
-        colors = GROUNDS[style.ground]
-        self.context.enable_only(0)
-        targets.ground.use()
-        self._shadow.use(1)
-        self._fill(
-            "ground",
-            shadow=1,
-            half_field=_half_field(camera, size[0] / size[1]),
-            to_floor=self._from_above() @ np.linalg.inv(camera.view()),
-            floor_share=1.0 if style.show_ground else 0.0,
-            above_color=colors.above,
-            below_color=colors.below,
-            floor_color=colors.floor,
-            shadow_color=colors.shadow,
-        )
-        framebuffer.viewport = (0, 0, *size)
+        if opacity == 1.0:
+            self.context.copy_framebuffer(framebuffer, lighting.picture)
+            framebuffer.use()
+            self.context.enable_only(moderngl.NOTHING)
+            return
         framebuffer.use()
-        self.context.enable_only(moderngl.BLEND if opacity < 1.0 else moderngl.NOTHING)
+        self.context.enable_only(moderngl.BLEND)
         self.context.blend_func = (  # type: ignore[assignment]
             moderngl.SRC_ALPHA,
             moderngl.ONE_MINUS_SRC_ALPHA,
             moderngl.ONE,
             moderngl.ONE,
         )
-        targets.light.use(0)
-        targets.ground_light.use(1)
-        self._fill("compose", light=0, ground=1, opacity=opacity)
-        self.context.enable_only(0)
+        lighting.texture.use(0)
+        self._passes.fill("show", {"picture": 0, "opacity": opacity})
+        self.context.enable_only(moderngl.NOTHING)
 
-    def _fill(self, name: str, **uniforms: Any) -> None:
-        give(self._screen[name].program, **uniforms)
-        self._screen[name].render(vertices=3)
+    def _plant_region(self, discs: Discs, portions: list[Portion]) -> Region:
+        """The samples that the movers' discs may cover."""
+        boxes = [corners(*self._bounds(p.layer.interval)) for p in portions]
+        points = np.concatenate(boxes) if boxes else np.zeros((0, 3))
+        nearest = discs.camera.near
+        away = -(points @ discs.camera.view()[2, :3] + discs.camera.view()[2, 3])
+        reach = discs.radius * discs.magnification / max(away.min(initial=1e30), nearest)
+        to_clip = discs.projection @ discs.camera.view()
+        margin = max(reach, discs.smallest / 2) + 3.0
+        return seen(points, to_clip, discs.samples, nearest, margin)
+
+    def _shadow_region(self, size: tuple[int, int], camera: Camera) -> Region:
+        """The pixels of the floor that the plant's shadow may reach."""
+        square = self._half_shadow * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
+        points = np.column_stack([self._middle[:2] + square, np.full(4, self.clip.floor)])
+        to_clip = camera.matrix(size[0] / size[1])
+        return seen(points @ axes(self.clip.up), to_clip, size, camera.near, 1.0)
+
+    def _bounds(self, index: int) -> tuple[NDArray, NDArray]:
+        """Lowest and highest corner of an interval's movers."""
+        box = self.clip.intervals[index].box
+        if box is not None:
+            return np.asarray(box.low), np.asarray(box.high)
+        if self._all_bounds is None:
+            self._all_bounds = self.clip.bounds
+        return self._all_bounds
 
     def _from_above(self) -> NDArray[np.float64]:
         """(4, 4) from local coordinates to the floor's square, [-1, 1] × [-1, 1] × height."""
@@ -297,8 +269,3 @@ def _stages(portions: list[Portion]) -> Iterator[tuple[list[Portion], float]]:
 def _missing(portions: list[Portion]) -> int:
     """Movers that are to be drawn, and are not on the GPU yet."""
     return sum(portion.layer.group.count - portion.count for portion in portions)
-
-
-def _half_field(camera: Camera, aspect: float) -> tuple[float, float]:
-    slope = math.tan(camera.field_of_view / 2)
-    return slope * aspect, slope

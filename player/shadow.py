@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 SIDE = 128  # texels along each side of the floor
 CONTACT, AMBIENT = 1.3, 6.0  # widths of the blurs, in texels
+BLURRED = 2 * 16.5 / SIDE  # how far the blur reaches, in halves of the floor's side
 CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
 MOVERS = 20_000  # as many as are enough for a shadow
 

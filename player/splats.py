@@ -10,6 +10,7 @@ from player.rasteriser import Discs
 
 if TYPE_CHECKING:
     from player.chunks import Portion
+    from player.region import Region
     from player.targets import Targets
 
 NOTHING, EVERYTHING = [(False,) * 4] * 2, [(True,) * 4] * 2
@@ -24,13 +25,13 @@ class Splats:
             program(movers.context, "screen", "resolve", **LOOK), []
         )
 
-    def draw(self, targets: Targets, portions: list[Portion], discs: Discs) -> None:
+    def draw(self, targets: Targets, portions: list[Portion], discs: Discs, region: Region) -> None:
         import moderngl
 
         context, surface = self._movers.context, targets.surface
         surface.depth_mask = True
         surface.use()
-        surface.clear(0.0, 0.0, 0.0, 0.0)
+        surface.clear(0.0, 0.0, 0.0, 0.0, viewport=region.rectangle)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         uniforms = discs.uniforms() | {"projection": discs.projection}
@@ -44,15 +45,17 @@ class Splats:
         self._movers.palette.use(0)
         self._movers.draw("splat", portions, uniforms | {"palette": 0})
 
-        targets.smoothed[0].depth_mask = True
-        targets.smoothed[0].use()
+        resolved = targets.smoothed[0]
+        resolved.depth_mask, resolved.scissor = True, region.rectangle
+        resolved.use()
         context.enable_only(moderngl.DEPTH_TEST)
         context.depth_func = "1"
         targets.color_sum.use(0)
         targets.away_sum.use(1)
         give(self._resolve.program, color_sum=0, away_sum=1)
         self._resolve.render(vertices=3)
-        targets.smoothed[0].depth_mask = False
+        resolved.depth_mask = False
+        resolved.scissor = None  # type: ignore[assignment]
 
     def release(self) -> None:
         self._resolve.program.release()

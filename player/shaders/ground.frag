@@ -8,6 +8,7 @@ uniform sampler2D shadow;
 uniform vec2 half_field;
 uniform mat4 to_floor;      // the eye's coordinates to the shadow's square, height above the floor in z
 uniform float floor_share;  // 0 without floor
+uniform float shadow_share; // 0 without shadow
 uniform vec3 above_color;   // background at the top, at the bottom, and the lit floor
 uniform vec3 below_color;
 uniform vec3 floor_color;
@@ -29,7 +30,7 @@ vec3 with_floor(vec3 wall) {
     }
     vec2 spot = (eye - along * (eye.z / along.z)).xy;
     float disc = exp(-1.3 * dot(spot, spot));
-    vec2 kept = texture(shadow, 0.5 * spot + 0.5).rg;
+    vec2 kept = shadow_share * texture(shadow, 0.5 * spot + 0.5).rg;
     kept *= 1.0 - smoothstep(0.8, 1.0, max(abs(spot.x), abs(spot.y)));
     float grazing = smoothstep(0.0, 0.12, -normalize(along).z);
     vec3 lit = mix(wall, floor_color, disc * floor_share * grazing);

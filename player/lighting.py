@@ -1,0 +1,167 @@
+"""From the nearest surface to light: distances smoothed, lit, and put over the ground."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from player.camera import axes
+from player.passes import Passes
+from player.rasteriser import THICKNESS, Discs
+from player.region import Region, half_field
+from player.style import GROUNDS, Style
+from player.targets import Targets, texture
+
+if TYPE_CHECKING:
+    import moderngl
+
+DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at
+SMOOTHING = 1.3  # reach of the blur of distances, in disc radii
+NEXT = 1.5  # samples up to which the blur reaches no farther than the next one
+
+
+class Lighting:
+    """Lights plants in pictures of `size` pixels, `supersample` samples along each one's sides.
+
+    picture: the finished one, sRGB; it has to hold the ground already.
+    """
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        size: tuple[int, int],
+        supersample: int,
+        targets: Targets,
+        passes: Passes,
+    ) -> None:
+        self._context = context
+        self._supersample = supersample
+        self._targets = targets
+        self._passes = passes
+        self.texture = texture(context, size, 4, "f1")
+        self.picture = context.framebuffer([self.texture])
+        self._own_mask = context.depth_renderbuffer(size) if supersample > 1 else None
+        self._mask = self._own_mask or targets.mask
+        self._lit = context.framebuffer([self.texture], self._mask)
+        self._lit.depth_mask = False
+
+    def smooth(self, discs: Discs, region: Region) -> int:
+        """Take the scanner's noise out of the distances; gives which of the two holds them then.
+
+        region: of samples, where the plant is.
+        """
+        self._test_mask(">")
+        reach = SMOOTHING * discs.typical_radius
+        if reach <= NEXT:
+            self._smooth_once(discs, region, 0, (0, 0), cross=1)
+            return 1
+        self._smooth_once(discs, region, 0, (1, 0), cross=0)
+        self._smooth_once(discs, region, 1, (0, 1), cross=0)
+        return 0
+
+    def _smooth_once(
+        self, discs: Discs, region: Region, source: int, direction: tuple[int, int], cross: int
+    ) -> None:
+        target = self._targets.smoothed[1 - source]
+        target.scissor = region.rectangle
+        target.use()
+        self._targets.distances[source].use(1)
+        uniforms = {"distances": 1, "direction": direction} | _disc(discs)
+        self._passes.fill("smooth", uniforms, CROSS=cross, SMOOTHING=SMOOTHING)
+        target.scissor = None  # type: ignore[assignment]
+
+    def light(
+        self,
+        discs: Discs,
+        style: Style,
+        region: Region,
+        radius: float,
+        ground: moderngl.Texture,
+        distances: int,
+    ) -> None:
+        """radius: of the scene; ground: what shines through the rims; distances: which of two."""
+        camera, colors, (width, height) = discs.camera, GROUNDS[style.ground], self._targets.size
+        up = camera.view()[:3, :3] @ axes(camera.up)[2]
+        key = up + np.array([-0.75, 0.10, 0.65])
+        dome, steepness = _surroundings(max(1.0, 1.2 * height / 720), radius)
+        uniforms = _disc(discs) | {
+            "color_sum": 0,
+            "distances": 1,
+            "ground": 2,
+            "half_field": half_field(camera, width / height),
+            "sky": tuple(up),
+            "key": tuple(key / np.linalg.norm(key)),
+            "scale": radius,
+            "middle": camera.distance,
+            "dome": dome,
+            "steepness": steepness,
+            "eye_dome": style.eye_dome,
+            "depth_cue": 0.45 if style.depth_cue else 0.0,
+            "sky_light": colors.sky_light,
+            "floor_light": colors.floor_light,
+            "lamp_light": colors.lamp_light,
+            "haze": colors.haze,
+        }
+        self._targets.color_sum.use(0)
+        self._targets.distances[distances].use(1)
+        ground.use(2)
+        chosen = {"DIRECTIONS": DIRECTIONS, "RINGS": RINGS}
+        pixels = region.scaled(self.texture.size, self._supersample)
+        self._lit.scissor = pixels.rectangle
+        if self._own_mask:
+            self._find_edges(discs)
+            self._test_mask(">")
+            self._passes.fill("shade", uniforms, BY_SAMPLE=0, DEPTH=0.25, **chosen)
+            self._test_mask("==")
+            self._passes.fill("shade", uniforms, BY_SAMPLE=1, DEPTH=0.5, **chosen)
+        else:
+            self._lit.use()
+            self._test_mask(">")
+            self._passes.fill("shade", uniforms, BY_SAMPLE=1, **chosen)
+        self._lit.scissor = None  # type: ignore[assignment]
+
+    def _find_edges(self, discs: Discs) -> None:
+        """Leaves 0 in the mask inside of surfaces, a half at edges, and 1 elsewhere."""
+        self._lit.depth_mask, self._lit.color_mask = True, (False,) * 4
+        self._lit.use()
+        self._test_mask("1")
+        thick = THICKNESS * discs.typical_radius * discs.camera.distance / discs.magnification
+        uniforms = {"color_sum": 0, "distances": 1, "thickness": thick}
+        self._passes.fill("edges", uniforms, INSIDE=0.0, EDGE=0.5)
+        self._lit.depth_mask, self._lit.color_mask = False, (True,) * 4
+        self._lit.use()
+
+    def _test_mask(self, function: str) -> None:
+        import moderngl
+
+        self._context.enable_only(moderngl.DEPTH_TEST)
+        self._context.depth_func = function
+
+    def release(self) -> None:
+        for part in (self.picture, self._lit, self.texture, self._own_mask):
+            if part is not None:
+                part.release()
+
+
+def _disc(discs: Discs) -> dict[str, float]:
+    return {
+        "radius": discs.radius,
+        "magnification": discs.magnification,
+        "smallest": discs.smallest,
+    }
+
+
+def _surroundings(radius: float, scale: float) -> tuple[list[tuple[int, int]], tuple[float, ...]]:
+    """Where eye-dome lighting looks, in samples, and one by the depth that counts most there.
+
+    radius: of the innermost ring, in samples; scale: radius of the scene.
+    """
+    places = []
+    for ring in range(RINGS):
+        aside = radius * 2.8**ring
+        for i in range(DIRECTIONS):
+            angle = (i + 0.33 * ring) * 2.0 * math.pi / DIRECTIONS
+            places.append((round(aside * math.cos(angle)), round(aside * math.sin(angle))))
+    return places, tuple(1.0 / (scale * 0.012 * 2.2**ring) for ring in range(RINGS))
