@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -39,28 +40,32 @@ class Measurement:
     angle: float | None
 
 
-def measure(clip: Clip, day: float) -> list[Measurement]:
+def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list[Measurement]:
     """The whole plant, then its organs by track, at a time.
 
     Organs that are being lost count as long as they are part of the plant. What was born between
     two scans is a bud at the first of them, which did not see it: there it does not count.
+
+    only: the tracks to measure, without the whole plant; None for all.
     """
     born = {track.id: track.born for track in clip.track_table}
+    parents = {track.id: track.parent for track in clip.track_table}
+    needed = born.keys() if only is None else {*only, *(parents.get(track) for track in only)}
     organs = {
         track: smoothed(_sample(points))
         for track, points in _organs_at(clip, day).items()
-        if day not in clip.times or born[track] <= day
+        if track in needed and (day not in clip.times or born[track] <= day)
     }
     up = _up(clip.up)
     floor = _floor(clip)
-    parents = {track.id: track.parent for track in clip.track_table}
     nothing = np.zeros((0, 3))
     found = [
         _organ(day, track, points, organs.get(parents.get(track), nothing), up, floor)  # type: ignore[arg-type]
         for track, points in sorted(organs.items())
+        if only is None or track in only
     ]
-    if not found:
-        return []
+    if only is not None or not found:
+        return found
     whole = np.concatenate(list(organs.values()))
     areas = [one.area for one in found if one.area is not None]
     plant = Measurement(
