@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,14 @@ def order(
     """
     from baker.transport.halving import halve
 
-    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
     axes = np.zeros(2**depth, np.int64) if like is None else like
-    return halve(points @ turn, depth, axes, like is not None), axes
+    return halve(points @ _turn(seed), depth, axes, like is not None), axes
+
+
+@cache
+def _turn(seed: int) -> NDArray[np.float64]:
+    """(3, 3) a random rotation or reflection."""
+    return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
 
 
 @dataclass(frozen=True)
