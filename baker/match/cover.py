@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.match.pieces import agreement
 from baker.match.tracks import track_organs
+
+__all__ = ["agreement", "consistent_labels"]
 
 
 def consistent_labels(
@@ -22,22 +24,3 @@ def consistent_labels(
     Returns (N,) organ numbers for each scan, from 0 in order of first appearance.
     """
     return track_organs(clouds, labels, root_points)
-
-
-def agreement(
-    clouds: Sequence[NDArray[np.floating]],
-    labels: Sequence[NDArray[np.integer]],
-    root_points: Sequence[int],
-) -> float:
-    """Of the organs whose label the next scan has too: the share followed to their namesake."""
-    tracks = track_organs(clouds, labels, root_points)
-    same: list[bool] = []
-    for (first, second), (before, after) in zip(pairwise(labels), pairwise(tracks), strict=True):
-        was, now = _numbers(first, before), _numbers(second, after)
-        same += [was[name] == now[name] for name in was.keys() & now.keys()]
-    return float(np.mean(same)) if same else 0.0
-
-
-def _numbers(labels: NDArray[np.integer], tracks: NDArray[np.int64]) -> dict[int, int]:
-    names, where = np.unique(labels, return_index=True)
-    return dict(zip(names.tolist(), tracks[where].tolist(), strict=True))

@@ -8,6 +8,7 @@ share of what it takes to fold one back into its bud and unfold the other.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -78,6 +79,25 @@ def _pieces(scan: _Scan, other: _Scan, twins: Mapping[int, int]) -> dict[int, in
             if min(apart) < COVERED * beside:
                 pieces[piece] = organ
     return pieces
+
+
+def agreement(
+    clouds: Sequence[NDArray[np.floating]],
+    labels: Sequence[NDArray[np.integer]],
+    root_points: Sequence[int],
+) -> float:
+    """Of the organs whose label the next scan has too: the share matched to their namesake.
+
+    By what they cover alone, for what --paper bakes hangs on it.
+    """
+    scans = [_Scan(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
+    same = [
+        first.labels[a] == second.labels[b]
+        for first, second in pairwise(scans)
+        for a, b in _matched(first, second)
+        if first.labels[a] in second.labels
+    ]
+    return float(np.mean(same)) if same else 0.0
 
 
 class _Scan:
