@@ -21,6 +21,7 @@ from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
+from baker.motion import curved, organ_motions
 from baker.options import Options, Paths
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
@@ -232,6 +233,9 @@ def _intervals(
     tell("transport", 0, len(jobs))
     moved = iter(solve_all(jobs, workers, lambda n: tell("transport", n, len(jobs))))
     solved = [[next(moved) for _ in range(size)] for size in sizes]
+    if recipe.paths != Paths.straight:
+        motions = organ_motions(clouds, matches, vertical, spacing, workers)
+        solved = curved(solved, clouds, matches, organs, motions)
     if recipe.paths == Paths.smooth:
         solved = smooth_through(solved, keyframes, times)
     intervals = [

@@ -1,0 +1,6 @@
+"""How organs bend and turn between two scans: spines, a coherent warp, curved paths."""
+
+from baker.motion.curve import Motions, curved, organ_motions
+from baker.motion.organ import OrganMotion, fit_motion
+
+__all__ = ["Motions", "OrganMotion", "curved", "fit_motion", "organ_motions"]

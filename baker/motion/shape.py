@@ -1,0 +1,73 @@
+"""The organs of one scan as the motion sees them: an even share of their points, and a spine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.motion.spine import Points, Spine, fit_spine, path_lengths
+from baker.segment.hierarchy import NO_PARENT, Hierarchy
+
+SAMPLE = 1000
+FEWEST = 40  # points below which an organ has no spine
+CONTACT = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
+
+
+@dataclass(frozen=True)
+class OrganShape:
+    """A segment of a scan: a sample of its points, and the spine through it.
+
+    points: (n, 3) float64, n at most SAMPLE.
+    lengths: (n,) path length from the root of the plant, as far as the organ's attachment counts.
+    """
+
+    points: Points
+    spine: Spine
+    lengths: NDArray[np.float64]
+
+
+def organ_shapes(
+    points: NDArray[np.floating], hierarchy: Hierarchy, base: int
+) -> list[OrganShape | None]:
+    """The shape of each segment of a scan; None where it has too few points.
+
+    base: index of the point where the plant leaves the ground.
+
+    Path lengths run through the parents: an organ that leaves its parent over a long contact, as
+    a grass leaf does its whorl, is measured from where it leaves it first.
+    """
+    found: list[OrganShape | None] = [None] * len(hierarchy.segments)
+    for segment in hierarchy.from_the_root():
+        members = hierarchy.segments[segment]
+        if len(members) < FEWEST:
+            continue
+        sample = points[members[_sample(len(members))]].astype(np.float64)
+        parent = hierarchy.parents[segment]
+        above = found[parent] if parent != NO_PARENT else None
+        seeds, head = _contact(sample, above, points[base])
+        lengths = path_lengths(sample, seeds, head)
+        found[segment] = OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
+    return found
+
+
+def _sample(count: int) -> NDArray[np.intp]:
+    if count <= SAMPLE:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).permutation(count)[:SAMPLE])
+
+
+def _contact(
+    sample: Points, parent: OrganShape | None, base: NDArray[np.floating]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The points where an organ touches its parent, and how far along the plant those are."""
+    from scipy.spatial import cKDTree
+
+    if parent is None:
+        nearest = int(np.argmin(((sample - base) ** 2).sum(1)))
+        return np.array([nearest]), np.zeros(1)
+    gap, touched = cKDTree(parent.points).query(sample)
+    spacing = float(np.median(cKDTree(sample).query(sample, k=2)[0][:, 1]))
+    seeds = np.flatnonzero(gap <= gap.min() + CONTACT * spacing)
+    return seeds, parent.lengths[touched[seeds]] + gap[seeds]
