@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gclip import Clip, Interval
 
 LENGTH = 1 << 20  # movers in a chunk: within OpenGL's smallest limits (128 MiB, 65,535 workgroups)
-PADDING = 16  # bytes: compute shaders read movers by twos
+PADDING = 48  # bytes: compute shaders read movers by fours
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Portion:
     """Those of a layer's movers that are to be drawn.
 
     count: only its first ones: a fair sample, but of whole blocks of neighbours.
-    every: of these, two neighbours of so many pairs: the sample has no gaps.
+    every: of these, one of so many, or four neighbours of so many fours: the sample has no gaps.
     """
 
     layer: Layer

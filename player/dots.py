@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from player.targets import Targets
 
 LARGEST = 2.0  # disc radius in samples up to which a centre may be rounded to a sample
+EMPTY = 0xFFFFFFFF  # the number of a sample without dots
 NAMED = 1024  # segments that a dot's ten bits tell apart
 TRIAL = 200_000  # movers that the two ways of drawing are compared with
 TILE = 16  # side in samples of the tiles that the empty parts of a picture are skipped by
@@ -48,7 +49,7 @@ class Dots:
         self._movers = movers
         self.way = Way.POINTS if movers.context.version_code < 430 else way
         self._targets: DotTargets | None = None
-        self._screen: dict[tuple[str, int], moderngl.VertexArray] = {}
+        self._screen: dict[tuple[str, int, int], moderngl.VertexArray] = {}
 
     def draw(self, targets: Targets, portions: list[Portion], discs: Discs, region: Region) -> None:
         if self.way is Way.AUTO:
@@ -63,15 +64,19 @@ class Dots:
         context, dots = self._movers.context, self._targets_for(discs.samples)
         uniforms, named = self._uniforms(discs), self._ten_bits_name_colors(discs)
         framebuffer = dots.named if named else dots.picked_too
-        framebuffer.use()
-        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        context.depth_func = "1"
-        self._fill("empty")
         self._movers.palette.use(2)
         if way is Way.POINTS:
+            framebuffer.use()
+            context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+            context.depth_func = "1"
+            self._fill("empty")
             context.depth_func = "<"
             self._movers.draw("dots", portions, uniforms)
             return
+        context.enable_only(0)
+        for emptied in (dots.nearest_alone,) if named else (dots.nearest_alone, dots.picked_alone):
+            emptied.use()
+            self._fill("none", number=EMPTY if emptied is dots.nearest_alone else 0)
         dots.nearest.bind_to_image(0, read=True, write=True)
         self._movers.compute("dots", portions, uniforms, PICK=0)
         if not named:
@@ -101,11 +106,11 @@ class Dots:
             "gather",
             reach,
             across * up,
+            int(self._ten_bits_name_colors(discs)),
             **self._uniforms(discs),
             occupied=3,
             nearest=0,
             picked=1,
-            by_segment=self._ten_bits_name_colors(discs),
         )
 
     def _ten_bits_name_colors(self, discs: Discs) -> bool:
@@ -137,17 +142,18 @@ class Dots:
             "palette": 2,
         }
 
-    def _fill(self, name: str, reach: int = 1, tiles: int = 0, **uniforms: Any) -> None:
+    def _fill(
+        self, name: str, reach: int = 1, tiles: int = 0, by_segment: int = 0, **uniforms: Any
+    ) -> None:
         """Draw over the whole picture, or over as many tiles as are not empty."""
         import moderngl
 
-        if (name, reach) not in self._screen:
+        key = (name, reach, by_segment)
+        if key not in self._screen:
             context, vertex = self._movers.context, "tile" if tiles else "screen"
-            chosen = LOOK | {"REACH": reach, "TILE": TILE}
-            self._screen[name, reach] = context.vertex_array(
-                program(context, vertex, name, **chosen), []
-            )
-        array = self._screen[name, reach]
+            chosen = LOOK | {"REACH": reach, "TILE": TILE, "BY_SEGMENT": by_segment}
+            self._screen[key] = context.vertex_array(program(context, vertex, name, **chosen), [])
+        array = self._screen[key]
         give(array.program, **uniforms)
         array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
 
@@ -181,9 +187,13 @@ class DotTargets:
         self.tiled = context.framebuffer([self.tiles])
         self.named = context.framebuffer([self.nearest], self._depth)
         self.picked_too = context.framebuffer([self.nearest, self.picked], self._depth)
+        self.nearest_alone, self.picked_alone = (
+            context.framebuffer([texture]) for texture in (self.nearest, self.picked)
+        )
 
     def release(self) -> None:
-        for part in (self.named, self.picked_too, self.tiled):
+        parts = (self.named, self.picked_too, self.nearest_alone, self.picked_alone, self.tiled)
+        for part in parts:
             part.release()
         for texture in (self.nearest, self.picked, self.tiles, self._depth):
             texture.release()

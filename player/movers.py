@@ -28,7 +28,8 @@ LOOK = {
 }
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 RAMP, MARKS = 6, 7  # texture units of a value's colours, and of what is hidden
-WORKGROUP = 128  # invocations of a compute shader, two movers each
+WORKGROUP = 128  # invocations of a compute shader
+EACH = 4  # movers of an invocation
 
 
 class Movers:
@@ -88,7 +89,7 @@ class Movers:
             shader = self._ready(name, "compute", portion.layer, buffers, uniforms, **chosen)
             give(shader, count=count, every=portion.every)
             buffers.bind()
-            shader.run(-(-count // (2 * WORKGROUP * portion.every)))
+            shader.run(-(-count // (EACH * WORKGROUP * portion.every)))
             self.context.memory_barrier()
 
     def positions(self, layers: list[Layer], computed: bool = False) -> NDArray[np.float32]:
@@ -108,7 +109,7 @@ class Movers:
                 give(shader, count=count)
                 buffers.bind()
                 result.bind_to_storage_buffer(7)
-                shader.run(-(-count // (2 * WORKGROUP)))
+                shader.run(-(-count // (EACH * WORKGROUP)))
                 self.context.memory_barrier()
             else:
                 buffers.array(shader).transform(result, vertices=count)

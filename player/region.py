@@ -39,6 +39,10 @@ class Region:
             max(self.top, other.top),
         )
 
+    def grown(self, margin: int, size: tuple[int, int]) -> Region:
+        """By some texels all around, within a picture of `size`."""
+        return self.scaled(size, 1, margin)
+
     def scaled(self, size: tuple[int, int], share: int, margin: int = 0) -> Region:
         """In a picture of `size` texels, each as large as `share` × `share` of these."""
         return Region(
@@ -72,10 +76,15 @@ def seen(
     clip = np.column_stack([points, np.ones(len(points))]) @ to_clip.T
     if len(points) == 0 or clip[:, 3].min() < near:
         return whole(size)
-    at = (0.5 * clip[:, :2] / clip[:, 3:] + 0.5) * size
-    low = np.clip(np.floor(at.min(axis=0) - margin), 0, size).astype(int)
-    high = np.clip(np.ceil(at.max(axis=0) + margin), 0, size).astype(int)
-    return Region(int(low[0]), int(low[1]), int(high[0]), int(high[1]))
+    at = 0.5 * clip[:, :2] / clip[:, 3:] + 0.5
+    return spanned(at.min(axis=0), at.max(axis=0), size, margin)
+
+
+def spanned(low: NDArray, high: NDArray, size: tuple[int, int], margin: float) -> Region:
+    """From `low` to `high`, in shares of the picture's width and height, and some texels more."""
+    left, bottom = np.clip(np.floor(low * size - margin), 0, size).astype(int).tolist()
+    right, top = np.clip(np.ceil(high * size + margin), 0, size).astype(int).tolist()
+    return Region(left, bottom, right, top)
 
 
 def half_field(camera: Camera, aspect: float) -> tuple[float, float]:

@@ -27,8 +27,8 @@ from player.lighting import Lighting
 from player.movers import LOOK, Movers
 from player.passes import Passes
 from player.rasteriser import Discs, Rasteriser
-from player.region import Region, corners, seen
-from player.shadow import BLURRED, Shadow
+from player.region import Region, corners, seen, spanned
+from player.shadow import BLURRED, SIDE, Shadow
 from player.splats import Splats
 from player.style import Style
 from player.targets import Targets
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 DISC = 2.3  # natural disc radius in closing distances: neighbours drift apart between scans
+SPARE = 4.0  # texels of the floor that the plant may leave its sampled outline by
 SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
 
 
@@ -75,7 +76,9 @@ class Renderer:
         self._middle = (low + high) / 2
         spread = float(np.hypot(*(points[:, :2] - self._middle[:2]).T).max())
         self._floor_side = 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9)
-        self._half_shadow = float((high - low)[:2].max()) / 2 + BLURRED * self._floor_side
+        self._half_shadow = (high - low)[:2] / 2 + (BLURRED + 2 * SPARE / SIDE) * self._floor_side
+        half = (high - low)[:2] / 2 / self._floor_side
+        self._above = spanned(0.5 - 0.5 * half, 0.5 + 0.5 * half, (SIDE, SIDE), SPARE)
         self._radius = max(float(np.linalg.norm(high - low)) / 2, 1e-9)
         self._all_bounds: tuple[NDArray, NDArray] | None = None
 
@@ -109,7 +112,7 @@ class Renderer:
         framebuffer.viewport = (0, 0, *size)
         for stage, opacity in _stages(portions):
             if style.show_ground:
-                self._shadow.cast(stage, from_above, self._floor_side, area)
+                self._shadow.cast(stage, from_above, self._floor_side, area, self._above)
             backdrop.draw(lighting.picture, camera, style, self._shadow, to_floor, shadowed)
             targets.clear()
             self._rasteriser(discs).draw(targets, stage, discs, region)

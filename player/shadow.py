@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy.typing import NDArray
 
-from player.glsl import give, program
 from player.movers import Movers
+from player.passes import Passes
+from player.region import Region
 
 if TYPE_CHECKING:
+    import moderngl
+
     from player.chunks import Portion
 
 SIDE = 128  # texels along each side of the floor
 CONTACT, AMBIENT = 1.3, 6.0  # widths of the blurs, in texels
-BLURRED = 2 * 16.5 / SIDE  # how far the blur reaches, in halves of the floor's side
+LOOKS = 17  # of the blur, two texels apart
+BLURRED = 2 * LOOKS / SIDE  # how far the blur reaches, in halves of the floor's side
 CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
-MOVERS = 20_000  # as many as are enough for a shadow
+MOVERS = 10_000  # as many as are enough for a shadow
 
 
 class Shadow:
@@ -32,14 +37,23 @@ class Shadow:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             texture.repeat_x = texture.repeat_y = False
         self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
-        self._blur = context.vertex_array(program(context, "screen", "blur"), [])
+        self._passes = Passes(context, LOOKS=LOOKS)
+        aside = 2.0 * np.arange(-(LOOKS // 2), LOOKS // 2 + 1)[:, None] + 0.5
+        weights = np.exp(-0.5 * (aside / (CONTACT, AMBIENT)) ** 2)
+        self._weights = [tuple(pair) for pair in (weights / weights.sum(axis=0)).tolist()]
 
     def cast(
-        self, portions: list[Portion], from_above: NDArray, half_side: float, area: float
+        self,
+        portions: list[Portion],
+        from_above: NDArray,
+        half_side: float,
+        area: float,
+        plant: Region,
     ) -> None:
         """from_above: (4, 4) local coordinates to the floor's square, height in z.
         half_side: half the floor's side.
         area: what one mover covers where all of them are drawn.
+        plant: the texels of the floor, `SIDE` along each side, that the plant is above.
         """
         import moderngl
 
@@ -58,17 +72,25 @@ class Shadow:
         }
         self._movers.draw("shadow", portions, uniforms, fewer)
         context.enable_only(0)
-        for target, source, direction in ((second, 0, (1.0, 0.0)), (first, 1, (0.0, 1.0))):
-            target.use()
-            self._textures[source].use(0)
-            give(
-                self._blur.program,
-                source=0,
-                direction=(direction[0] / SIDE, direction[1] / SIDE),
-                width=(CONTACT, AMBIENT),
-                saturate=source == 0,
-            )
-            self._blur.render(vertices=3)
+        shadow = plant.grown(LOOKS, (SIDE, SIDE))
+        self._blurred(second, 0, (1.0 / SIDE, 0.0), shadow, saturate=1)
+        self._blurred(first, 1, (0.0, 1.0 / SIDE), shadow, saturate=0)
+
+    def _blurred(
+        self,
+        target: moderngl.Framebuffer,
+        source: int,
+        direction: tuple[float, float],
+        region: Region,
+        saturate: int,
+    ) -> None:
+        target.clear()
+        target.scissor = region.rectangle
+        target.use()
+        self._textures[source].use(0)
+        uniforms = {"source": 0, "direction": direction, "weights": self._weights}
+        self._passes.fill("blur", uniforms, SATURATE=saturate)
+        target.scissor = None  # type: ignore[assignment]
 
     def use(self, unit: int) -> None:
         self._textures[0].use(unit)
@@ -78,5 +100,4 @@ class Shadow:
             framebuffer.release()
         for texture in self._textures:
             texture.release()
-        self._blur.program.release()
-        self._blur.release()
+        self._passes.release()

@@ -27,14 +27,16 @@ class Targets:
         self.distances = [texture(context, size, 1, "f4") for _ in range(2)]
         self.mask = context.depth_renderbuffer(size)
         self.smoothed = [context.framebuffer([found], self.mask) for found in self.distances]
+        self.smoothed[1].depth_mask = False
         self.gathered = context.framebuffer([self.color_sum, self.distances[0]], self.mask)
 
     def clear(self) -> None:
         """No plant anywhere: in the distances and in the mask; colours count only where it is."""
-        for framebuffer in self.smoothed:
-            framebuffer.depth_mask = True
-            framebuffer.clear(-1.0)
-            framebuffer.depth_mask = False
+        first, second = self.smoothed
+        first.depth_mask = True
+        first.clear(-1.0)
+        first.depth_mask = False
+        second.clear(-1.0)
 
     def release(self) -> None:
         for framebuffer in (self.surface, *self.smoothed, self.gathered):

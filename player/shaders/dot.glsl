@@ -18,7 +18,7 @@ bool place_dot(vec3 position, uint track, out ivec2 texel, out uint number) {
     vec2 at = (seen.xy * focal / max(away, 1e-6) * 0.5 + 0.5) * vec2(samples);
     texel = ivec2(floor(at));
     float deep = (away - depths.x) / (depths.y - depths.x);
-    number = (uint(clamp(deep, 0.0, 1.0) * DEPTH_STEPS + 0.5) << 10) | (track & 1023u);
+    number = (uint(int(clamp(deep, 0.0, 1.0) * DEPTH_STEPS + 0.5)) << 10) | (track & 1023u);
     return deep >= 0.0 && deep <= 1.0
         && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(samples)));
 }

@@ -12,9 +12,10 @@ layout(r32ui, binding = 0) uniform uimage2D nearest;
 layout(r32ui, binding = 1) uniform uimage2D picked;
 #endif
 uniform int count;
-uniform int every;  // of so many pairs one is drawn
+uniform int every;  // of so many fours one is drawn
 
-void draw(uint mover, vec3 position, uint track) {
+void draw(uint mover, vec3 points[DEGREE + 1], uint track) {
+    vec3 position = on_curve(points);
     ivec2 texel;
     uint number;
     if (mover >= uint(count) || is_hidden(track)
@@ -31,7 +32,7 @@ void draw(uint mover, vec3 position, uint track) {
 #if VALUED == 1
         vec3 light = set_back(value_light(height_value(position)), track);
 #elif VALUED == 2
-        vec3 light = set_back(value_light(speed_value(MOVER_POINTS(mover))), track);
+        vec3 light = set_back(value_light(speed_value(points)), track);
 #elif SCAN_COLORS
         vec3 light = mover_light(track, unpackUnorm4x8(stored_start_color[mover]),
                                  unpackUnorm4x8(stored_end_color[mover]));
@@ -44,13 +45,14 @@ void draw(uint mover, vec3 position, uint track) {
 }
 
 void main() {
-    uint pair = gl_GlobalInvocationID.x * uint(every);
-    if (2u * pair >= uint(count)) {
+    uint four = gl_GlobalInvocationID.x * uint(every);
+    if (4u * four >= uint(count)) {
         return;
     }
-    vec3 first, second;
-    mover_positions(pair, first, second);
-    uvec2 tracks = mover_tracks(pair);
-    draw(2u * pair, first, tracks.x);
-    draw(2u * pair + 1u, second, tracks.y);
+    Curves curves = stored_curves(four);
+    uint tracks[4] = stored_tracks(four);
+    draw(4u * four, points_of(curves, 0u), tracks[0]);
+    draw(4u * four + 1u, points_of(curves, 1u), tracks[1]);
+    draw(4u * four + 2u, points_of(curves, 2u), tracks[2]);
+    draw(4u * four + 3u, points_of(curves, 3u), tracks[3]);
 }

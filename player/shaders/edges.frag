@@ -2,20 +2,18 @@
 // before another. The depth tells: INSIDE where one light is enough, EDGE, or 1 without plant.
 #version 330 core
 
-uniform sampler2D color_sum;
 uniform sampler2D distances;
 uniform float thickness;  // of a surface, in the clip's unit
 
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
-    float nearest = 1e30, farthest = -1.0, thinnest = 1e30;
+    float nearest = 1e30, farthest = -1.0;
     for (int i = 0; i < SUPERSAMPLE * SUPERSAMPLE; ++i) {
         ivec2 texel = corner + ivec2(i % SUPERSAMPLE, i / SUPERSAMPLE);
         float away = texelFetch(distances, texel, 0).r;
         nearest = min(nearest, away);
         farthest = max(farthest, away);
-        thinnest = min(thinnest, away < 0.0 ? 0.0 : texelFetch(color_sum, texel, 0).a);
     }
-    bool one = thinnest >= RIM_INSIDE && farthest - nearest < thickness;
+    bool one = nearest >= 0.0 && farthest - nearest < thickness;
     gl_FragDepth = farthest < 0.0 ? 1.0 : one ? INSIDE : EDGE;
 }

@@ -4,10 +4,11 @@
 #version 330 core
 #include "dot.glsl"
 
+// BY_SEGMENT: the ten bits name the colour.
+
 uniform usampler2D nearest;
 uniform usampler2D picked;
 uniform sampler2D palette;
-uniform bool by_segment;      // the ten bits name the colour
 uniform float radius;         // of a disc, in the clip's unit
 uniform float magnification;  // samples that one unit takes up at distance 1
 uniform float smallest;       // diameter in samples
@@ -22,52 +23,44 @@ uint number_at(ivec2 texel) {
     return texelFetch(nearest, clamp(texel, ivec2(0), samples - 1), 0).r;
 }
 
+vec3 light_of(uint number, ivec2 texel) {
+#if BY_SEGMENT
+    return texelFetch(palette, ivec2(number & 1023u, 0), 0).rgb;
+#else
+    return unpacked_light(texelFetch(picked, clamp(texel, ivec2(0), samples - 1), 0).r);
+#endif
+}
+
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    out_color = vec4(0.0);
-    out_away = -1.0;
-    gl_FragDepth = 1.0;
-    uint closest = EMPTY;
-    for (int i = 0; i < SIDE * SIDE; ++i) {
-        closest = min(closest, number_at(texel + ivec2(i % SIDE, i / SIDE) - REACH));
-    }
-    if (closest == EMPTY) {
-        return;
-    }
-    // A dot may lie anywhere in its sample: half a sample more is where its disc can reach.
     float least = 0.5 * smallest, scaled = radius * magnification;
+    uint numbers[SIDE * SIDE];
     float surface = 1e30;
     for (int i = 0; i < SIDE * SIDE; ++i) {
         ivec2 aside = ivec2(i % SIDE, i / SIDE) - REACH;
         uint number = number_at(texel + aside);
+        numbers[i] = number;
         float away = dot_distance(number);
         float reach = max(scaled / away, least);
+        // A dot may lie anywhere in its sample: half a sample more is where its disc can reach.
         float core = CORE * (reach + 0.5);
-        if (number != EMPTY && float(aside.x * aside.x + aside.y * aside.y) <= core * core) {
-            surface = min(surface, away + thickness * reach * away / magnification);
-        }
+        bool hides = number != EMPTY && float(aside.x * aside.x + aside.y * aside.y) <= core * core;
+        surface = hides ? min(surface, away + thickness * reach * away / magnification) : surface;
     }
     float away_sum = 0.0;
     vec4 sum = vec4(0.0);
     for (int i = 0; i < SIDE * SIDE; ++i) {
         ivec2 aside = ivec2(i % SIDE, i / SIDE) - REACH;
-        uint number = number_at(texel + aside);
+        uint number = numbers[i];
         float away = dot_distance(number);
         float reach = max(scaled / away, least) + 0.5;
         float rise = 1.0 - float(aside.x * aside.x + aside.y * aside.y) / (reach * reach);
-        if (number == EMPTY || away > surface || rise <= 0.0) {
-            continue;
-        }
-        vec3 light = by_segment
-            ? texelFetch(palette, ivec2(number & 1023u, 0), 0).rgb
-            : unpacked_light(texelFetch(picked, clamp(texel + aside, ivec2(0), samples - 1), 0).r);
-        float weight = rise * rise;
-        sum += vec4(light, 1.0) * weight;
+        float weight = number == EMPTY || away > surface ? 0.0 : max(rise, 0.0) * max(rise, 0.0);
+        sum += vec4(light_of(number, texel + aside), 1.0) * weight;
         away_sum += away * weight;
     }
-    if (sum.a > RIM_OUTSIDE) {
-        out_color = sum;
-        out_away = away_sum / sum.a;
-        gl_FragDepth = 0.0;
-    }
+    bool here = sum.a > RIM_OUTSIDE;
+    out_color = sum;
+    out_away = here ? away_sum / sum.a : -1.0;
+    gl_FragDepth = here ? 0.0 : 1.0;
 }

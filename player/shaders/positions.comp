@@ -15,9 +15,9 @@ void put(uint mover, vec3 position) {
 }
 
 void main() {
-    uint pair = gl_GlobalInvocationID.x;
-    vec3 first, second;
-    mover_positions(pair, first, second);
-    put(2u * pair, first);
-    put(2u * pair + 1u, second);
+    uint four = gl_GlobalInvocationID.x;
+    Curves curves = stored_curves(four);
+    for (uint i = 0u; i < 4u; ++i) {
+        put(4u * four + i, on_curve(points_of(curves, i)));
+    }
 }

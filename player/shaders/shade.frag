@@ -54,10 +54,8 @@ vec3 slope(ivec2 texel, ivec2 last, ivec2 aside, vec3 here, vec2 field, vec2 tex
     vec3 backward = here - vec3(field + vec2(back - texel) * texel_field, -1.0) * close;
     float a = far > 0.0 && ahead != texel ? abs(far - away) : 1e30;
     float b = close > 0.0 && back != texel ? abs(close - away) : 1e30;
-    if (min(a, b) == 1e30) {
-        return vec3(aside, 0.0);
-    }
-    return a > 3.0 * b ? backward : b > 3.0 * a ? forward : forward + backward;
+    vec3 found = a > 3.0 * b ? backward : b > 3.0 * a ? forward : forward + backward;
+    return min(a, b) < 1e30 ? found : vec3(aside, 0.0);
 }
 
 vec3 lit(ivec2 texel, vec3 albedo) {
@@ -88,26 +86,36 @@ vec3 lit(ivec2 texel, vec3 albedo) {
     return mix(light, haze, depth_cue * far);
 }
 
+float cover_of(vec4 sum) {
+    return smoothstep(RIM_OUTSIDE, RIM_INSIDE, sum.a);
+}
+
+// The light of one sample, premultiplied by cover.
+vec4 covered(ivec2 texel) {
+    vec4 sum = texelFetch(color_sum, texel, 0);
+    float cover = away_at(texel) < 0.0 ? 0.0 : cover_of(sum);
+    return cover > 0.0 ? vec4(lit(texel, sum.rgb / sum.a), 1.0) * cover : vec4(0.0);
+}
+
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
-    vec4 plant = vec4(0.0);
+    float share = 1.0 / float(SUPERSAMPLE * SUPERSAMPLE);
 #if BY_SAMPLE
-    for (int i = 0; i < SUPERSAMPLE * SUPERSAMPLE; ++i) {
-        ivec2 texel = corner + ivec2(i % SUPERSAMPLE, i / SUPERSAMPLE);
-        vec4 sum = texelFetch(color_sum, texel, 0);
-        float cover = away_at(texel) < 0.0 ? 0.0 : smoothstep(RIM_OUTSIDE, RIM_INSIDE, sum.a);
-        plant += cover > 0.0 ? vec4(lit(texel, sum.rgb / sum.a), 1.0) * cover : vec4(0.0);
+    vec4 plant = covered(corner);
+#if SUPERSAMPLE > 1
+    for (int i = 1; i < SUPERSAMPLE * SUPERSAMPLE; ++i) {
+        plant += covered(corner + ivec2(i % SUPERSAMPLE, i / SUPERSAMPLE));
     }
-    plant /= float(SUPERSAMPLE * SUPERSAMPLE);
-    vec3 behind = srgb_to_linear(textureLod(ground, v_at, 0.0).rgb);
-    vec3 shown = plant.rgb + (1.0 - plant.a) * behind;
+#endif
+    plant *= share;
 #else
-    vec3 albedo = vec3(0.0);
+    vec4 albedo = vec4(0.0);
     for (int i = 0; i < SUPERSAMPLE * SUPERSAMPLE; ++i) {
         vec4 sum = texelFetch(color_sum, corner + ivec2(i % SUPERSAMPLE, i / SUPERSAMPLE), 0);
-        albedo += sum.rgb / sum.a;
+        albedo += share * vec4(sum.rgb / sum.a, cover_of(sum));
     }
-    vec3 shown = lit(corner, albedo / float(SUPERSAMPLE * SUPERSAMPLE));
+    vec4 plant = vec4(lit(corner, albedo.rgb), 1.0) * albedo.a;
 #endif
-    out_color = vec4(linear_to_srgb(shown) + dither(), 1.0);
+    vec3 behind = srgb_to_linear(textureLod(ground, v_at, 0.0).rgb);
+    out_color = vec4(linear_to_srgb(plant.rgb + (1.0 - plant.a) * behind) + dither(), 1.0);
 }
