@@ -19,6 +19,7 @@ STEEPEST = math.radians(89.0)  # pitch beyond which the view would tip over
 MARGIN = 0.86  # share of the picture that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
 OUTLINE = 60_000  # positions that the home view is fitted to, in all of a long series
+FLAT = math.radians(1.0)  # so narrow a view from so far away is as good as parallel
 YAW, PITCH = math.radians(-60.0), math.radians(14.0)
 
 
@@ -131,8 +132,35 @@ class Camera:
 
     def zoom(self, factor: float) -> Camera:
         """Come nearer by a factor above 1, go away by one below."""
-        closest, farthest = 0.02 * self.radius, 50.0 * self.radius
+        slope = math.tan(FIELD_OF_VIEW / 2) / math.tan(self.field_of_view / 2)
+        closest, farthest = 0.02 * self.radius * slope, 50.0 * self.radius * slope
         return replace(self, distance=min(max(self.distance / factor, closest), farthest))
+
+    def zoom_at(self, factor: float, right: float, up: float) -> Camera:
+        """Zoom so that what is seen at a place stays there, at the target's depth.
+
+        right, up: the place from the picture's middle, in shares of the picture's height.
+        """
+        nearer = self.zoom(factor)
+        grown = self.distance / nearer.distance
+        return nearer.pan(right * (1.0 - grown), up * (1.0 - grown))
+
+    def looking(self, yaw: float, pitch: float) -> Camera:
+        """The same target from another side."""
+        return replace(self, yaw=yaw, pitch=pitch).orbit(0.0, 0.0)
+
+    @property
+    def flat(self) -> bool:
+        """Whether parallels stay parallel in the picture."""
+        return self.field_of_view <= FLAT
+
+    def flattened(self, flat: bool) -> Camera:
+        """Orthographic, or in perspective; what lies at the target's depth keeps its size."""
+        angle = FLAT if flat else FIELD_OF_VIEW
+        if self.flat == flat:
+            return self
+        distance = self.distance * math.tan(self.field_of_view / 2) / math.tan(angle / 2)
+        return replace(self, field_of_view=angle, distance=distance)
 
     @property
     def near(self) -> float:

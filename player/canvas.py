@@ -6,6 +6,8 @@ Text is drawn as it stands: nothing in it is a label, a format or a command.
 
 from __future__ import annotations
 
+import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,20 @@ Color = tuple[float, float, float, float]  # sRGB and alpha, 0 to 1
 
 LONGEST = 200  # characters of any one line
 PLAIN, BOLD, ICONS = "Roboto-Regular.ttf", "Roboto-Bold.ttf", "Font_Awesome_6_Free-Solid-900.otf"
+
+
+@dataclass(frozen=True)
+class Pointer:
+    """The mouse, for what ImGui itself draws: the panel.
+
+    at:    where it is, in units; None while it is elsewhere, or holds something else.
+    down:  whether its left button is held.
+    wheel: notches that it was turned since the last picture.
+    """
+
+    at: tuple[float, float] | None = None
+    down: bool = False
+    wheel: float = 0.0
 
 
 def color(hexadecimal: str, alpha: float = 1.0) -> Color:
@@ -47,15 +63,39 @@ class Canvas:
         }
         self._renderer = ImguiRenderer(context)
         self._list: Any = None
+        self._then = time.perf_counter()
 
-    def begin(self, size: tuple[float, float], scale: float) -> None:
+    def begin(
+        self, size: tuple[float, float], scale: float, pointer: Pointer | None = None
+    ) -> None:
         """size: (width, height) of the sheet in units; scale: pixels in a unit."""
         self._imgui.set_current_context(self._own)
-        io = self._imgui.get_io()
+        io, pointer, now = self._imgui.get_io(), pointer or Pointer(), time.perf_counter()
+        io.delta_time = min(max(now - self._then, 1e-4), 1.0)
+        self._then = now
+        io.add_mouse_pos_event(*(pointer.at or (-1e6, -1e6)))
+        io.add_mouse_button_event(0, pointer.down)
+        io.add_mouse_wheel_event(0.0, pointer.wheel)
         io.display_size = self._imgui.ImVec2(*size)
         io.display_framebuffer_scale = self._imgui.ImVec2(scale, scale)
         self._imgui.new_frame()
         self._list = self._imgui.get_background_draw_list()
+
+    def to_front(self) -> None:
+        """What is drawn from now on lies over the panel."""
+        self._list = self._imgui.get_foreground_draw_list()
+
+    @property
+    def fonts(self) -> dict[str, Any]:
+        """ImGui's fonts, by PLAIN, BOLD and ICONS."""
+        return self._fonts
+
+    @property
+    def popup(self) -> bool:
+        """Whether something of ImGui's is open that takes the mouse wherever it is."""
+        every = self._imgui.PopupFlags_
+        flags = every.any_popup_id.value | every.any_popup_level.value
+        return bool(self._imgui.is_popup_open("", flags))
 
     def finish(self, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the sheet over what `framebuffer` holds already."""
@@ -120,11 +160,24 @@ class Canvas:
             (x, y), (x + width, y + height), above, above, below, below
         )
 
+    def ramp(
+        self, x: float, y: float, width: float, height: float, left: Color, right: Color
+    ) -> None:
+        start, end = self._packed(left), self._packed(right)
+        self._list.add_rect_filled_multi_color(
+            (x, y), (x + width, y + height), start, end, end, start
+        )
+
     def disc(self, x: float, y: float, radius: float, color: Color) -> None:
         self._list.add_circle_filled((x, y), radius, self._packed(color), 48)
 
     def ring(self, x: float, y: float, radius: float, color: Color, thickness: float) -> None:
         self._list.add_circle((x, y), radius, self._packed(color), 48, thickness)
+
+    def line(
+        self, start: tuple[float, float], end: tuple[float, float], color: Color, thickness: float
+    ) -> None:
+        self._list.add_line(start, end, self._packed(color), thickness)
 
     def triangle(self, corners: list[tuple[float, float]], color: Color) -> None:
         self._list.add_triangle_filled(*corners, self._packed(color))

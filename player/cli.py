@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,18 +22,18 @@ if TYPE_CHECKING:
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
+STILL, TURNTABLE = "still", "turntable"
+SIZE = "1280x720"
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
-
-
-class View(StrEnum):
-    still = "still"
-    turntable = "turntable"
 
 
 class ColorBy(StrEnum):
     auto = "auto"
     scan = "scan"
     track = "track"
+    age = "age"
+    speed = "speed"
+    height = "height"
 
 
 class GroundChoice(StrEnum):
@@ -64,6 +65,10 @@ EPILOG = AS_IT_IS.join(
 @app.command(epilog=EPILOG)
 def play_command(
     clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
+    second: Annotated[
+        Path | None,
+        typer.Argument(metavar="[CLIP]", help="Another one, to play in step beside it."),
+    ] = None,
     export: Annotated[
         str | None,
         typer.Option(
@@ -80,8 +85,9 @@ def play_command(
         ),
     ] = False,
     size: Annotated[
-        str, typer.Option(metavar="WxH", help="Pixels, of the picture or the window.")
-    ] = "1280x720",
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels, of the picture or the window; 1280x720."),
+    ] = None,
     fps: Annotated[int, typer.Option(min=1, max=240, help="Frames a second.")] = 30,
     seconds: Annotated[
         float | None,
@@ -103,12 +109,19 @@ def play_command(
         ),
     ] = None,
     camera: Annotated[
-        View, typer.Option(help="turntable goes round the plant, in a film once.")
-    ] = View.still,
+        str,
+        typer.Option(
+            metavar="still|turntable|PATH.json",
+            help="turntable goes round the plant, in a film once; or a camera path, made in the "
+            "window.",
+        ),
+    ] = STILL,
     color: Annotated[
-        ColorBy, typer.Option(help="Colours: the scans' own, or one for each organ's track.")
+        ColorBy, typer.Option(help="Colours: the scans' own, each organ's, or those of a value.")
     ] = ColorBy.auto,
-    ground: Annotated[GroundChoice, typer.Option(help="The background.")] = GroundChoice.dark,
+    ground: Annotated[
+        GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
+    ] = None,
     point_size: Annotated[
         float, typer.Option(min=0.05, max=20.0, help="Factor on the natural size.")
     ] = 1.0,
@@ -132,6 +145,9 @@ def play_command(
     transparent: Annotated[
         bool, typer.Option("--transparent", help="PNG pictures of the plant alone.")
     ] = False,
+    kiosk: Annotated[
+        bool, typer.Option("--kiosk", help="Full screen, over and over, nothing to press.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures."""
@@ -142,13 +158,15 @@ def play_command(
         _check_finite(day=moment)
     style = Style(
         color_by=color,
-        ground=ground,
+        ground=ground or GroundChoice.dark,
         point_size=point_size,
         depth_cue=depth_cue,
         eye_dome=shading,
         show_ground=floor,
     )
-    pixels = _size(size)
+    turning, path = camera == TURNTABLE, _camera_file(camera)
+    if second is not None and (export is not None or info):
+        raise PlayerError("two clips are played in step in the window only; give one of them.")
     if export is not None and info:
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
@@ -156,13 +174,13 @@ def play_command(
         from player.export.stamp import Stamps
 
         film = Film(
-            *(pixels, fps, seconds, camera is View.turntable, style, days, every),
+            *(_size(size or SIZE), fps, seconds, turning, style, days, every),
             title=title,
             stamps=Stamps(date, scale_bar, legend),
             cut_out=transparent,
             name=clip.stem,
         )
-        _export(clip, film, Path(export), quiet)
+        _export(clip, film, Path(export), quiet, path)
     elif info:
         from rich.console import Console
 
@@ -172,18 +190,14 @@ def play_command(
         # In a pipe nothing is cut to a terminal's width that isn't there.
         print_info(console if console.is_terminal else Console(width=200), _open(clip), clip)
     else:
-        from player.window import show
+        from player.start import Wanted, start
 
-        show(
-            _open(clip),
-            style,
-            name=clip.stem,
-            size=pixels,
-            turning=camera is View.turntable,
-        )
+        files = [clip] if second is None else [clip, second]
+        chosen = None if size is None else _size(size)
+        start(files, style, Wanted(chosen, ground, turning, path, kiosk))
 
 
-def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:
+def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
     from player.export import export, format_of
     from player.progress import FrameProgress
 
@@ -193,6 +207,10 @@ def _export(path: Path, film: Film, output: Path, quiet: bool) -> None:
     for day in film.at:
         if not first <= day <= last:
             raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
+    if camera is not None:
+        from player.camera_path import load_path
+
+        film = replace(film, path=load_path(camera, clip))
     with FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
         export(clip, film, output, progress)
     if not quiet:
@@ -203,6 +221,17 @@ def _open(path: Path) -> Clip:
     import gclip
 
     return gclip.open(path)
+
+
+def _camera_file(camera: str) -> Path | None:
+    """The camera path that --camera names, if it does."""
+    if camera in (STILL, TURNTABLE):
+        return None
+    if not camera.endswith(".json"):
+        raise PlayerError(
+            f'--camera is "{camera}"; {STILL}, {TURNTABLE} or a camera path (.json) is needed.'
+        )
+    return Path(camera)
 
 
 def _check_every(every: float | None, seconds: float | None) -> None:

@@ -33,7 +33,7 @@ NAMES = {
     "speed": "growth speed",
     "height": "height",
 }
-MAPS = {"age": "viridis_r", "speed": "plasma", "height": "crameri:batlow"}
+MAPS = {"age": "crameri:imola_r", "speed": "plasma", "height": "viridis"}
 
 
 class Value(IntEnum):

@@ -5,18 +5,25 @@ from __future__ import annotations
 from dataclasses import replace
 
 from player import keys
-from player.layout import TIMELINE, Layout
+from player.choices import Compare
+from player.layout import PANEL, TIMELINE, WIPE, Layout
 from player.scene import Scene
+
+STILL = 4.0  # units that the cursor may move between press and release of a click
 
 
 class Controls:
     """What the user holds, and the scene that follows from it.
 
-    scene:  as it stands now.
-    layout: where things stand on the screen, None until the first picture.
-    cursor: where the mouse is, in units, None while it is outside the window.
-    held:   what a mouse button went down on and still holds: a drag of the plant, TIMELINE, or a
-            button's name.
+    scene:   as it stands now.
+    layout:  where things stand on the screen, None until the first picture.
+    cursor:  where the mouse is, in units, None while it is outside the window.
+    held:    what a mouse button went down on and still holds: a drag of the plant, TIMELINE, WIPE,
+             PANEL, or a button's name.
+    clicked: where the plant was clicked last, until someone has seen to it.
+    turned:  notches of the wheel over the panel, until someone has seen to them.
+    popup:   whether the panel has something open that lies beyond its edge.
+    touched: counts what happened to the panel.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -24,7 +31,12 @@ class Controls:
         self.layout: Layout | None = None
         self.cursor: tuple[float, float] | None = None
         self.held: keys.Drag | str | None = None
+        self.clicked: tuple[float, float] | None = None
+        self.turned = 0.0
+        self.popup = False
+        self.touched = 0
         self._button = ""
+        self._pressed_at = (0.0, 0.0)
 
     @property
     def scrubbing(self) -> bool:
@@ -48,16 +60,23 @@ class Controls:
         if self.scene.help:
             self.scene = replace(self.scene, help=False)
             return
-        place = self.layout.under(*self.cursor) if button == "left" else None
+        place = self._place() if button == "left" else None
         self.held, self._button = place or keys.drag_for(button, shift), button
+        self._pressed_at = self.cursor
+        self.touched += place == PANEL
         if self.scrubbing:
             self._scrub()
 
     def move(self, x: float, y: float) -> None:
         """The cursor came to (x, y), in units."""
         before, self.cursor = self.cursor or (x, y), (x, y)
+        if self.held in (None, PANEL) and PANEL in (self._place(), self._place(before)):
+            self.touched += 1
         if self.scrubbing:
             self._scrub()
+        elif self.held == WIPE and self.layout is not None:
+            share = min(max(x / self.layout.size[0], 0.02), 0.98)
+            self.scene = replace(self.scene, wipe=share)
         elif isinstance(self.held, keys.Drag) and self.layout is not None:
             height = self.layout.size[1]
             right, down = (x - before[0]) / height, (y - before[1]) / height
@@ -68,19 +87,45 @@ class Controls:
         if button != self._button:
             return
         held, self.held, self._button = self.held, None, ""
-        if not isinstance(held, str) or held == TIMELINE or not (self.cursor and self.layout):
+        if not (self.cursor and self.layout):
             return
-        if self.layout.under(*self.cursor) == held:
-            self.scene = keys.action(held).do(self.scene)
+        if isinstance(held, keys.Drag):
+            if button == "left" and self._near_press(self.cursor):
+                self.clicked = self.cursor
+            return
+        self.touched += held == PANEL
+        if held not in (None, TIMELINE, WIPE, PANEL) and self._place() == held:
+            self.scene = keys.action(str(held)).do(self.scene)
 
     def wheel(self, notches: float) -> None:
-        if not self.scene.help:
-            self.scene = keys.wheeled(self.scene, notches)
+        if self.scene.help or self.layout is None:
+            return
+        if self._place() == PANEL:
+            self.turned += notches
+            self.touched += 1
+            return
+        (width, height), middle = self.layout.size, self.layout.size[0] / 2
+        x, y = self.cursor or (middle, height / 2)
+        if self.scene.compare is Compare.BESIDE:
+            middle = 0.25 * width if x < middle else 0.75 * width
+        right, up = (x - middle) / height, (height / 2 - y) / height
+        self.scene = keys.wheeled(self.scene, notches, right, up)
 
     def leave(self) -> None:
         """The cursor left the window; a drag goes on."""
         if self.held is None:
             self.cursor = None
+            self.touched += 1
+
+    def _place(self, at: tuple[float, float] | None = None) -> str | None:
+        """What lies under the cursor: see `Layout.under`."""
+        at = at or self.cursor
+        if at is None or self.layout is None:
+            return None
+        return PANEL if self.popup else self.layout.under(*at)
+
+    def _near_press(self, at: tuple[float, float]) -> bool:
+        return max(abs(a - b) for a, b in zip(at, self._pressed_at, strict=True)) <= STILL
 
     def _scrub(self) -> None:
         if self.layout is not None and self.cursor is not None:

@@ -101,9 +101,14 @@ class Enlarger:
             return
         small = self._sized((max(round(size[0] * detail), 1), max(round(size[1] * detail), 1)))
         paint(small, small.size)
+        self.copy(small.color_attachments[0], framebuffer, framebuffer.viewport)
+
+    def copy(self, picture: Any, framebuffer: Any, viewport: tuple[int, int, int, int]) -> None:
+        """Spread a texture over a part of a framebuffer."""
+        framebuffer.viewport = viewport
         framebuffer.use()
         self._context.enable_only(self._context.NOTHING)
-        small.color_attachments[0].use()
+        picture.use()
         self._array.render(self._context.TRIANGLES, vertices=3)
 
     def release(self) -> None:

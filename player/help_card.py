@@ -18,7 +18,10 @@ HEAD = 48.0  # title and the space under it
 CAP_HEIGHT, CAP_PADDING, CAP_GAP = 22.0, 7.0, 4.0
 SLACK = 1.04  # small letters are wider for their size: they snap to pixels
 ARROWS = {"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"}
-COLUMNS = (("Time",), ("View",), ("Look", "Window")), (("Time", "Look"), ("View", "Window"))
+COLUMNS = (
+    (("Time", "Organs"), ("View", "Compare"), ("Look", "Window")),
+    (("Time", "Organs", "Look"), ("View", "Compare", "Window")),
+)
 
 
 def draw_help(canvas: Canvas, theme: Theme, size: tuple[float, float]) -> None:

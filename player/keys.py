@@ -11,12 +11,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from player import moves
+from player.choices import Wish
+
 if TYPE_CHECKING:
     from player.scene import Scene
 
-NUDGE = 0.01  # share of the series that an arrow key goes on
-POINTS = "smaller, larger points"
-POINT_STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # the command line allows the same
+NUDGED, FRAMED = "back, on a little", "one frame back, on"
+SIDES = "front, side, back, top"
+KEYED = "add, remove a camera key"
+SIZED = "smaller, larger points"
+ORGANS = "next, previous organ"
+WIPED = "move the wipe"
 ZOOM_STEP = 1.12  # factor of one wheel notch
 TURN = math.radians(180.0)  # orbit of a drag over the window's height
 
@@ -30,6 +36,7 @@ _SHOWN = {
     "page_down": "PgDn",
     "escape": "Esc",
     "home": "Home",
+    "tab": "Tab",
     "end": "End",
     "-": "−",
 }
@@ -80,104 +87,74 @@ def label(key: str) -> str:
     return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.upper())])
 
 
-def _recolored(scene: Scene) -> Scene:
-    if not scene.has_colors:
-        return scene.styled("This clip has no scan colours; organs are coloured by track.")
-    chosen = "scan" if scene.color_by == "track" else "track"
-    return scene.styled(f"Coloured by {chosen}", color_by=chosen)
-
-
-def _resized(factor: float) -> Callable[[Scene], Scene]:
-    def resize(scene: Scene) -> Scene:
-        size = min(max(scene.style.point_size * factor, SMALLEST), LARGEST)
-        size = 1.0 if abs(size - 1.0) < 0.01 else size
-        return scene.styled(f"Point size {size:.0%}", point_size=size)
-
-    return resize
-
-
-def _looped(scene: Scene) -> Scene:
-    scene = scene.clock(lambda t: t.with_next_end())
-    return replace(scene, notice=f"At the end: {scene.timeline.at_end.value}")
-
-
-def _grounded(scene: Scene) -> Scene:
-    return scene.styled(ground="dark" if scene.style.ground == "light" else "light")
-
-
-def _left(scene: Scene) -> Scene:
-    """Esc leaves the help first, then the full screen, then the window."""
-    if scene.help:
-        return replace(scene, help=False)
-    if scene.fullscreen:
-        return replace(scene, fullscreen=False)
-    return replace(scene, closed=True)
+def _timed(move: str, *given: float) -> Callable[[Scene], Scene]:
+    """A move of the timeline, by its name."""
+    return lambda scene: scene.clock(lambda timeline: getattr(timeline, move)(*given))
 
 
 ACTIONS: tuple[Action, ...] = (
-    Action("play", "Time", ("space",), "play, pause", lambda s: s.clock(lambda t: t.toggled())),
+    Action("play", "Time", ("space",), "play, pause", _timed("toggled")),
+    Action("back", "Time", ("left",), "back a little", moves.nudged(-1), NUDGED, True),
+    Action("on", "Time", ("right",), "on a little", moves.nudged(1), NUDGED, True),
+    Action("frame back", "Time", (",",), "one frame back", _timed("framed", -1), FRAMED, True),
+    Action("frame on", "Time", (".",), "one frame on", _timed("framed", 1), FRAMED, True),
     Action(
-        "back", "Time", ("left",), "back a little",
-        lambda s: s.clock(lambda t: t.nudged(-NUDGE)), "back, on a little", repeats=True,
+        "previous", "Time", ("page_up", "shift+left"), "previous scan", _timed("stepped", -1),
+        "previous, next scan", True,
     ),
     Action(
-        "on", "Time", ("right",), "on a little",
-        lambda s: s.clock(lambda t: t.nudged(NUDGE)), "back, on a little", repeats=True,
+        "next", "Time", ("page_down", "shift+right"), "next scan", _timed("stepped", 1),
+        "previous, next scan", True,
     ),
+    Action("first", "Time", ("home",), "first scan", moves.to_first, "first, last scan"),
+    Action("last", "Time", ("end",), "last scan", moves.to_last, "first, last scan"),
+    Action("slower", "Time", ("[", "down"), "slower", _timed("slower"), "slower, faster"),
+    Action("faster", "Time", ("]", "up"), "faster", _timed("faster"), "slower, faster"),
+    Action("at end", "Time", ("l",), "loop, back and forth, or stop", moves.looped),
+    Action("begin", "Time", ("i",), "play from here", moves.begun, "play from, up to here"),
+    Action("end", "Time", ("o",), "play up to here", moves.ended, "play from, up to here"),
+    Action("whole", "Time", ("u",), "play the whole series", moves.unbounded),
+    Action("fit", "View", ("f",), "whole plant", moves.fitted),
+    Action("front", "View", ("1",), "from the front", moves.looked(0.0), SIDES),
+    Action("side", "View", ("2",), "from the side", moves.looked(90.0), SIDES),
+    Action("behind", "View", ("3",), "from behind", moves.looked(180.0), SIDES),
+    Action("above", "View", ("4",), "from above", moves.looked(0.0, 90.0), SIDES),
+    Action("parallel", "View", ("5",), "perspective or parallel", moves.flattened),
+    Action("turn", "View", ("t",), "go round the plant", moves.turned),
+    Action("add key", "View", ("k",), "add a camera key", moves.keyed, KEYED),
+    Action("drop key", "View", ("shift+k",), "remove a camera key", moves.unkeyed, KEYED),
+    Action("follow", "View", ("j",), "follow the camera's path", moves.followed),
     Action(
-        "previous", "Time", ("page_up", "shift+left"), "previous scan",
-        lambda s: s.clock(lambda t: t.stepped(-1)), "previous, next scan", repeats=True,
+        "save path", "View", ("shift+j",), "save the camera's path",
+        lambda s: replace(s, wish=Wish.SAVE_PATH),
     ),
-    Action(
-        "next", "Time", ("page_down", "shift+right"), "next scan",
-        lambda s: s.clock(lambda t: t.stepped(1)), "previous, next scan", repeats=True,
-    ),
-    Action(
-        "first", "Time", ("home",), "first scan",
-        lambda s: s.clock(lambda t: t.at(t.first)), "first, last scan",
-    ),
-    Action(
-        "last", "Time", ("end",), "last scan",
-        lambda s: s.clock(lambda t: t.at(t.last)), "first, last scan",
-    ),
-    Action(
-        "slower", "Time", ("[", "down"), "slower",
-        lambda s: s.clock(lambda t: t.slower()), "slower, faster",
-    ),
-    Action(
-        "faster", "Time", ("]", "up"), "faster",
-        lambda s: s.clock(lambda t: t.faster()), "slower, faster",
-    ),
-    Action("at end", "Time", ("l",), "loop, back and forth, or stop", _looped),
-    Action(
-        "fit", "View", ("f",), "whole plant",
-        lambda s: replace(s, camera=s.home, turning=False),
-    ),
-    Action(
-        "turn", "View", ("t",), "go round the plant",
-        lambda s: replace(s, turning=not s.turning),
-    ),
-    Action(
-        "fullscreen", "View", ("f11",), "full screen",
-        lambda s: replace(s, fullscreen=not s.fullscreen),
-    ),
-    Action("color", "Look", ("c",), "colour by scan or by track", _recolored),
-    Action("smaller", "Look", ("-",), "smaller points", _resized(1 / POINT_STEP), POINTS, True),
-    Action("larger", "Look", ("+", "="), "larger points", _resized(POINT_STEP), POINTS, True),
-    Action("ground", "Look", ("g",), "light or dark ground", _grounded),
-    Action(
-        "depth", "Look", ("d",), "depth cue on or off",
-        lambda s: s.styled(depth_cue=not s.style.depth_cue),
-    ),
-    Action(
-        "picture", "Window", ("s",), "save a screenshot",
-        lambda s: replace(s, wants_picture=True),
-    ),
-    Action(
-        "help", "Window", ("h", "?", "f1"), "show this help",
-        lambda s: replace(s, help=not s.help),
-    ),
-    Action("leave", "Window", ("escape",), "leave full screen, or quit", _left),
+    Action("color", "Look", ("c",), "colour by something else", moves.recolored),
+    Action("smaller", "Look", ("-",), "smaller points", moves.resized(1 / moves.STEP), SIZED, True),
+    Action("larger", "Look", ("+", "="), "larger points", moves.resized(moves.STEP), SIZED, True),
+    Action("pixels", "Look", ("p",), "points sized in the world or in pixels", moves.pixeled),
+    Action("ground", "Look", ("g",), "light or dark ground", moves.grounded),
+    Action("floor", "Look", ("b",), "floor and shadow", moves.styled("show_ground")),
+    Action("depth", "Look", ("d",), "depth cue", moves.styled("depth_cue")),
+    Action("shading", "Look", ("m",), "shading: none, soft, strong", moves.shaded),
+    Action("guides", "Look", ("a",), "scale bar and axes", moves.switched("guides")),
+    Action("legend", "Look", ("y",), "legend", moves.switched("legend")),
+    Action("next organ", "Organs", ("n",), "next organ", moves.picked_next(1), ORGANS),
+    Action("last organ", "Organs", ("shift+n",), "previous organ", moves.picked_next(-1), ORGANS),
+    Action("hide", "Organs", ("x",), "hide the organ", moves.hidden),
+    Action("alone", "Organs", ("z",), "the organ alone", moves.isolated),
+    Action("show all", "Organs", ("shift+x",), "show all organs", moves.all_shown),
+    Action("compare", "Compare", ("v",), "with the nearest scan", moves.compared),
+    Action("wipe left", "Compare", ("<",), "wipe to the left", moves.wiped(-0.05), WIPED, True),
+    Action("wipe right", "Compare", (">",), "wipe to the right", moves.wiped(0.05), WIPED, True),
+    Action("picture", "Window", ("s",), "save a picture", moves.pictured),
+    Action("export", "Window", ("e",), "export, or stop exporting", moves.exported),
+    Action("format", "Window", ("shift+e",), "what to export", moves.reformatted),
+    Action("size", "Window", ("r",), "size of pictures", moves.picture_resized),
+    Action("transparent", "Window", ("shift+s",), "pictures without ground", moves.cut_out),
+    Action("panel", "Window", ("tab",), "panel", moves.switched("panel")),
+    Action("fullscreen", "Window", ("f11",), "full screen", moves.switched("fullscreen")),
+    Action("help", "Window", ("h", "?", "f1"), "this help", moves.switched("help")),
+    Action("leave", "Window", ("escape",), "close, let go, or quit", moves.left),
     Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
 )  # fmt: skip
 
@@ -198,9 +175,17 @@ DRAGS: tuple[Drag, ...] = (
 )
 
 
-def wheeled(scene: Scene, notches: float) -> Scene:
-    """The wheel over the window: nearer for a turn away from the user."""
-    return scene.seen(lambda c: c.zoom(ZOOM_STEP**notches))
+def wheeled(scene: Scene, notches: float, right: float = 0.0, up: float = 0.0) -> Scene:
+    """The wheel over the window: nearer to what is under the cursor for a turn away from the user.
+
+    right, up: the cursor from the picture's middle, in shares of the picture's height.
+    """
+    return scene.seen(lambda c: c.zoom_at(ZOOM_STEP**notches, right, up))
+
+
+def picked(scene: Scene, track: int | None) -> Scene:
+    """A click on an organ, or beside the plant."""
+    return scene.styled(picked=None if track == scene.style.picked else track)
 
 
 def scrubbed(scene: Scene, day: float) -> Scene:
@@ -230,6 +215,10 @@ def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
         rows = table.setdefault(entry.section, {})
         if entry.section == "View" and not rows:
             rows.update(_mouse_rows())
+        if entry.section == "Organs" and not rows:
+            rows["pick an organ"] = ["Click"]
+        if entry.section == "Compare" and not rows:
+            rows["move the wipe"] = ["Drag line"]
         rows.setdefault(entry.row or entry.help, []).extend(entry.labels)
         if entry.name == "play":
             rows["go to a day"] = ["Drag timeline"]
@@ -249,9 +238,9 @@ def _mouse_rows() -> dict[str, list[str]]:
 def help_text() -> str:
     """The table as plain text, for `play --help`."""
     table = sections()
-    width = max(len(", ".join(labels)) for rows in table.values() for labels, _ in rows)
+    width = max(len("  ".join(labels)) for rows in table.values() for labels, _ in rows)
     lines = ["Keys and mouse in the window"]
     for section, rows in table.items():
         lines += ["", section]
-        lines += [f"  {', '.join(labels):<{width}}  {text}" for labels, text in rows]
+        lines += [f"  {'  '.join(labels):<{width}}   {text}" for labels, text in rows]
     return "\n".join(lines)

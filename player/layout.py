@@ -24,10 +24,14 @@ TOP_BUTTONS = (
     "fit",
     "picture",
     "fullscreen",
+    "panel",
     "help",
 )
-TINY_TOP_BUTTONS = ("color", "ground", "fit", "fullscreen", "help")
-TIMELINE = "timeline"
+TINY_TOP_BUTTONS = ("color", "ground", "fit", "panel", "help")
+TIMELINE, PANEL, WIPE = "timeline", "panel", "wipe"
+PANEL_WIDTH = 272.0
+BESIDE_PANEL = 300.0  # the least that it leaves to the plant
+WIPE_REACH = 9.0  # how far from the wipe's line the cursor still takes hold of it
 
 
 @dataclass(frozen=True)
@@ -59,12 +63,13 @@ class DateLabel:
 class Layout:
     """All positions in the canvas's units, from the top left corner.
 
-    size:    of the window.
+    size:    of the window without its panel, which stands at the right of that.
     times:   the scans' times.
     left, right, line: ends and height of the timeline's line.
     buttons: by the name of the action they do (keys.py).
     labels:  the dates that fit under the timeline, from left to right.
     speed:   where the speed is written, None where there is no room.
+    wipe:    where the wipe's line stands, None without one.
     """
 
     size: tuple[float, float]
@@ -75,6 +80,7 @@ class Layout:
     buttons: dict[str, Rectangle]
     labels: tuple[DateLabel, ...]
     speed: tuple[float, float] | None
+    wipe: float | None = None
 
     @property
     def margin(self) -> float:
@@ -93,12 +99,23 @@ class Layout:
         return self.times[0] + share * (self.times[-1] - self.times[0])
 
     def under(self, x: float, y: float) -> str | None:
-        """The name of the button there, TIMELINE, or None for the plant."""
+        """The name of the button there, TIMELINE, PANEL, WIPE, or None for the plant."""
+        if x >= self.size[0]:
+            return PANEL
         for name, place in self.buttons.items():
             if place.holds(x, y):
                 return name
         along = self.left - REACH / 2 <= x <= self.right + REACH / 2
-        return TIMELINE if along and abs(y - self.line) <= REACH else None
+        if along and abs(y - self.line) <= REACH:
+            return TIMELINE
+        between = TOP <= y <= self.size[1] - BAR
+        on_wipe = self.wipe is not None and abs(x - self.wipe) <= WIPE_REACH
+        return WIPE if on_wipe and between else None
+
+
+def panel_width(width: float, wanted: bool) -> float:
+    """What the panel takes from a window's width: nothing where it would leave too little."""
+    return PANEL_WIDTH if wanted and width >= PANEL_WIDTH + BESIDE_PANEL else 0.0
 
 
 def arrange(

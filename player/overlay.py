@@ -1,22 +1,29 @@
-"""Draws what lies over the plant: title, buttons, timeline, passing notices and the help."""
+"""Draws what lies over the plant: title, buttons, timeline, guides, notices, panel and help."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from player import keys
-from player.canvas import BOLD, ICONS, Canvas
-from player.dates import short_dates
+from player import guides, keys
+from player.canvas import BOLD, ICONS, Canvas, Pointer
+from player.choices import Compare
+from player.dates import date_at, short_dates
 from player.help_card import draw_help
-from player.layout import BAR, TIMELINE, TOP, Layout, Rectangle, arrange
+from player.layout import BAR, PANEL, TIMELINE, TOP, WIPE, Layout, Rectangle, arrange, panel_width
+from player.panel import Exporting, Panel
 from player.theme import DARK, LIGHT, Theme
 from player.timeline import AtEnd
 from player.timeline_view import draw_timeline
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import moderngl
 
     from gclip import Clip
+    from player.colors import Scale
+    from player.compare import Pane
     from player.scene import Scene
 
 TITLE_SIZE, TEXT_SIZE, ICON_SIZE, PLAY_ICON_SIZE = 20.0, 15.0, 15.0, 17.0
@@ -31,6 +38,7 @@ ICON = {
     "turn": "\uf2f9",
     "fit": "\uf05b",
     "picture": "\uf030",
+    "panel": "\uf1de",
     "help": "\uf128",
 }
 AT_END_ICON = {AtEnd.LOOP: "\uf363", AtEnd.PING_PONG: "\uf07e", AtEnd.STOP: "\uf061"}
@@ -38,17 +46,38 @@ DOTS = {"smaller": 2.5, "larger": 6.0}  # radius of the dot that stands for a po
 SPEED_TEXT = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 
 
+@dataclass(frozen=True)
+class Facts:
+    """What is to be told beside the scene itself.
+
+    scale:     what the colours stand for.
+    organ:     of the picked one, (what, value) pairs.
+    panes:     what is compared, from left to right.
+    exporting: an export under way.
+    """
+
+    scale: Scale | None = None
+    organ: tuple[tuple[str, str], ...] = ()
+    panes: Sequence[Pane] = ()
+    exporting: Exporting | None = None
+
+
 class Overlay:
     """Belongs to one clip in one window.
 
-    name: what the user calls the clip, for the title.
+    name:   what the user calls the clip, for the title.
+    chosen: the scene as the user changed it with the panel in the last picture.
+    popup:  whether the panel has something open that takes the mouse wherever it is.
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, name: str) -> None:
         self._canvas = Canvas(context)
+        self._panel = Panel(self._canvas, clip)
         self._clip = clip
         self._name = name
         self._layout: Layout | None = None
+        self.chosen: Scene | None = None
+        self.popup = False
 
     def draw(
         self,
@@ -58,35 +87,42 @@ class Overlay:
         scale: float,
         cursor: tuple[float, float] | None = None,
         held: str | None = None,
+        facts: Facts | None = None,
+        wheel: float = 0.0,
     ) -> Layout:
         """Draw over `framebuffer`, and tell where things stand.
 
         size:   of the window in units; scale: pixels in a unit.
         cursor: where the mouse is, in units; None while it is elsewhere.
-        held:   what a mouse button went down on and still holds: TIMELINE or a button's name.
+        held:   what a mouse button went down on and still holds: TIMELINE, PANEL or a button's
+                name.
+        wheel:  notches that it was turned over the panel.
         """
         canvas, theme = self._canvas, LIGHT if scene.style.ground == "light" else DARK
-        canvas.begin(size, scale)
-        layout = self._layout = self._arranged(size)
-        over = None
-        if cursor and not scene.help:
-            over = held or layout.under(*cursor)
-        clear, dense = (*theme.veil[:3], 0.0), (*theme.veil[:3], 0.85)
-        canvas.gradient(0.0, size[1] - BAR, size[0], BAR, clear, dense)
-        canvas.gradient(0.0, 0.0, size[0], TOP, (*theme.veil[:3], 0.6), clear)
-        self._draw_title(layout, theme)
-        for name, place in layout.buttons.items():
-            self._draw_button(name, place, scene, theme, over == name)
-        if layout.speed:
-            text = SPEED_TEXT.get(scene.timeline.speed, f"{scene.timeline.speed:.0f}×")
-            canvas.text(*layout.speed, text, TEXT_SIZE + 2.0, theme.text, BOLD, align=0.5)
-        pointed = cursor[0] if cursor and over == TIMELINE and not held else None
-        lively = over == TIMELINE
-        draw_timeline(canvas, theme, layout, self._clip, scene.timeline, pointed, lively)
-        if over and over != TIMELINE:
-            self._draw_tip(layout, theme, over)
+        facts = facts or Facts()
+        free = held in (None, PANEL) and not scene.help
+        canvas.begin(size, scale, Pointer(cursor if free else None, held == PANEL, wheel))
+        aside = panel_width(size[0], scene.panel and not scene.kiosk)
+        wipe = scene.wipe if scene.compare is Compare.WIPE else None
+        layout = self._arranged((size[0] - aside, size[1]), wipe)
+        self.chosen = scene
+        if scene.kiosk:
+            self._draw_kiosk(layout, theme, scene)
+        else:
+            over = None
+            if cursor and not scene.help and held != PANEL:
+                over = held or layout.under(*cursor)
+            self._draw_chrome(layout, theme, scene, cursor, held, over)
+            self._draw_guides(layout, theme, scene, facts)
+            if aside:
+                place = (layout.size[0], 0.0, aside, size[1])
+                self.chosen = self._panel.draw(scene, theme, place, facts.exporting)
+            if over not in (None, TIMELINE, PANEL, WIPE):
+                self._draw_tip(layout, theme, str(over))
+        self.popup = canvas.popup
+        canvas.to_front()
         if scene.notice:
-            self._draw_card(scene.notice, size[0] / 2, layout.margin + 64.0, theme, size[0])
+            self._draw_card(scene.notice, layout.size[0] / 2, TOP + 2.0, theme, layout.size[0])
         if scene.help:
             draw_help(canvas, theme, size)
         canvas.finish(framebuffer)
@@ -95,11 +131,67 @@ class Overlay:
     def release(self) -> None:
         self._canvas.release()
 
-    def _arranged(self, size: tuple[float, float]) -> Layout:
-        if self._layout is not None and self._layout.size == size:
-            return self._layout
-        dates = [scan.date for scan in self._clip.scans]
-        return arrange(size, self._clip.times, dates, short_dates(dates), self._canvas.width)
+    def _arranged(self, size: tuple[float, float], wipe: float | None) -> Layout:
+        line = None if wipe is None else wipe * size[0]
+        if self._layout is None or self._layout.size != size:
+            dates = [scan.date for scan in self._clip.scans]
+            times, short = self._clip.times, short_dates(dates)
+            self._layout = arrange(size, times, dates, short, self._canvas.width)
+        if self._layout.wipe != line:
+            self._layout = replace(self._layout, wipe=line)
+        return self._layout
+
+    def _draw_chrome(
+        self,
+        layout: Layout,
+        theme: Theme,
+        scene: Scene,
+        cursor: tuple[float, float] | None,
+        held: str | None,
+        over: str | None,
+    ) -> None:
+        canvas, (width, height) = self._canvas, layout.size
+        clear, dense = (*theme.veil[:3], 0.0), (*theme.veil[:3], 0.85)
+        canvas.gradient(0.0, height - BAR, width, BAR, clear, dense)
+        canvas.gradient(0.0, 0.0, width, TOP, (*theme.veil[:3], 0.6), clear)
+        self._draw_title(layout, theme)
+        for name, place in layout.buttons.items():
+            self._draw_button(name, place, scene, theme, over == name)
+        if layout.speed:
+            text = SPEED_TEXT.get(scene.timeline.speed, f"{scene.timeline.speed:.0f}×")
+            canvas.text(*layout.speed, text, TEXT_SIZE + 2.0, theme.text, BOLD, align=0.5)
+        pointed = cursor[0] if cursor and over == TIMELINE and not held else None
+        days = [day for day, _ in scene.path.keys]
+        lively = over == TIMELINE
+        draw_timeline(canvas, theme, layout, self._clip, scene.timeline, pointed, lively, days)
+
+    def _draw_guides(self, layout: Layout, theme: Theme, scene: Scene, facts: Facts) -> None:
+        canvas, clip = self._canvas, self._clip
+        if facts.panes:
+            guides.draw_panes(canvas, theme, layout, facts.panes)
+        if guides.has_room(layout.size):
+            if scene.guides:
+                guides.draw_scale_bar(canvas, theme, layout, scene.camera, clip.unit)
+                guides.draw_axes(canvas, theme, layout, scene.camera)
+            if scene.legend:
+                organs = scene.color_by == "track" and not scene.panel
+                guides.draw_legend(canvas, theme, layout, clip, facts.scale, organs)
+        picked = scene.style.picked
+        if picked is not None and layout.size[1] >= 320.0:
+            track = clip.track_table[picked]
+            red, green, blue = (channel / 255.0 for channel in track.color)
+            paint = (red, green, blue, 1.0)
+            guides.draw_organ(canvas, theme, layout, track.name, paint, facts.organ)
+        if facts.exporting is not None:
+            one = facts.exporting
+            guides.draw_progress(canvas, theme, layout, one.name, one.done, one.total)
+
+    def _draw_kiosk(self, layout: Layout, theme: Theme, scene: Scene) -> None:
+        """The date, and nothing that could be pressed."""
+        canvas, x, y = self._canvas, layout.margin + 8.0, layout.size[1] - layout.margin - 16.0
+        date = date_at(self._clip.scans, scene.timeline.day)
+        canvas.text(x, y, date, 26.0, theme.text, BOLD)
+        canvas.text(x, y - 32.0, self._name, 17.0, theme.muted)
 
     def _draw_title(self, layout: Layout, theme: Theme) -> None:
         canvas, x, y = self._canvas, layout.margin, layout.margin
@@ -121,7 +213,8 @@ class Overlay:
             return
         if pointed:
             canvas.rectangle(place.x, place.y, place.width, place.height, theme.hover, 8.0)
-        color = theme.accent if name == "turn" and scene.turning else theme.text
+        on = (name == "turn" and scene.turning) or (name == "panel" and scene.panel)
+        color = theme.accent if on else theme.text
         if name in DOTS:
             canvas.disc(x, y, DOTS[name], color)
         else:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from player.camera import Camera
+from player.camera_path import CameraPath
+from player.choices import Compare, Output, Wish
 from player.style import Style
 from player.timeline import Timeline
 
@@ -14,11 +17,15 @@ from player.timeline import Timeline
 class Scene:
     """What the user has chosen so far; keys, mouse and buttons each turn it into a new one.
 
-    home:           the camera that shows the whole plant in the window's present shape.
-    has_colors:     whether the clip carries the scans' own colours.
-    turning:        the camera goes round the plant by itself.
-    notice:         a passing sentence for the user.
-    wants_picture:  a screenshot is to be saved of the next picture.
+    home:       the camera that shows the whole plant in the window's present shape.
+    has_colors: whether the clip carries the scans' own colours.
+    organs:     how many tracks the clip has.
+    clips:      how many are shown, 1 or 2.
+    turning:    the camera goes round the plant by itself; following: along its path.
+    guides:     scale bar and axes; legend: what the colours mean.
+    wipe:       share of the width where the wipe's line stands.
+    kiosk:      nothing but the plant and the date.
+    notice:     a passing sentence for the user.
     """
 
     timeline: Timeline
@@ -26,25 +33,51 @@ class Scene:
     home: Camera
     style: Style
     has_colors: bool
+    organs: int = 0
+    clips: int = 1
     turning: bool = False
+    following: bool = False
+    path: CameraPath = field(default_factory=CameraPath)
+    compare: Compare = Compare.OFF
+    wipe: float = 0.5
+    output: Output = field(default_factory=Output)
+    panel: bool = False
+    guides: bool = True
+    legend: bool = True
     help: bool = False
     fullscreen: bool = False
+    kiosk: bool = False
     notice: str = ""
-    wants_picture: bool = False
+    wish: Wish | None = None
     closed: bool = False
 
     @property
     def color_by(self) -> str:
-        """The colouring on screen: "scan" or "track"."""
-        if self.style.color_by == "track" or not self.has_colors:
-            return "track"
-        return "scan"
+        """The colouring on screen: "scan", "track", "age", "speed" or "height"."""
+        if self.style.color_by in ("auto", "scan"):
+            return "scan" if self.has_colors else "track"
+        return self.style.color_by
+
+    @property
+    def colorings(self) -> tuple[str, ...]:
+        """What can be chosen."""
+        every = ("scan", "track", "age", "speed", "height")
+        return every if self.has_colors else every[1:]
 
     def clock(self, move: Callable[[Timeline], Timeline]) -> Scene:
         return replace(self, timeline=move(self.timeline))
 
     def seen(self, move: Callable[[Camera], Camera]) -> Scene:
-        return replace(self, camera=move(self.camera))
+        """Move the camera, away from any path that it was following."""
+        return replace(self, camera=move(self.camera), following=False)
 
     def styled(self, notice: str = "", **changes: object) -> Scene:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
+
+    def switched(self, name: str) -> Scene:
+        """Turn the switch of this name."""
+        change: dict[str, Any] = {name: not getattr(self, name)}
+        return replace(self, **change)
+
+    def told(self, notice: str) -> Scene:
+        return replace(self, notice=notice)

@@ -64,14 +64,17 @@ def events_to(
     controls: Controls,
     to_units: Callable[[float, float], tuple[float, float]],
     draw_again: Callable[[], None],
+    dropped: Callable[[list[str]], None] = lambda names: None,
 ) -> None:
     """Hand the window's events on to `controls`.
 
     to_units:   from the cursor's coordinates to units.
     draw_again: called when the system needs the picture anew.
+    dropped:    called with the names of files dropped on the window.
     """
-    import glfw
+    import glfw as untyped
 
+    glfw: Any = untyped
     named = {
         code: name.removeprefix("KEY_").lower()
         for name, code in vars(glfw).items()
@@ -82,18 +85,18 @@ def events_to(
         glfw.MOUSE_BUTTON_MIDDLE: "middle",
         glfw.MOUSE_BUTTON_RIGHT: "right",
     }
-    repeating = False
+    repeating = shifted = False
 
     def on_key(_: Any, code: int, scancode: int, action: int, modifiers: int) -> None:
-        nonlocal repeating
-        repeating = action == glfw.REPEAT
+        nonlocal repeating, shifted
+        repeating, shifted = action == glfw.REPEAT, bool(modifiers & glfw.MOD_SHIFT)
         shortcut = modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER)
         if action != glfw.RELEASE and code in named and not shortcut:
             controls.key(named[code], bool(modifiers & glfw.MOD_SHIFT), repeating)
 
     def on_character(_: Any, code: int) -> None:
         # Characters, not key codes: "?" and "+" are elsewhere on every keyboard layout.
-        controls.key(chr(code).lower(), repeated=repeating)
+        controls.key(chr(code).lower(), shifted, repeating)
 
     def on_button(window: Any, code: int, action: int, modifiers: int) -> None:
         if code not in buttons:
@@ -110,6 +113,14 @@ def events_to(
     glfw.set_cursor_enter_callback(handle, lambda _, entered: None if entered else controls.leave())
     glfw.set_scroll_callback(handle, lambda _, right, up: controls.wheel(up))
     glfw.set_window_refresh_callback(handle, lambda _: draw_again())
+    glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
+
+
+def hide_cursor(handle: Any, wanted: bool) -> None:
+    """Over the window."""
+    import glfw
+
+    glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN if wanted else glfw.CURSOR_NORMAL)
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:

@@ -12,6 +12,7 @@ class Theme:
     on_accent:    writing and icons on the accent.
     track:        the timeline's line, where it has not passed yet.
     card, edge:   bubbles, tips and the help, and their outline.
+    loss:         marks of lost organs.
     hover:        behind the button under the cursor.
     veil:         the ground's own colour, to calm it behind the timeline.
     shade:        over everything else while the help is open.
@@ -24,6 +25,7 @@ class Theme:
     track: Color
     card: Color
     edge: Color
+    loss: Color
     hover: Color
     veil: Color
     shade: Color
@@ -37,6 +39,7 @@ DARK = Theme(
     track=color("#ffffff", 0.24),
     card=color("#1d2624", 0.96),
     edge=color("#ffffff", 0.12),
+    loss=color("#e8a06a"),
     hover=color("#ffffff", 0.12),
     veil=color("#0d1213"),
     shade=color("#060909", 0.66),
@@ -50,6 +53,7 @@ LIGHT = Theme(
     track=color("#15201b", 0.24),
     card=color("#fdfdfb", 0.97),
     edge=color("#15201b", 0.14),
+    loss=color("#b8581c"),
     hover=color("#15201b", 0.09),
     veil=color("#e3e4e0"),
     shade=color("#c9cdc9", 0.66),

@@ -9,6 +9,7 @@ SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 SECONDS_PER_INTERVAL = 2.0  # at speed 1, on average over the series
 SHORTEST, LONGEST = 4.0, 24.0  # seconds that a whole series takes at speed 1
 REST = 0.8  # seconds to look at an end before the clock goes on
+FRAMES = 30  # a second, of the steps from frame to frame
 
 
 class AtEnd(StrEnum):
@@ -28,6 +29,7 @@ class Timeline:
     speed:     factor on the natural speed, one of SPEEDS.
     backwards: on its way back (PING_PONG).
     rest:      seconds that the clock still waits at an end.
+    begin, end: of the part that is played; None for the series' own.
     """
 
     times: tuple[float, ...]
@@ -37,6 +39,8 @@ class Timeline:
     at_end: AtEnd = AtEnd.LOOP
     backwards: bool = False
     rest: float = field(default=0.0, compare=False)
+    begin: float | None = None
+    end: float | None = None
 
     @classmethod
     def of(cls, times: list[float] | tuple[float, ...]) -> Timeline:
@@ -50,6 +54,16 @@ class Timeline:
     @property
     def last(self) -> float:
         return self.times[-1]
+
+    @property
+    def lower(self) -> float:
+        """Where playing begins."""
+        return self.first if self.begin is None else self.begin
+
+    @property
+    def upper(self) -> float:
+        """Where playing ends."""
+        return self.last if self.end is None else self.end
 
     @property
     def days_per_second(self) -> float:
@@ -80,23 +94,25 @@ class Timeline:
             if seconds < self.rest:
                 return replace(self, rest=self.rest - seconds), 0.0
             return self._turned(), seconds - self.rest
-        goal, sign = (self.first, -1.0) if self.backwards else (self.last, 1.0)
+        if not self.lower <= self.day <= self.upper:
+            return replace(self, day=self.upper if self.backwards else self.lower), seconds
+        goal, sign = (self.lower, -1.0) if self.backwards else (self.upper, 1.0)
         needed = abs(goal - self.day) / self.days_per_second
         if seconds < needed:
             day = self.day + sign * seconds * self.days_per_second
-            return replace(self, day=min(max(day, self.first), self.last)), 0.0
+            return replace(self, day=min(max(day, self.lower), self.upper)), 0.0
         if self.at_end is AtEnd.STOP:
             return replace(self, day=goal, playing=False, backwards=False), 0.0
         return replace(self, day=goal, rest=REST), seconds - needed
 
     def _turned(self) -> Timeline:
         if self.at_end is AtEnd.PING_PONG:
-            return replace(self, rest=0.0, backwards=self.day == self.last)
-        return replace(self, rest=0.0, day=self.first, backwards=False)
+            return replace(self, rest=0.0, backwards=self.day == self.upper)
+        return replace(self, rest=0.0, day=self.lower, backwards=False)
 
     def played(self) -> Timeline:
         """Start the clock; at the end of the series it starts over, or goes back."""
-        at_goal = self.day == (self.first if self.backwards else self.last)
+        at_goal = self.day == (self.lower if self.backwards else self.upper)
         return replace(self._turned() if at_goal else self, playing=True)
 
     def paused(self) -> Timeline:
@@ -112,6 +128,24 @@ class Timeline:
     def nudged(self, share: float) -> Timeline:
         """Pause and go on by a share of the whole series, negative for back."""
         return self.paused().at(self.day + share * (self.last - self.first))
+
+    def framed(self, count: int) -> Timeline:
+        """Pause and go on by frames of a film, negative for back."""
+        return self.paused().at(self.day + count * self.days_per_second / FRAMES)
+
+    def begun_here(self) -> Timeline:
+        """Play from this day on; an end that lies before it no longer counts."""
+        begin = None if self.day in (self.first, self.last) else self.day
+        return replace(self, begin=begin, end=self.end if self.upper > self.day else None)
+
+    def ended_here(self) -> Timeline:
+        """Play up to this day; a beginning that lies after it no longer counts."""
+        end = None if self.day in (self.first, self.last) else self.day
+        return replace(self, end=end, begin=self.begin if self.lower < self.day else None)
+
+    def unbounded(self) -> Timeline:
+        """Play the whole series."""
+        return replace(self, begin=None, end=None)
 
     def stepped(self, direction: int) -> Timeline:
         """Pause at the next scan (direction 1) or the one before (-1)."""

@@ -1,4 +1,4 @@
-"""The window: shows a clip, and lets keys and mouse change what is seen.
+"""The window: shows clips, and lets keys and mouse change what is seen.
 
 The scene is a frozen value (scene.py). Events turn it into a new one (controls.py), time passes
 over it, and a picture is drawn only where it would differ from the last one.
@@ -6,18 +6,27 @@ over it, and a picture is drawn only where it would differ from the last one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from player.camera import Camera
+from gclip.errors import ClipError
+from player import keys
+from player.camera_path import CameraPath, load_path, save_path
+from player.choices import Compare, Wish
+from player.compare import panes_of
 from player.controls import Controls
 from player.dates import date_at
-from player.detail import Detail, Enlarger, Pace
-from player.layout import ABOVE_PLANT, BELOW_PLANT
+from player.detail import Detail, Pace
+from player.errors import PlayerError
+from player.exports import Exports
+from player.layout import panel_width
+from player.measures import Measures, home_camera
 from player.scene import Scene
-from player.screen import events_to, opened, shortest_frame, switch_fullscreen
+from player.screen import events_to, hide_cursor, opened, shortest_frame, switch_fullscreen
 from player.screenshot import save_screenshot
+from player.show import FileWatch, Shown
 from player.style import Style
 from player.timeline import Timeline
 
@@ -28,111 +37,79 @@ NOTICE_SECONDS = 2.5
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
-IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C while nothing moves
+IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
+FRESH = 0.7  # seconds that the panel is drawn anew after it was touched: its tips take a while
 
 
 def show(
-    clip: Clip,
+    clip: Clip | Sequence[Shown],
     style: Style | None = None,
     *,
     name: str = "plant",
     size: tuple[int, int] = (1280, 720),
-    turning: bool = False,
-    watch: Callable[[Scene], None] | None = None,
-) -> None:
-    """Play a clip in a window until the user closes it.
+    prepare: Callable[[Scene], Scene] = lambda scene: scene,
+    watch: Callable[[Scene], None] = lambda scene: None,
+) -> tuple[Scene, tuple[int, int]]:
+    """Play a clip, or two in step, in a window until the user closes it.
 
-    style: how it looks at first.
-    name:  what to call the clip in the titles.
-    size:  (width, height) of the window in units of 1/96 inch.
-    turning: the camera goes round the plant from the start.
-    watch: called with the scene after each picture.
-    Raises PlayerError where there is no display, or no OpenGL 3.3.
+    style:   how it looks at first.
+    name:    what to call the clip in the titles.
+    size:    (width, height) of the window in units of 1/96 inch.
+    prepare: makes the first scene from the usual one.
+    watch:   called with the scene after each picture.
+    Gives the last scene and the window's size. Raises PlayerError where there is no display, or no
+    OpenGL 3.3.
     """
-    with opened(size, name) as handle:
-        window = Window(handle, clip, style or Style(), name, turning)
+    shown = tuple(clip) if isinstance(clip, Sequence) else (Shown(clip, name),)
+    with opened(size, shown[0].name) as handle:
+        window = Window(handle, shown, style or Style(), prepare)
         try:
-            window.run(watch or (lambda scene: None))
+            return window.run(watch), window.size
         finally:
             window.release()
 
 
-@dataclass(frozen=True)
-class Measures:
-    """The sizes of a window, which differ on displays of high density.
-
-    window:      (width, height) in the system's own coordinates, those of the cursor.
-    framebuffer: (width, height) in pixels; zero while the window is minimised.
-    scale:       pixels in a unit of 1/96 inch (the system's content scale).
-    """
-
-    window: tuple[int, int]
-    framebuffer: tuple[int, int]
-    scale: float
-
-    @property
-    def visible(self) -> bool:
-        return min(*self.window, *self.framebuffer) > 0
-
-    @property
-    def units(self) -> tuple[float, float]:
-        """(width, height) in units."""
-        return self.framebuffer[0] / self.scale, self.framebuffer[1] / self.scale
-
-    def to_units(self, x: float, y: float) -> tuple[float, float]:
-        """From the cursor's coordinates to units."""
-        width, height = self.units
-        return x * width / self.window[0], y * height / self.window[1]
-
-
-def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
-    """The whole plant in the part of a window that titles and timeline leave free.
-
-    size: (width, height) of the window in units.
-    """
-    width, height = size
-    free = max(height - ABOVE_PLANT - BELOW_PLANT, 0.3 * height)
-    camera = Camera.home(clip, width / free).zoom(free / height)
-    return camera.pan(0.0, (BELOW_PLANT - ABOVE_PLANT) / 2 / height)
-
-
 class Window:
-    """One clip in one open window, whose OpenGL context is current."""
+    """Clips in one open window, whose OpenGL context is current."""
 
     def __init__(
-        self, handle: Any, clip: Clip, style: Style, name: str, turning: bool = False
+        self,
+        handle: Any,
+        shown: tuple[Shown, ...],
+        style: Style,
+        prepare: Callable[[Scene], Scene],
     ) -> None:
         import glfw
 
         from player.context import from_window
-        from player.overlay import Overlay
-        from player.renderer import Renderer
 
         self._glfw: Any = glfw
         self._handle = handle
-        self._clip = clip
-        self._name = name
         self._context: Any = from_window()
-        self._renderer = Renderer(self._context, clip)
-        self._enlarger = Enlarger(self._context)
-        self._pace = Pace(max(len(interval) for interval in clip.intervals))
-        self._overlay = Overlay(self._context, clip, name)
         self._measures = self._measured()
-        home = home_camera(clip, self._measures.units if self._measures.visible else (16.0, 9.0))
-        timeline = Timeline.of(clip.times).played()
-        scene = Scene(timeline, home, home, style, clip.has_colors, turning=turning)
-        self._controls = Controls(scene)
+        self._dropped: list[str] = []
+        self._exports = Exports()
+        self._shape: object = None  # what the home camera is fitted to
         self._drawn: object = None  # what the last picture showed
         self._view: object = None  # its day, camera and size
-        self._whole = True  # whether the last picture showed every mover
-        self._loading = True  # whether movers came to the GPU for it
+        self._touched, self._fresh_until = 0, 0.0
         self._title = ""
         self._notice, self._notice_ends = "", 0.0
         self._watch: Callable[[Scene], None] = lambda scene: None
-        events_to(handle, self._controls, self._to_units, self._draw_again)
+        self._stage: Any = None
+        self._overlay: Any = None
+        self._show(shown)
+        camera = home_camera(shown[0].clip, (16.0, 9.0))
+        timeline = Timeline.of(shown[0].clip.times).played()
+        scene = Scene(timeline, camera, camera, style, False)
+        self._controls = Controls(prepare(self._fitting(scene)))
+        self._fit()
+        self._fitted()
+        events_to(handle, self._controls, self._to_units, self._draw_again, self._dropped.extend)
+        hide_cursor(handle, self._controls.scene.kiosk)
 
-    def run(self, watch: Callable[[Scene], None]) -> None:
-        """Draw and listen until the window is closed."""
+    def run(self, watch: Callable[[Scene], None]) -> Scene:
+        """Draw and listen until the window is closed; gives the last scene."""
         glfw, self._watch = self._glfw, watch
         frame = shortest_frame()
         then = glfw.get_time()
@@ -140,6 +117,8 @@ class Window:
             now = glfw.get_time()
             self._pass_time(min(now - then, LONGEST_STEP), now)
             then = now
+            self._look_at_files()
+            self._answer_click()
             self._follow_window()
             self._draw()
             if self._lively:
@@ -148,18 +127,62 @@ class Window:
             else:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
+        return self._controls.scene
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """In units of 1/96 inch."""
+        width, height = self._measures.units
+        return round(width), round(height)
 
     def release(self) -> None:
+        self._exports.release()
         self._overlay.release()
-        self._enlarger.release()
-        self._renderer.release()
+        self._stage.release()
+
+    def _show(self, shown: tuple[Shown, ...]) -> None:
+        """Take these clips on the stage."""
+        from player.colors import Colors
+        from player.organ import OrganFacts
+        from player.overlay import Overlay
+        from player.stage import Stage
+
+        if self._stage is not None:
+            self._overlay.release()
+            self._stage.release()
+        self._shown = shown
+        clips = [one.clip for one in shown]
+        self._stage = Stage(self._context, clips)
+        self._overlay = Overlay(self._context, clips[0], " · ".join(one.name for one in shown))
+        self._pace = Pace(max(len(interval) for clip in clips for interval in clip.intervals))
+        self._colors, self._organ = Colors(clips[0]), OrganFacts(clips[0])
+        self._files = FileWatch([one.file for one in shown if one.file is not None])
+        self._drawn = self._view = self._shape = None
+
+    def _fitting(self, scene: Scene) -> Scene:
+        """A scene as these clips allow it."""
+        clip, style = self._shown[0].clip, scene.style
+        organs = len(clip.track_table)
+        if scene.organs != organs and style.marked:
+            scene = scene.styled(scene.notice, picked=None, alone=None, hidden=frozenset())
+        compare = scene.compare
+        if len(self._shown) != scene.clips:
+            compare = Compare.BESIDE if len(self._shown) > 1 else Compare.OFF
+        return replace(
+            scene,
+            has_colors=clip.has_colors,
+            organs=organs,
+            clips=len(self._shown),
+            compare=compare,
+        )
 
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         controls, scene = self._controls, self._controls.scene
         plays = scene.timeline.playing and not controls.scrubbing
-        return plays or scene.turning or bool(scene.notice) or not self._whole
+        fresh = self._glfw.get_time() < self._fresh_until
+        return plays or scene.turning or bool(scene.notice) or fresh or not self._stage.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         controls, scene = self._controls, self._controls.scene
@@ -167,85 +190,179 @@ class Window:
             scene = scene.clock(lambda t: t.tick(seconds))
         if scene.turning and not controls.dragging:
             scene = scene.seen(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
+        if scene.following and scene.path:
+            scene = replace(scene, camera=scene.path.at(scene.timeline.day))
+        ended = self._exports.look()
+        if ended:
+            scene = scene.told(ended)
         if scene.notice != self._notice:
             self._notice, self._notice_ends = scene.notice, now + NOTICE_SECONDS
         elif scene.notice and now > self._notice_ends:
-            scene = replace(scene, notice="")
+            scene = scene.told("")
         controls.scene = scene
+
+    def _look_at_files(self) -> None:
+        """Show what was dropped on the window, and what was baked anew."""
+        dropped, self._dropped[:] = list(self._dropped), []
+        try:
+            paths = [name for name in dropped if name.lower().endswith(".json")]
+            if paths:
+                path = load_path(Path(paths[0]), self._shown[0].clip)
+                scene = replace(self._controls.scene, path=path, following=True, turning=False)
+                self._controls.scene = scene.told(f"Camera path of {len(path.keys)} keys")
+            elif dropped:
+                self._take([Shown.opened(Path(name)) for name in dropped[:2]], fresh=True)
+            elif self._files.changed():
+                again = [Shown.opened(one.file) if one.file else one for one in self._shown]
+                self._take(again, fresh=False)
+        except (ClipError, PlayerError) as error:
+            self._controls.scene = self._controls.scene.told(str(error))
+
+    def _take(self, shown: Sequence[Shown], fresh: bool) -> None:
+        """Show other clips, or the same ones as they were baked anew."""
+        scene, times = self._controls.scene, tuple(shown[0].clip.times)
+        self._show(tuple(shown))
+        untouched = fresh or scene.camera == scene.home
+        timeline = replace(scene.timeline, times=times, begin=None, end=None)
+        timeline = timeline.at(times[0] if fresh else timeline.day)
+        path = CameraPath() if fresh else scene.path
+        scene = replace(
+            scene, timeline=timeline, path=path, following=bool(path and scene.following)
+        )
+        told = f"Opened {shown[0].name}" if fresh else "Baked anew: loaded again"
+        self._controls.scene = self._fitting(scene).told(told)
+        self._fit()
+        if untouched:
+            self._fitted()
+
+    def _answer_click(self) -> None:
+        """Pick the organ that was clicked."""
+        controls, scene = self._controls, self._controls.scene
+        clicked, controls.clicked = controls.clicked, None
+        if clicked is None or scene.kiosk or controls.layout is None:
+            return
+        from player.pick import organ_at
+
+        width, height = controls.layout.size
+        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
+        for pane in panes_of(scene, clips, names):
+            left, right = pane.left * width, pane.right * width
+            if pane.clip == 0 and left <= clicked[0] < right:
+                size = (right - left, height) if pane.own else (width, height)
+                at = (clicked[0] - (left if pane.own else 0.0), clicked[1])
+                track = organ_at(clips[0], pane.day, pane.camera, scene.style, at, size)
+                controls.scene = keys.picked(scene, track)
 
     def _follow_window(self) -> None:
         """Take over the window's present size, and give it the state that the scene asks for."""
-        controls, before = self._controls, self._measures
+        controls = self._controls
         switch_fullscreen(self._handle, controls.scene.fullscreen)
         self._measures = self._measured()
-        if self._measures != before and self._measures.visible:
-            scene = controls.scene
-            home = home_camera(self._clip, self._measures.units)
-            untouched = scene.camera == scene.home
-            camera = home if untouched else scene.camera
-            controls.scene = replace(scene, camera=camera, home=home)
-        title = f"{date_at(self._clip.scans, controls.scene.timeline.day)} · {self._name}"
+        self._fit()
+        date = date_at(self._shown[0].clip.scans, controls.scene.timeline.day)
+        title = f"{date} · {self._shown[0].name}"
         if title != self._title:
             self._glfw.set_window_title(self._handle, title)
             self._title = title
 
+    def _fit(self) -> None:
+        """Fit the home camera to the part of the window that a plant has."""
+        scene, (width, height) = self._controls.scene, self._measures.units
+        if not self._measures.visible:
+            return
+        width -= self._aside
+        width *= 0.5 if scene.compare is Compare.BESIDE else 1.0
+        if self._shape == (width, height):
+            return
+        self._shape = (width, height)
+        home = home_camera(self._shown[0].clip, (width, height))
+        untouched = scene.camera == scene.home
+        camera = home if untouched else scene.camera
+        self._controls.scene = replace(scene, camera=camera, home=home)
+
+    def _fitted(self) -> None:
+        """See the whole plant."""
+        self._controls.scene = replace(self._controls.scene, camera=self._controls.scene.home)
+
+    @property
+    def _aside(self) -> float:
+        """What the panel takes from the window's width, in units."""
+        scene = self._controls.scene
+        return panel_width(self._measures.units[0], scene.panel and not scene.kiosk)
+
     def _draw(self) -> None:
-        controls, measures = self._controls, self._measures
+        controls, measures, now = self._controls, self._measures, self._glfw.get_time()
+        if controls.touched != self._touched:
+            self._touched, self._fresh_until = controls.touched, now + FRESH
+        fresh = now < self._fresh_until
         cursor = None if controls.dragging else controls.cursor
         held = controls.held if isinstance(controls.held, str) else None
-        scene, screen = controls.scene, self._context.screen
+        scene, area = controls.scene, measures.beside(self._aside)
         view = (scene.timeline.day, scene.camera, measures)
-        moves = view != self._view and not scene.wants_picture
-        detail = self._pace.detail(measures.framebuffer) if moves else Detail()
-        wanted = (scene, measures, cursor, held, detail)
-        if not measures.visible or (wanted == self._drawn and self._whole):
+        moves = view != self._view and scene.wish is None
+        detail = self._pace.detail(area) if moves else Detail()
+        facts = self._facts(scene)
+        wanted = (scene, measures, cursor, held, detail, facts)
+        if not measures.visible or (wanted == self._drawn and self._stage.whole and not fresh):
             return
-        at_rest = not moves and not self._loading
         began = self._glfw.get_time()
-        screen.viewport = (0, 0, *measures.framebuffer)
-        self._enlarger.draw(
-            screen,
-            measures.framebuffer,
-            detail.pixels,
-            lambda framebuffer, size: self._draw_plant(framebuffer, size, detail.every, at_rest),
-        )
-        if scene.wants_picture:
-            controls.scene = scene = self._with_screenshot(scene)
+        at_rest = (not moves and not self._stage.loading) or scene.wish is not None
+        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
+        panes = panes_of(scene, clips, names)
+        patience = None if at_rest else LOADING
+        self._stage.paint(area, panes, scene.style, detail, patience)
+        self._context.screen.use()
+        self._stage.show(self._context.screen, area)
+        if scene.wish is not None:
+            controls.scene = scene = self._granted(scene, area)
+        wheel, controls.turned = controls.turned, 0.0
         controls.layout = self._overlay.draw(
-            screen, scene, measures.units, measures.scale, cursor, held
+            *(self._context.screen, scene, measures.units, measures.scale, cursor, held),
+            replace(facts, panes=panes if len(panes) > 1 else ()),
+            wheel,
         )
         self._glfw.swap_buffers(self._handle)
+        if self._overlay.chosen is not scene and self._overlay.chosen is not None:
+            controls.scene = self._overlay.chosen
+        controls.popup = self._overlay.popup
         if moves:
             self._pace.took(self._glfw.get_time() - began)
         self._drawn, self._view = wanted, view
         self._watch(scene)
 
-    def _draw_plant(
-        self, framebuffer: Any, size: tuple[int, int], every: int, at_rest: bool
-    ) -> None:
-        """At rest every mover is drawn, whatever it takes; before that, what the GPU has so far."""
-        scene = self._controls.scene
-        patience = None if at_rest or scene.wants_picture else LOADING
-        before = self._renderer.loaded
-        self._whole = self._renderer.draw(
-            *(framebuffer, scene.timeline.day, scene.camera, scene.style, size),
-            every=every,
-            patience=patience,
-        )
-        self._loading = self._renderer.loaded != before
+    def _facts(self, scene: Scene) -> Any:
+        from player.overlay import Facts
+
+        picked = scene.style.picked
+        known = () if picked is None else tuple(self._organ.lines(picked, scene.timeline.day))
+        return Facts(self._colors.scale(scene.style), known, (), self._exports.progress)
+
+    def _granted(self, scene: Scene, area: tuple[int, int]) -> Scene:
+        """Do what was wished for, once."""
+        wish, scene = scene.wish, replace(scene, wish=None)
+        name, file, clip = self._shown[0].name, self._shown[0].file, self._shown[0].clip
+        plain = scene.output.size is None and not scene.output.transparent
+        if wish is Wish.PICTURE and (plain or file is None):
+            date = date_at(clip.scans, scene.timeline.day)
+            return scene.told(save_screenshot(self._stage.pixels(area), area, f"{name} {date}"))
+        if wish is Wish.SAVE_PATH:
+            if not scene.path:
+                return scene.told("Add camera keys first: K, on two days or more.")
+            target = Path(f"{name}.camera.json")
+            try:
+                save_path(scene.path, clip, target)
+            except PlayerError as error:
+                return scene.told(str(error))
+            return scene.told(f"Saved {target}")
+        if file is None:
+            return scene.told("Only clips that were opened from a file can be exported.")
+        return scene.told(self._exports.toggle(scene, file, name, area, wish is Wish.PICTURE))
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""
         self._drawn = None
         self._follow_window()
         self._draw()
-
-    def _with_screenshot(self, scene: Scene) -> Scene:
-        size = self._measures.framebuffer
-        pixels = self._context.screen.read(viewport=(0, 0, *size), components=3, alignment=1)
-        date = date_at(self._clip.scans, scene.timeline.day)
-        notice = save_screenshot(pixels, size, f"{self._name} {date}")
-        return replace(scene, wants_picture=False, notice=notice)
 
     def _measured(self) -> Measures:
         glfw, handle = self._glfw, self._handle

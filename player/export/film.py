@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from gclip import Clip
     from player.camera import Camera
+    from player.camera_path import CameraPath
     from player.render import Offscreen
 
 SECONDS_AN_INTERVAL = 1.5
@@ -37,6 +38,7 @@ class Film:
     stamps:  what else is written into the picture.
     cut_out: the plant alone, on a transparent ground.
     name:    what the plant is called where it needs a name: its clip's.
+    path:    the camera on every day; None shows the whole plant.
     """
 
     size: tuple[int, int] = (1280, 720)
@@ -50,6 +52,7 @@ class Film:
     stamps: Stamps = field(default_factory=Stamps)
     cut_out: bool = False
     name: str = "plant"
+    path: CameraPath | None = None
 
     @property
     def aspect(self) -> float:
@@ -105,11 +108,15 @@ class Film:
 
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""
-        home, count = self.camera(clip), self.frame_count(clip)
-        turn = 2.0 * math.pi / count if self.turning else 0.0
-        return [home.orbit(turn * index, 0.0) for index in range(count)]
+        days, home = self.days(clip), self.camera(clip)
+        turn = 2.0 * math.pi / len(days) if self.turning else 0.0
+        starts = [self.path.at(day) if self.path else home for day in days]
+        return [camera.orbit(turn * index, 0.0) for index, camera in enumerate(starts)]
 
-    def camera(self, clip: Clip) -> Camera:
+    def camera(self, clip: Clip, day: float | None = None) -> Camera:
+        """From where a day is seen; without one, the film's first picture."""
         from player.camera import Camera
 
+        if self.path:
+            return self.path.at(self.days(clip)[0] if day is None else day)
         return Camera.home(clip, self.aspect, turning=self.turning)

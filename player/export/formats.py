@@ -116,10 +116,10 @@ def _webm(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     with _offscreen(clip, film) as offscreen:
-        days, camera = film.days(clip), film.camera(clip)
+        days = film.days(clip)
         chosen = days[:: max(1, len(days) // gif.SAMPLES)]
         draw = film.painter(clip, offscreen)
-        samples = [draw(day, camera)[::2, ::2] for day in chosen]
+        samples = [draw(day, film.camera(clip, day))[::2, ::2] for day in chosen]
         gif.write(_counted(film, clip, offscreen, progress), film, path, samples)
 
 
@@ -131,7 +131,7 @@ def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     day = film.at[0] if film.at else clip.times[-1]
-    camera = film.camera(clip)
+    camera = film.camera(clip, day)
     with _offscreen(clip, film) as offscreen:
         picture = film.painter(clip, offscreen)(day, camera)
         png.write_one(picture, path, camera.matrix(film.aspect))

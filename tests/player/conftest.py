@@ -1,8 +1,11 @@
-"""A graphics context, and tiny clips made by hand."""
+"""A graphics context, tiny clips made by hand, and an open window."""
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -11,6 +14,7 @@ import pytest
 from gclip.clip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.context import headless
+from tests.player.shown import SIZE, Shown, small_clip
 
 ClipMaker = Callable[..., Clip]
 STEM, LEAF = (140, 170, 70), (60, 130, 220)
@@ -84,3 +88,47 @@ def make_clip() -> ClipMaker:
         )
 
     return make
+
+
+@pytest.fixture(scope="module")
+def display() -> Iterator[dict[str, str]]:
+    for program in ("Xvfb", "xdotool"):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed (apt-get install xvfb xdotool)")
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x960x24", "-noreset"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    assert server.stdout is not None
+    number = server.stdout.readline().strip()
+    yield {"DISPLAY": f":{number}", "WAYLAND_DISPLAY": "", "XDG_SESSION_TYPE": "x11"}
+    server.terminate()
+    server.wait(timeout=20)
+
+
+@pytest.fixture(scope="module")
+def clip_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("clip") / "plant.gclip"
+    small_clip().save(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def opened(display: dict[str, str], clip_file: Path) -> Iterator[Shown]:
+    shown = Shown(display, clip_file, SIZE)
+    yield shown
+    shown.end()
+
+
+@pytest.fixture
+def shown(opened: Shown) -> Shown:
+    """The open window, paused at the first scan, seen from home, the mouse on the plant."""
+    opened.point(320, 200)
+    if opened.states[-1]["help"]:
+        opened.key("h")
+    if opened.states[-1]["playing"]:
+        opened.key("space")
+        opened.until(lambda state: not state["playing"])
+    opened.key("Home", "f")
+    opened.until(lambda state: state["day"] == 0.0 and state["at_home"] and not state["notice"])
+    return opened

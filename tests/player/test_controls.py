@@ -135,15 +135,18 @@ def test_a_click_closes_the_help_and_does_nothing_else(controls: Controls) -> No
     assert controls.scene.timeline.day == 0.0
 
 
-def test_coloring_by_scan_needs_colors(controls: Controls) -> None:
-    controls.key("c")
-    assert controls.scene.color_by == "track"
-    controls.key("c")
-    assert controls.scene.color_by == "scan"
+def test_c_goes_through_the_colourings_that_the_clip_has(controls: Controls) -> None:
+    seen = []
+    for _ in range(5):
+        controls.key("c")
+        seen.append(controls.scene.color_by)
+    assert seen == ["track", "age", "speed", "height", "scan"]
     controls.scene = replace(controls.scene, has_colors=False)
     assert controls.scene.color_by == "track"
-    controls.key("c")
-    assert "no scan colours" in controls.scene.notice
+    for _ in range(4):
+        controls.key("c")
+        assert controls.scene.color_by != "scan"
+    assert controls.scene.color_by == "track"
 
 
 def test_point_size_comes_back_to_one_and_has_limits(controls: Controls) -> None:

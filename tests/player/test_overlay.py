@@ -155,9 +155,10 @@ def test_the_plant_stays_free_until_the_help_opens(context: moderngl.Context) ->
     clip = small_clip("day 0", "day 1")
     sheet = Sheet(context, clip, "a clip", 1.0)
     free = (slice(90, 350), slice(None))
-    pixels, _ = sheet.draw(scene_of(clip))
+    plain = replace(scene_of(clip), guides=False, legend=False)
+    pixels, _ = sheet.draw(plain)
     assert (pixels[free] == GROUND).all()
-    pixels, _ = sheet.draw(replace(scene_of(clip), help=True))
+    pixels, _ = sheet.draw(replace(plain, help=True))
     assert (pixels[free] != GROUND).any(axis=2).all()
     sheet.overlay.release()
 

@@ -1,0 +1,107 @@
+"""What stands beside the plant: one of its scans, or another clip in step. No graphics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from player.camera import Camera, axes
+from player.choices import Compare
+from player.dates import date_at
+
+if TYPE_CHECKING:
+    from gclip import Clip
+    from player.scene import Scene
+
+ALIKE = 3.0  # how many times as large another plant may be to be shown at the same scale
+NEAR = 0.3  # of its radius: how near plants stand to count as the same one
+
+
+@dataclass(frozen=True)
+class Pane:
+    """A part of the window that shows a clip on a day.
+
+    clip:        its number among those shown.
+    left, right: the part, in shares of the width.
+    own:         the part holds a whole picture; else it is cut out of one as wide as all of them.
+    caption:     what is seen there, "" where there is nothing to tell.
+    """
+
+    clip: int
+    day: float
+    camera: Camera
+    left: float = 0.0
+    right: float = 1.0
+    own: bool = True
+    caption: str = ""
+
+
+def panes_of(scene: Scene, clips: Sequence[Clip], names: Sequence[str]) -> tuple[Pane, ...]:
+    """The panes of a scene, from left to right.
+
+    names: of the clips.
+    """
+    day, first = scene.timeline.day, clips[0]
+    if scene.compare is Compare.OFF:
+        return (Pane(0, day, scene.camera),)
+    if len(clips) > 1:
+        left = Pane(0, day, scene.camera, caption=names[0])
+        camera = transferred(scene.camera, scene.home, first, clips[1])
+        right = Pane(1, matched_day(first, clips[1], day), camera, caption=names[1])
+    else:
+        scan = min(first.scans, key=lambda scan: abs(scan.time - day))
+        left = Pane(0, scan.time, scene.camera, caption=f"Scan of {scan.date}")
+        right = Pane(0, day, scene.camera, caption=f"Now, {date_at(first.scans, day)}")
+    cut = scene.wipe if scene.compare is Compare.WIPE else 0.5
+    own = scene.compare is Compare.BESIDE
+    return replace(left, right=cut, own=own), replace(right, left=cut, own=own)
+
+
+def matched_day(first: Clip, second: Clip, day: float) -> float:
+    """The day of another clip that goes with one of the first: the same where the series overlap,
+    else as long after its own first scan.
+    """
+    (begin, end), (low, high) = (clip.times[:: len(clip.times) - 1] for clip in (first, second))
+    if max(begin, low) < min(end, high):
+        return min(max(day, low), high)
+    return min(low + day - begin, high)
+
+
+def transferred(camera: Camera, home: Camera, first: Clip, second: Clip) -> Camera:
+    """A camera of the first clip that sees the second one alike, and if it can, at the same scale.
+
+    The same plant is seen from the very same place; another one from the same side of its own.
+    """
+    if _same_place(first, second):
+        shift = np.asarray(first.origin) - np.asarray(second.origin)
+        return replace(camera, target=_triple(np.asarray(camera.target) + shift))
+    other = Camera.home(second)
+    scale = other.radius / home.radius
+    scale = 1.0 if 1.0 / ALIKE < scale < ALIKE else scale
+    moved = axes(home.up) @ (np.asarray(camera.target) - home.target)
+    return replace(
+        camera,
+        target=_triple(np.asarray(other.target) + scale * (axes(other.up).T @ moved)),
+        distance=scale * camera.distance,
+        yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
+        up=other.up,
+        radius=other.radius,
+    )
+
+
+def _same_place(first: Clip, second: Clip) -> bool:
+    if first.up != second.up:
+        return False
+    boxes = [np.add(clip.bounds, clip.origin) for clip in (first, second)]
+    middles = [box.mean(axis=0) for box in boxes]
+    sizes = [float(np.linalg.norm(box[1] - box[0])) / 2 for box in boxes]
+    apart = float(np.linalg.norm(middles[0] - middles[1]))
+    return apart < NEAR * max(sizes) and max(sizes) < ALIKE * min(sizes)
+
+
+def _triple(vector: np.ndarray) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), float(vector[2])

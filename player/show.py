@@ -1,0 +1,51 @@
+"""What a window shows: clips and their files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A clip, what the user calls it, and the file that it comes from, if any."""
+
+    clip: Clip
+    name: str
+    file: Path | None = None
+
+    @classmethod
+    def opened(cls, file: Path) -> Shown:
+        """Raises ClipError where it is no clip."""
+        import gclip
+
+        return cls(gclip.open(file), file.stem, file)
+
+
+class FileWatch:
+    """Notices when files are replaced, as `bake` does by renaming."""
+
+    def __init__(self, files: list[Path]) -> None:
+        self._files = {file: _mark(file) for file in files}
+
+    def changed(self) -> bool:
+        """Whether any of them is another file than at the last look; a missing one is awaited."""
+        found = False
+        for file, before in self._files.items():
+            now = _mark(file)
+            if now is not None and now != before:
+                self._files[file], found = now, True
+        return found
+
+
+def _mark(file: Path) -> tuple[int, int, int] | None:
+    try:
+        state = os.stat(file)
+    except OSError:
+        return None
+    return state.st_ino, state.st_size, state.st_mtime_ns

@@ -1,0 +1,63 @@
+"""Opens the window as the command line and the last time left it, and remembers how it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from player.camera_path import load_path
+from player.scene import Scene
+from player.settings import Settings, load_settings, save_settings
+from player.show import Shown
+from player.timeline import AtEnd
+from player.window import show
+
+if TYPE_CHECKING:
+    from player.style import Style
+
+SIZE = (1280, 720)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks for; None leaves it to the last time's settings.
+
+    path:  file of a camera path to follow.
+    kiosk: full screen, over and over, nothing to press.
+    """
+
+    size: tuple[int, int] | None = None
+    ground: str | None = None
+    turning: bool = False
+    path: Path | None = None
+    kiosk: bool = False
+
+
+def start(files: Sequence[Path], style: Style, wanted: Wanted) -> None:
+    """Play one clip, or two in step. Raises ClipError, and PlayerError, as `show` does."""
+    shown = [Shown.opened(file) for file in files]
+    last = load_settings()
+    path = None if wanted.path is None else load_path(wanted.path, shown[0].clip)
+    style = replace(style, ground=wanted.ground or last.ground or style.ground)
+
+    def prepare(scene: Scene) -> Scene:
+        scene = replace(
+            scene,
+            turning=wanted.turning,
+            panel=last.panel is not False,
+            guides=last.guides is not False,
+            legend=last.legend is not False,
+        )
+        if path is not None:
+            scene = replace(scene, path=path, following=True, turning=False)
+        if wanted.kiosk:
+            endless = replace(scene.timeline, at_end=AtEnd.LOOP)
+            scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
+        return scene
+
+    scene, size = show(shown, style, size=wanted.size or last.size or SIZE, prepare=prepare)
+    if not wanted.kiosk:
+        kept = last.size if wanted.size or scene.fullscreen else size
+        save_settings(Settings(kept, scene.panel, scene.style.ground, scene.guides, scene.legend))

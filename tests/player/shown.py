@@ -1,0 +1,165 @@
+"""A window in a process of its own, worked with real keys and a real mouse (xdotool)."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gclip import Clip, Motion, ScanMark, Track
+from gclip.pack import Movers, pack_interval
+from player.layout import Layout, arrange
+
+SIZE = (640, 480)
+TIMES = (0.0, 2.0, 3.0)
+DATES = ("2020-03-08", "2020-03-10", "2020-03-11")
+
+# Shows clips and tells after each picture what is seen.
+SHOW = """
+import json, sys
+from dataclasses import replace
+from pathlib import Path
+from player.show import Shown
+from player.window import show
+
+def tell(scene):
+    t, c, s = scene.timeline, scene.camera, scene.style
+    print(json.dumps({
+        "day": t.day, "playing": t.playing, "speed": t.speed, "at_end": t.at_end.value,
+        "begin": t.begin, "end": t.end, "times": t.times,
+        "yaw": c.yaw, "pitch": c.pitch, "distance": c.distance, "target": c.target,
+        "flat": c.flat, "at_home": c == scene.home, "home": scene.home.distance,
+        "ground": s.ground, "point_size": s.point_size, "color_by": scene.color_by,
+        "pixels": s.pixels, "picked": s.picked, "hidden": sorted(s.hidden), "alone": s.alone,
+        "floor": s.show_ground, "compare": scene.compare.value, "wipe": scene.wipe,
+        "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
+        "panel": scene.panel, "help": scene.help, "notice": scene.notice,
+        "fullscreen": scene.fullscreen, "output": scene.output.example,
+    }), flush=True)
+
+if __name__ == "__main__":
+    width, height = map(int, sys.argv[1:3])
+    changes, files = json.loads(sys.argv[3]), sys.argv[4:]
+    shown = [Shown.opened(Path(file)) for file in files]
+    show(shown, size=(width, height), watch=tell, prepare=lambda scene: replace(scene, **changes))
+"""
+
+# Tells every program on the display that it is twice as dense, while a client keeps it alive.
+DENSE = """
+import ctypes
+x11 = ctypes.CDLL("libX11.so.6")
+x11.XOpenDisplay.restype = ctypes.c_void_p
+x11.XDefaultRootWindow.restype = x11.XInternAtom.restype = ctypes.c_ulong
+display = ctypes.c_void_p(x11.XOpenDisplay(None))
+root = ctypes.c_ulong(x11.XDefaultRootWindow(display))
+resources = ctypes.c_ulong(x11.XInternAtom(display, b"RESOURCE_MANAGER", 0))
+text = b"Xft.dpi:\\t192\\n"
+x11.XChangeProperty(display, root, resources, ctypes.c_ulong(31), 8, 0, text, len(text))
+x11.XSync(display, 0)
+"""
+
+State = dict[str, Any]
+
+
+class Shown:
+    """A window that plays a clip in a process of its own."""
+
+    def __init__(
+        self,
+        display: dict[str, str],
+        clips: Path | list[Path],
+        size: tuple[int, int],
+        before: str = "",
+        **changes: object,
+    ) -> None:
+        """changes: of the first scene. before: code that runs before all else."""
+        files = clips if isinstance(clips, list) else [clips]
+        self.environment = {**os.environ, **display}
+        self.states: list[State] = []
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", before + SHOW, *map(str, size), json.dumps(changes),
+             *map(str, files)],
+            env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            cwd=files[0].parent,
+        )  # fmt: skip
+        threading.Thread(target=self._listen, daemon=True).start()
+        self.until(lambda state: True)
+
+    def _listen(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.states.append(json.loads(line))
+
+    def xdotool(self, *words: object) -> str:
+        done = subprocess.run(
+            ["xdotool", *map(str, words)],
+            env=self.environment, check=True, capture_output=True, text=True,
+        )  # fmt: skip
+        return done.stdout.strip()
+
+    def until(self, met: Callable[[State], bool], seconds: float = 20.0) -> State:
+        """The newest state, as soon as it is as wished."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            if self.states and met(self.states[-1]):
+                return self.states[-1]
+            if self.process.poll() is not None:
+                break
+            time.sleep(0.01)
+        errors = self.process.stderr.read() if self.process.poll() is not None else ""  # type: ignore[union-attr]
+        raise AssertionError(f"not so within {seconds} s: {self.states[-1:]} {errors}")
+
+    def settled(self) -> State:
+        """The state once no more pictures come."""
+        seen = -1
+        while seen != len(self.states):
+            seen = len(self.states)
+            time.sleep(0.3)
+        return self.states[-1]
+
+    def key(self, *keys: str) -> None:
+        self.xdotool("key", "--delay", 30, *keys)
+
+    def drag(self, button: int, start: tuple[float, float], end: tuple[float, float]) -> None:
+        self.point(*start)
+        self.xdotool("mousedown", button)
+        self.point((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+        self.point(*end)
+        self.xdotool("mouseup", button)
+
+    def point(self, x: float, y: float) -> None:
+        self.xdotool("mousemove", round(x), round(y))
+
+    def end(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+def small_clip() -> Clip:
+    rng = np.random.default_rng(5)
+    scans = [rng.random((200, 3)) * [1, 1, 3] for _ in TIMES]
+    colors = rng.integers(0, 256, (200, 4), np.uint8)
+    tracks = np.repeat([0, 1], 100)
+    return Clip(
+        tuple(ScanMark(date, t, date, 200) for t, date in zip(TIMES, DATES, strict=True)),
+        tuple(
+            pack_interval(
+                TIMES[k], TIMES[k + 1],
+                [Movers(Motion.MOVE, (scans[k], scans[k + 1]), tracks, colors, colors)],
+                spacing=0.1,
+            )
+            for k in range(2)
+        ),
+        (Track(0, "stem", (90, 160, 60)), Track(1, "leaf", (60, 90, 200), parent=0)),
+        spacing=0.1,
+    )  # fmt: skip
+
+
+def layout(size: tuple[float, float] = SIZE) -> Layout:
+    return arrange(size, TIMES, DATES, DATES, lambda text, height: 1.0)
