@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align.sample import EvenSample
-from baker.align.surface import touching_pairs, way_graph
+from baker.align.surface import way_graph
 from baker.vertical import Vertical
 
 CANDIDATES = 3
@@ -15,8 +15,12 @@ PART_SHARE = 0.1  # of that slab's points: fewer are strays, not a foot
 FOOT_SHARE = 0.04  # of the height: the foot itself, whose middle is the base
 
 
-def stem_bases(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float64]]:
+def stem_bases(
+    sample: EvenSample, vertical: Vertical, pairs: NDArray[np.intp]
+) -> list[NDArray[np.float64]]:
     """Where the foot of the stem may be, each (3,), the likeliest first; at least one, at most 3.
+
+    pairs: (E, 2) of the sample's points that touch, see `touching_pairs`.
 
     The tip of a hanging leaf may lie as low as the foot, or lower. But the ways from the foot to
     the plant's points lead upwards, except where organs droop, and those from a tip have to come
@@ -28,7 +32,6 @@ def stem_bases(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float6
     count, heights = len(sample.points), vertical.height(sample.points)
     extent = np.ptp(heights)
     low = heights <= heights.min() + LOW_SHARE * extent
-    pairs = touching_pairs(sample)
     among_low = pairs[low[pairs].all(axis=1)]
     _, part = connected_components(way_graph(among_low, np.ones(len(among_low)), count))
     descents = np.maximum(heights[pairs[:, 0]] - heights[pairs[:, 1]], 0.0)

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.align.base import stem_bases
+from baker.align.frames import best_stand, shared_frames
 from baker.align.icp import trimmed_icp, trimmed_residual
 from baker.align.sample import EvenSample, even_sample
-from baker.align.stand import best_stand, move, stand_at, stand_in_one_frame
+from baker.align.stand import Stand, move, possible_stands
+from baker.align.surface import touching_pairs
 from baker.align.up import find_up_of, upright
 from baker.align.yaw import YawFit, exact_yaw
 from baker.vertical import Vertical
@@ -80,35 +82,60 @@ def align(
         samples.append(even_sample(cloud))
     direction = find_up_of(samples) if up == "auto" else up
     vertical = Vertical.named(direction)
-    steps, notes = [np.eye(4)] * (len(clouds) - 1), []
+    transforms, notes = [np.eye(4)] * len(clouds), []
+    steps = [np.eye(4)] * (len(clouds) - 1)
     if method == "auto":
-        base = stem_bases(samples[0], vertical)[0] if root is None else np.asarray(root, float)
-        stands = [stand_at(samples[0], vertical, base)]
+        stands = [possible_stands(samples[0], vertical, root)[0]]
         yaws: list[list[YawFit]] = []
         for sample in samples[1:]:
             tell("aligning", len(clouds) + len(yaws), total)
             stand, likely = best_stand(stands[-1], sample, vertical)
             stands.append(stand)
             yaws.append(likely)
-        if stand_in_one_frame(stands, yaws):
+        frames = shared_frames(stands, yaws)
+        transforms = _brought_together(stands, yaws, frames)
+        steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
+        if len(clouds) > 1 and len(set(frames)) == 1:
             notes.append("the scans stand in one frame already and were left there")
         else:
-            steps = [
-                move(*pair, exact_yaw(pair[0].sample, pair[1].sample, likely[0].yaw).yaw)
-                for pair, likely in zip(pairwise(stands), yaws, strict=True)
-            ]
-            notes += _doubts(samples, yaws)
+            notes += _jumps(frames) + _doubts(samples, yaws)
     elif method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
-    transforms = tuple(accumulate(steps, np.matmul, initial=np.eye(4)))
+        transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
     drift = tuple(
         _pair_fit(*pair, step, vertical)
         for pair, step in zip(pairwise(samples), steps, strict=True)
     )
-    if any(not np.array_equal(step, np.eye(4)) for step in steps):
+    if any(not np.array_equal(transform, np.eye(4)) for transform in transforms):
         notes.insert(0, _moves(drift))
     tell("aligning", total, total)
-    return Alignment(direction, transforms, drift, tuple(notes))
+    return Alignment(direction, tuple(transforms), drift, tuple(notes))
+
+
+def _brought_together(
+    stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+) -> list[NDArray[np.float64]]:
+    """Each scan's transform to the first: onto the one before, or with those of its own frame."""
+    transforms = [np.eye(4)]
+    first = {frames[0]: 0}
+    for at in range(1, len(stands)):
+        if frames[at] in first:
+            transforms.append(transforms[first[frames[at]]])
+            continue
+        first[frames[at]] = at
+        before, after = stands[at - 1 : at + 1]
+        step = move(before, after, exact_yaw(before, after, yaws[at - 1][0].yaw))
+        transforms.append(transforms[-1] @ step)
+    return transforms
+
+
+def _jumps(frames: NDArray[np.intp]) -> list[str]:
+    """A sentence for the scans that jumped out of the frame that most of the series stands in."""
+    numbers, counts = np.unique(frames, return_counts=True)
+    if counts.max() == 1:
+        return []
+    jumped = ", ".join(str(at + 1) for at in np.flatnonzero(frames != numbers[np.argmax(counts)]))
+    return [f"most scans stand in one frame and were left there; these did not: scan {jumped}"]
 
 
 def _pair_fit(
@@ -116,7 +143,7 @@ def _pair_fit(
 ) -> PairFit:
     frame = upright(vertical)
     turn = frame @ step[:3, :3] @ frame.T
-    base = stem_bases(later, vertical)[0]
+    base = stem_bases(later, vertical, touching_pairs(later))[0]
     return PairFit(
         yaw=float(np.degrees(np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))),
         tilt=float(np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0)))),

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.align.base import stem_bases
-from baker.align.icp import trimmed_residual
+from baker.align.organs import Organs, find_organs
 from baker.align.sample import EvenSample
+from baker.align.surface import AROUND, touching_pairs
 from baker.align.up import upright
-from baker.align.yaw import YawFit, kept_near, likely_yaws
 from baker.vertical import Vertical
 
-SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
-SAME_FRAME = 0.08  # of the share kept: what the scans' own frame may lose against the best yaws
+# Of the lower plant's height: how much of both is compared, and how near what belongs together is.
+FOOT, TOGETHER = 0.1, (0.03, 0.02)
+FOUND = 0.1  # of a foot: with fewer of its points near the other's it is no help
+STEPS = 4
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,12 @@ class Stand:
 
     frame:   (4, 4) from the scan's coordinates to these.
     sample:  in these.
+    organs:  of the sample.
     """
 
     frame: NDArray[np.float64]
     sample: EvenSample
+    organs: Organs
 
     @property
     def base(self) -> NDArray[np.float64]:
@@ -41,58 +43,66 @@ class Stand:
         return float(np.ptp(self.sample.points[:, 2]))
 
 
-def stand_at(sample: EvenSample, vertical: Vertical, base: NDArray[np.float64]) -> Stand:
-    """The scan of which `sample` was taken, standing at its (3,) base."""
-    turn = upright(vertical)
-    frame = np.eye(4)
-    frame[:3, :3], frame[:3, 3] = turn, -turn @ base
-    moved = EvenSample((sample.pool - base) @ turn.T, (sample.points - base) @ turn.T, sample.radii)
-    return Stand(frame, moved)
-
-
-def best_stand(
-    earlier: Stand, sample: EvenSample, vertical: Vertical
-) -> tuple[Stand, list[YawFit]]:
-    """The next scan at that of its possible bases which fits its predecessor, and likely yaws."""
-    tries = []
-    for base in stem_bases(sample, vertical):
-        stand = stand_at(sample, vertical, base)
-        tries.append((stand, likely_yaws(earlier.sample, stand.sample)))
-    if len(tries) == 1:
-        return tries[0]
-    return min(
-        tries,
-        key=lambda tried: trimmed_residual(
-            earlier.sample, tried[0].sample, _about_z(tried[1][0].yaw)
-        ),
-    )
+def possible_stands(
+    sample: EvenSample, vertical: Vertical, root: NDArray[np.floating] | None = None
+) -> list[Stand]:
+    """The scan of which `sample` was taken, on each base it may have, or on its (3,) root."""
+    pairs = touching_pairs(sample, AROUND)
+    if root is not None:
+        return [_stand_at(sample, vertical, np.asarray(root, float), pairs)]
+    bases = stem_bases(sample, vertical, pairs)
+    return [_stand_at(sample, vertical, base, pairs) for base in bases]
 
 
 def move(earlier: Stand, later: Stand, yaw: float) -> NDArray[np.float64]:
-    """(4, 4) from the later scan's coordinates to the earlier's: base to base, turned by `yaw`."""
-    return np.linalg.inv(earlier.frame) @ _about_z(yaw) @ later.frame
+    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw`, foot on foot."""
+    onto = about_z(yaw)
+    onto[:2, 3] = _foot_shift(earlier, later, onto)
+    return np.linalg.inv(earlier.frame) @ onto @ later.frame
 
 
-def stand_in_one_frame(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> bool:
-    """Whether a series came aligned: all bases in one place, and no other yaws are much better.
-
-    One pair alone may fit the wrong way round by chance; that all do is no chance.
-    """
-    if not all(
-        np.linalg.norm(earlier.base - later.base) <= SAME_PLACE * max(earlier.height, later.height)
-        for earlier, later in pairwise(stands)
-    ):
-        return False
-    lost = [
-        likely[0].kept - kept_near(earlier.sample, later.sample, 0.0)
-        for (earlier, later), likely in zip(pairwise(stands), yaws, strict=True)
-    ]
-    return float(np.mean(lost)) <= SAME_FRAME
-
-
-def _about_z(yaw: float) -> NDArray[np.float64]:
+def about_z(yaw: float) -> NDArray[np.float64]:
+    """(4, 4) rotation by degrees about +z, right-handed."""
     from scipy.spatial.transform import Rotation
 
     turn = np.eye(4)
     turn[:3, :3] = Rotation.from_euler("z", yaw, degrees=True).as_matrix()
     return turn
+
+
+def _foot_shift(earlier: Stand, later: Stand, onto: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2,) how much further the later scan's foot has to be moved, level, to cover the earlier's.
+
+    A base is the middle of a few points at the ground. The foot of the stem above it hardly
+    changes: its points are moved onto their nearest ones, and those of leaves that hang there, far
+    from any partner, don't pull.
+    """
+    from scipy.spatial import cKDTree
+
+    height = min(earlier.height, later.height)
+    foot, other = (stand.sample.pool for stand in (earlier, later))
+    foot, other = foot[foot[:, 2] <= FOOT * height], other[other[:, 2] <= FOOT * height]
+    shift = np.zeros(3)
+    if height == 0.0 or not len(foot) or not len(other):
+        return shift[:2]
+    other = other @ onto[:3, :3].T
+    tree = cKDTree(other)
+    for together in TOGETHER:
+        for _ in range(STEPS):
+            gaps, nearest = tree.query(foot - shift)
+            weights = np.exp(-0.5 * (gaps / (together * height)) ** 2)
+            if weights.mean() < FOUND:
+                return np.zeros(2)
+            apart = foot - shift - other[nearest]
+            shift[:2] += (weights[:, None] * apart[:, :2]).sum(axis=0) / weights.sum()
+    return shift[:2]
+
+
+def _stand_at(
+    sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], pairs: NDArray[np.intp]
+) -> Stand:
+    turn = upright(vertical)
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = turn, -turn @ base
+    moved = EvenSample((sample.pool - base) @ turn.T, (sample.points - base) @ turn.T, sample.radii)
+    return Stand(frame, moved, find_organs(moved, pairs))

@@ -33,7 +33,7 @@ def clouds_of(folder):
         ("sorghum_control_plant1", "y"),
     ],
 )
-def test_yaw_within_five_degrees_for_every_pair(shared_data, name, up):
+def test_yaw_within_two_degrees_for_every_pair(shared_data, name, up):
     scans, table = clouds_of(shared_data / "unaligned" / name), clouds_of(shared_data / name)
     # The copies have their points in the same order: so the true move is known exactly.
     truth = [rigid_fit(scan.astype(float), there) for scan, there in zip(scans, table, strict=True)]
@@ -45,7 +45,7 @@ def test_yaw_within_five_degrees_for_every_pair(shared_data, name, up):
     for pair, true_pair in zip(pairwise(found.transforms), pairwise(truth), strict=True):
         step, wanted = (np.linalg.inv(a) @ b for a, b in (pair, true_pair))
         turn = frame @ step[:3, :3] @ wanted[:3, :3].T @ frame.T
-        assert abs(np.degrees(np.arctan2(turn[1, 0], turn[0, 0]))) < 5.0
+        assert abs(np.degrees(np.arctan2(turn[1, 0], turn[0, 0]))) < 2.0
         assert np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))) < 0.1
 
 
@@ -66,4 +66,5 @@ def test_full_resolution_is_quick(shared_data):
     found = align([scan.points for scan in scans])
     assert time.perf_counter() - begun < 5.0
     assert found.up == "z"
-    assert abs(found.drift[0].yaw) < 10.0
+    # What turns one into the other in the frame of tomato2_control_plant3, days 3 and 5.
+    assert abs(found.drift[0].yaw - 7.1) < 5.0

@@ -1,0 +1,70 @@
+"""Which scans of a series stand in one frame already, and on which base each one stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align.icp import trimmed_residual
+from baker.align.sample import EvenSample
+from baker.align.stand import Stand, about_z, possible_stands
+from baker.align.yaw import YawFit, kept_near, likely_yaws
+from baker.vertical import Vertical
+
+SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
+# Of the share kept, what the scans' own frame may lose against the best yaw: at the median over
+# the series where it is one frame, and at a scan that has not jumped out of it.
+SAME_FRAME, NO_JUMP = 0.05, 0.2
+
+
+def best_stand(
+    earlier: Stand, sample: EvenSample, vertical: Vertical
+) -> tuple[Stand, list[YawFit]]:
+    """The next scan at that of its possible bases which fits its predecessor, and likely yaws."""
+    tries = [(stand, likely_yaws(earlier, stand)) for stand in possible_stands(sample, vertical)]
+    if len(tries) == 1:
+        return tries[0]
+    return min(
+        tries,
+        key=lambda tried: trimmed_residual(
+            earlier.sample, tried[0].sample, about_z(tried[1][0].yaw)
+        ),
+    )
+
+
+def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:
+    """(S,) a number for each scan; scans with the same number stand in one frame.
+
+    A series came aligned if most scans have their base where the one before has it, and turned no
+    further keep about as much of it: one pair alone may fit the wrong way round by chance. Scans
+    that then fit neither the one before nor the one before that have jumped, each for itself.
+    """
+    count = len(stands)
+    lost = [
+        _lost_unturned(before, after, likely[0].kept)
+        for (before, after), likely in zip(pairwise(stands), yaws, strict=True)
+    ]
+    alone = np.arange(count)
+    if count == 1 or np.sort(lost)[(count - 2) // 2] > SAME_FRAME:
+        return alone
+    frames = alone.copy()
+    for at in range(1, count):
+        if lost[at - 1] <= NO_JUMP:
+            frames[at] = frames[at - 1]
+        elif at > 1:
+            before, after = stands[at - 2], stands[at]
+            if _lost_unturned(before, after, likely_yaws(before, after)[0].kept) <= NO_JUMP:
+                frames[at] = frames[at - 2]
+    main = np.argmax(np.bincount(frames))
+    return np.where(frames == main, count, alone)
+
+
+def _lost_unturned(earlier: Stand, later: Stand, best: float) -> float:
+    """How much less is kept where the scans stand as they do than at the best yaw, at most 1."""
+    apart = float(np.linalg.norm(earlier.base - later.base))
+    if apart > SAME_PLACE * max(earlier.height, later.height):
+        return 1.0
+    return best - kept_near(earlier, later, 0.0)

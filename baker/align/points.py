@@ -1,0 +1,91 @@
+"""Points of two scans paired around the stem, and the share of them that keeps its direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.align.sample import EvenSample
+
+TURN_KEPT = np.radians(12.0)  # what turns by much more does not count as kept
+
+
+@dataclass(frozen=True)
+class Look:
+    """How closely yaws are compared.
+
+    points: of the larger sample.
+    growth: what moving outwards or upwards costs, in units of moving sideways.
+    """
+
+    points: int
+    growth: float
+
+
+# Measured on 33 pairs of real scans: the wider look mistakes fewer leaves for one another, the
+# narrower one is the more exact once they are told apart.
+ALL_ROUND, CLOSELY = Look(200, 0.5), Look(350, 0.33)
+
+
+@dataclass(frozen=True)
+class Around:
+    """(n,) cylindrical coordinates about a stem: distance from its axis, azimuth and height."""
+
+    radius: NDArray[np.float64]
+    azimuth: NDArray[np.float64]
+    height: NDArray[np.float64]
+
+    @classmethod
+    def stem(cls, points: NDArray[np.float64]) -> Around:
+        """Of (n, 3) points with z up and the stem's base at the origin."""
+        x, y, z = points.T
+        return cls(np.hypot(x, y), np.arctan2(y, x), z)
+
+
+def pairs_of_least_cost(
+    earlier: Around, later: Around, yaw: float, growth: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices of the earlier and of the later points that belong together at this yaw.
+
+    Every point of the smaller sample is paired with one of its own in the other, by the assignment
+    of least cost. Plants grow outwards and upwards, so that costs less than a way around the stem.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    turn, moment = _turns(earlier, later, yaw)
+    grown = (earlier.radius[:, None] - later.radius) ** 2
+    grown += (earlier.height[:, None] - later.height) ** 2
+    return linear_sum_assignment(moment * turn**2 + growth**2 * grown)
+
+
+def kept_share(earlier: Around, later: Around, yaw: float, growth: float) -> float:
+    """The share (0 to 1) of the points that keep their direction from the stem at this yaw.
+
+    A pair counts by its distance from the stem (as an arm's moment does) and with a Gaussian of
+    its turn: turned, new and lost organs then weigh nothing instead of pulling.
+    """
+    turn, moment = _turns(earlier, later, yaw)
+    pairs = pairs_of_least_cost(earlier, later, yaw, growth)
+    weights = np.sqrt(moment[pairs])
+    total = weights.sum()
+    if total == 0.0:
+        return 1.0
+    return float((weights * np.exp(-0.5 * (turn[pairs] / TURN_KEPT) ** 2)).sum() / total)
+
+
+def at_one_spacing(
+    earlier: EvenSample, later: EvenSample, most: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both samples equally dense: a plant that has grown has more points, not all are needed."""
+    spacing = max(sample.radii[:most][-1] for sample in (earlier, later))
+    return earlier.within(spacing), later.within(spacing)
+
+
+def _turns(
+    earlier: Around, later: Around, yaw: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(n, m) radians from each earlier to each later point at this yaw, and their moments."""
+    turn = later.azimuth + np.radians(yaw) - earlier.azimuth[:, None]
+    return (turn + np.pi) % (2.0 * np.pi) - np.pi, earlier.radius[:, None] * later.radius
