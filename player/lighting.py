@@ -9,7 +9,7 @@ import numpy as np
 
 from player.camera import axes
 from player.passes import Passes
-from player.rasteriser import THICKNESS, Discs
+from player.rasteriser import Discs
 from player.region import Region, half_field
 from player.style import GROUNDS, Style
 from player.targets import Targets, texture
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at
 SMOOTHING = 1.3  # reach of the blur of distances, in disc radii
+STEEP = 1.0  # depth over width of a pixel from which on its samples are lit one by one
 NEXT = 1.5  # samples up to which the blur reaches no farther than the next one
 
 
@@ -127,8 +128,8 @@ class Lighting:
         self._lit.depth_mask, self._lit.color_mask = True, (False,) * 4
         self._lit.use()
         self._test_mask("1")
-        thick = THICKNESS * discs.typical_radius * discs.camera.distance / discs.magnification
-        uniforms = {"color_sum": 0, "distances": 1, "thickness": thick}
+        steep = STEEP * self._supersample / discs.magnification
+        uniforms = {"distances": 1, "steep": steep}
         self._passes.fill("edges", uniforms, INSIDE=0.0, EDGE=0.5)
         self._lit.depth_mask, self._lit.color_mask = False, (True,) * 4
         self._lit.use()

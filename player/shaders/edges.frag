@@ -1,9 +1,9 @@
 // Which pixels need every sample lit by itself: those where the plant ends, or one surface ends
-// before another. The depth tells: INSIDE where one light is enough, EDGE, or 1 without plant.
+// before another, or is seen edge-on. The depth tells: INSIDE where one light is enough, EDGE, or 1 without plant.
 #version 330 core
 
 uniform sampler2D distances;
-uniform float thickness;  // of a surface, in the clip's unit
+uniform float steep;  // depth from which on samples are not one surface, at distance 1
 
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
@@ -14,6 +14,6 @@ void main() {
         nearest = min(nearest, away);
         farthest = max(farthest, away);
     }
-    bool one = nearest >= 0.0 && farthest - nearest < thickness;
+    bool one = nearest >= 0.0 && farthest - nearest < steep * nearest;
     gl_FragDepth = farthest < 0.0 ? 1.0 : one ? INSIDE : EDGE;
 }
