@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import tempfile
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from player.camera import Camera
 from player.errors import PlayerError
+from player.export.output import whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -94,14 +93,8 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
         for day, camera in path.keys
     ]
     text = json.dumps({"camera_path": 1, "up": clip.up, "keys": keys}, indent=1) + "\n"
-    try:
-        with tempfile.NamedTemporaryFile(
-            "w", encoding="utf-8", dir=file.parent, prefix=f".{file.name}.", delete=False
-        ) as part:
-            part.write(text)
-        os.replace(part.name, file)
-    except OSError as error:
-        raise PlayerError(f"{file} can't be written: {error.strerror or error}.") from None
+    with whole_file(file) as part:
+        part.write_text(text, "utf-8")
 
 
 def load_path(file: Path, clip: Clip) -> CameraPath:

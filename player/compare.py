@@ -40,18 +40,59 @@ class Pane:
     caption: str = ""
 
 
-def panes_of(scene: Scene, clips: Sequence[Clip], names: Sequence[str]) -> tuple[Pane, ...]:
+@dataclass(frozen=True)
+class Pair:
+    """Two clips, seen alike.
+
+    homes: of each the camera that shows all of it, at the same scale if they are of like size.
+    shift: from the first one's local coordinates to the second's, where both show the same plant
+           in the same place; None where they show different ones.
+    """
+
+    homes: tuple[Camera, Camera]
+    shift: tuple[float, float, float] | None
+
+    @classmethod
+    def of(cls, first: Clip, second: Clip, homes: tuple[Camera, Camera]) -> Pair:
+        if _same_place(first, second):
+            shift = _triple(np.asarray(first.origin) - np.asarray(second.origin))
+            return cls((homes[0], homes[0]), shift)
+        if 1.0 / ALIKE < homes[0].radius / homes[1].radius < ALIKE:
+            farther = max(home.distance for home in homes)
+            homes = replace(homes[0], distance=farther), replace(homes[1], distance=farther)
+        return cls(homes, None)
+
+    def transferred(self, camera: Camera) -> Camera:
+        """The second clip's camera that sees what the first one's does."""
+        if self.shift is not None:
+            return replace(camera, target=_triple(np.asarray(camera.target) + self.shift))
+        home, other = self.homes
+        scale = other.distance / home.distance
+        moved = axes(home.up) @ (np.asarray(camera.target) - home.target)
+        return replace(
+            camera,
+            target=_triple(np.asarray(other.target) + scale * (axes(other.up).T @ moved)),
+            distance=scale * camera.distance,
+            yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
+            up=other.up,
+            radius=other.radius,
+        )
+
+
+def panes_of(
+    scene: Scene, clips: Sequence[Clip], names: Sequence[str], pair: Pair | None = None
+) -> tuple[Pane, ...]:
     """The panes of a scene, from left to right.
 
-    names: of the clips.
+    names: of the clips; pair: of two of them.
     """
     day, first = scene.timeline.day, clips[0]
     if scene.compare is Compare.OFF:
         return (Pane(0, day, scene.camera),)
-    if len(clips) > 1:
+    if pair is not None:
         left = Pane(0, day, scene.camera, caption=names[0])
-        camera = transferred(scene.camera, scene.home, first, clips[1])
-        right = Pane(1, matched_day(first, clips[1], day), camera, caption=names[1])
+        other = matched_day(first, clips[1], day)
+        right = Pane(1, other, pair.transferred(scene.camera), caption=names[1])
     else:
         scan = min(first.scans, key=lambda scan: abs(scan.time - day))
         left = Pane(0, scan.time, scene.camera, caption=f"Scan of {scan.date}")
@@ -69,28 +110,6 @@ def matched_day(first: Clip, second: Clip, day: float) -> float:
     if max(begin, low) < min(end, high):
         return min(max(day, low), high)
     return min(low + day - begin, high)
-
-
-def transferred(camera: Camera, home: Camera, first: Clip, second: Clip) -> Camera:
-    """A camera of the first clip that sees the second one alike, and if it can, at the same scale.
-
-    The same plant is seen from the very same place; another one from the same side of its own.
-    """
-    if _same_place(first, second):
-        shift = np.asarray(first.origin) - np.asarray(second.origin)
-        return replace(camera, target=_triple(np.asarray(camera.target) + shift))
-    other = Camera.home(second)
-    scale = other.radius / home.radius
-    scale = 1.0 if 1.0 / ALIKE < scale < ALIKE else scale
-    moved = axes(home.up) @ (np.asarray(camera.target) - home.target)
-    return replace(
-        camera,
-        target=_triple(np.asarray(other.target) + scale * (axes(other.up).T @ moved)),
-        distance=scale * camera.distance,
-        yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
-        up=other.up,
-        radius=other.radius,
-    )
 
 
 def _same_place(first: Clip, second: Clip) -> bool:

@@ -33,14 +33,16 @@ def has_room(size: tuple[float, float]) -> bool:
     return size[0] >= LEAST_ROOM[0] - 40.0 and size[1] >= LEAST_ROOM[1]
 
 
-def draw_scale_bar(canvas: Canvas, theme: Theme, layout: Layout, camera: Camera, unit: str) -> None:
-    """True at the depth of the camera's target."""
+def draw_scale_bar(
+    canvas: Canvas, theme: Theme, layout: Layout, camera: Camera, unit: str, above: float = 0.0
+) -> None:
+    """True at the depth of the camera's target; `above` its usual place."""
     from player.export.stamp import bar_length
 
     width, height = layout.size
     units = height / (2.0 * camera.distance * math.tan(camera.field_of_view / 2))
     length = bar_length(WIDEST_BAR * width / units)
-    right, y = width - layout.margin, height - BAR + 12.0
+    right, y = width - layout.margin, height - BAR + 12.0 - above
     left = right - length * units
     canvas.line((left, y), (right, y), theme.muted, 2.0)
     for x in (left, right):
@@ -153,9 +155,9 @@ def draw_panes(canvas: Canvas, theme: Theme, layout: Layout, panes: Sequence[Pan
 def draw_progress(
     canvas: Canvas, theme: Theme, layout: Layout, text: str, done: int, total: int
 ) -> None:
-    """How far an export has come, on top in the middle."""
+    """How far an export has come, in the middle above the timeline."""
     width = min(300.0, layout.size[0] - 2 * layout.margin)
-    x, y = (layout.size[0] - width) / 2, TOP + 24.0
+    x, y = (layout.size[0] - width) / 2, layout.size[1] - BAR - 74.0
     canvas.rectangle(x, y, width, 54.0, theme.card, 10.0)
     canvas.frame(x, y, width, 54.0, theme.edge, 10.0)
     stop = "E stops it"

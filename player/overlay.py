@@ -171,7 +171,8 @@ class Overlay:
             guides.draw_panes(canvas, theme, layout, facts.panes)
         if guides.has_room(layout.size):
             if scene.guides:
-                guides.draw_scale_bar(canvas, theme, layout, scene.camera, clip.unit)
+                above = 42.0 if facts.panes else 0.0
+                guides.draw_scale_bar(canvas, theme, layout, scene.camera, clip.unit, above)
                 guides.draw_axes(canvas, theme, layout, scene.camera)
             if scene.legend:
                 organs = scene.color_by == "track" and not scene.panel

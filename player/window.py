@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from gclip.errors import ClipError
 from player import keys
-from player.camera_path import CameraPath, load_path, save_path
-from player.choices import Compare, Wish
-from player.compare import panes_of
+from player.camera_path import CameraPath, load_path
+from player.choices import Compare
+from player.compare import Pair, Pane, panes_of
 from player.controls import Controls
 from player.dates import date_at
 from player.detail import Detail, Pace
@@ -25,10 +25,10 @@ from player.layout import panel_width
 from player.measures import Measures, home_camera
 from player.scene import Scene
 from player.screen import events_to, hide_cursor, opened, shortest_frame, switch_fullscreen
-from player.screenshot import save_screenshot
 from player.show import FileWatch, Shown
 from player.style import Style
 from player.timeline import Timeline
+from player.wishes import granted
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -157,6 +157,7 @@ class Window:
         self._pace = Pace(max(len(interval) for clip in clips for interval in clip.intervals))
         self._colors, self._organ = Colors(clips[0]), OrganFacts(clips[0])
         self._files = FileWatch([one.file for one in shown if one.file is not None])
+        self._pair: Pair | None = None
         self._drawn = self._view = self._shape = None
 
     def _fitting(self, scene: Scene) -> Scene:
@@ -244,13 +245,12 @@ class Window:
         from player.pick import organ_at
 
         width, height = controls.layout.size
-        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
-        for pane in panes_of(scene, clips, names):
+        for pane in self._panes(scene):
             left, right = pane.left * width, pane.right * width
             if pane.clip == 0 and left <= clicked[0] < right:
                 size = (right - left, height) if pane.own else (width, height)
                 at = (clicked[0] - (left if pane.own else 0.0), clicked[1])
-                track = organ_at(clips[0], pane.day, pane.camera, scene.style, at, size)
+                track = organ_at(self._shown[0].clip, pane.day, pane.camera, scene.style, at, size)
                 controls.scene = keys.picked(scene, track)
 
     def _follow_window(self) -> None:
@@ -275,7 +275,12 @@ class Window:
         if self._shape == (width, height):
             return
         self._shape = (width, height)
-        home = home_camera(self._shown[0].clip, (width, height))
+        clips = [one.clip for one in self._shown]
+        homes = [home_camera(clip, (width, height)) for clip in clips]
+        home = homes[0]
+        if len(clips) > 1:
+            self._pair = Pair.of(clips[0], clips[1], (homes[0], homes[1]))
+            home = self._pair.homes[0]
         untouched = scene.camera == scene.home
         camera = home if untouched else scene.camera
         self._controls.scene = replace(scene, camera=camera, home=home)
@@ -307,14 +312,14 @@ class Window:
             return
         began = self._glfw.get_time()
         at_rest = (not moves and not self._stage.loading) or scene.wish is not None
-        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
-        panes = panes_of(scene, clips, names)
+        panes = self._panes(scene)
         patience = None if at_rest else LOADING
         self._stage.paint(area, panes, scene.style, detail, patience)
         self._context.screen.use()
         self._stage.show(self._context.screen, area)
         if scene.wish is not None:
-            controls.scene = scene = self._granted(scene, area)
+            pixels = self._stage.pixels(area)
+            controls.scene = scene = granted(scene, self._shown[0], self._exports, area, pixels)
         wheel, controls.turned = controls.turned, 0.0
         controls.layout = self._overlay.draw(
             *(self._context.screen, scene, measures.units, measures.scale, cursor, held),
@@ -330,33 +335,16 @@ class Window:
         self._drawn, self._view = wanted, view
         self._watch(scene)
 
+    def _panes(self, scene: Scene) -> tuple[Pane, ...]:
+        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
+        return panes_of(scene, clips, names, self._pair)
+
     def _facts(self, scene: Scene) -> Any:
         from player.overlay import Facts
 
         picked = scene.style.picked
         known = () if picked is None else tuple(self._organ.lines(picked, scene.timeline.day))
         return Facts(self._colors.scale(scene.style), known, (), self._exports.progress)
-
-    def _granted(self, scene: Scene, area: tuple[int, int]) -> Scene:
-        """Do what was wished for, once."""
-        wish, scene = scene.wish, replace(scene, wish=None)
-        name, file, clip = self._shown[0].name, self._shown[0].file, self._shown[0].clip
-        plain = scene.output.size is None and not scene.output.transparent
-        if wish is Wish.PICTURE and (plain or file is None):
-            date = date_at(clip.scans, scene.timeline.day)
-            return scene.told(save_screenshot(self._stage.pixels(area), area, f"{name} {date}"))
-        if wish is Wish.SAVE_PATH:
-            if not scene.path:
-                return scene.told("Add camera keys first: K, on two days or more.")
-            target = Path(f"{name}.camera.json")
-            try:
-                save_path(scene.path, clip, target)
-            except PlayerError as error:
-                return scene.told(str(error))
-            return scene.told(f"Saved {target}")
-        if file is None:
-            return scene.told("Only clips that were opened from a file can be exported.")
-        return scene.told(self._exports.toggle(scene, file, name, area, wish is Wish.PICTURE))
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

@@ -141,16 +141,17 @@ class Shown:
         self.process.wait()
 
 
-def small_clip() -> Clip:
-    rng = np.random.default_rng(5)
+def small_clip(first: float = TIMES[0]) -> Clip:
+    """Three scans; `first` is the time of the first one."""
+    rng, times = np.random.default_rng(5), (first, *TIMES[1:])
     scans = [rng.random((200, 3)) * [1, 1, 3] for _ in TIMES]
     colors = rng.integers(0, 256, (200, 4), np.uint8)
     tracks = np.repeat([0, 1], 100)
     return Clip(
-        tuple(ScanMark(date, t, date, 200) for t, date in zip(TIMES, DATES, strict=True)),
+        tuple(ScanMark(date, t, date, 200) for t, date in zip(times, DATES, strict=True)),
         tuple(
             pack_interval(
-                TIMES[k], TIMES[k + 1],
+                times[k], times[k + 1],
                 [Movers(Motion.MOVE, (scans[k], scans[k + 1]), tracks, colors, colors)],
                 spacing=0.1,
             )

@@ -73,3 +73,37 @@ def test_home_shows_the_whole_clip_and_fills_the_picture(make_clip, aspect: floa
     turning = Camera.home(clip, aspect, turning=True)
     for yaw in np.linspace(0, 2 * math.pi, 12):
         assert np.abs(on_screen(turning.orbit(yaw, 0), points, aspect)[:, :2]).max() <= 1.0
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.3, 4.0])
+def test_zooming_keeps_what_is_under_the_cursor(factor: float) -> None:
+    camera = Camera.fit(BOX).orbit(0.3, 0.2)
+    right, up = 0.21, -0.33
+    matrix = camera.projection(1.5) @ camera.view()
+    # A point at the target's depth, under the cursor.
+    height = 2.0 * camera.distance * np.tan(camera.field_of_view / 2)
+    point = np.asarray(camera.target) + camera._frame().T @ [right * height, up * height, 0.0]
+    nearer = camera.zoom_at(factor, right, up)
+    for seen in (matrix, nearer.projection(1.5) @ nearer.view()):
+        x, y, _, w = seen @ [*point, 1.0]
+        assert (x / w * 1.5 / 2, y / w / 2) == pytest.approx((right, up), abs=1e-9)
+
+
+def test_parallels_stay_parallel_in_the_flat_view() -> None:
+    camera = Camera.fit(BOX)
+    flat = camera.flattened(True)
+    assert flat.flat
+    assert not camera.flat
+    back = flat.flattened(False)
+    assert back.distance == pytest.approx(camera.distance)
+    shares = []
+    for seen in (camera, flat):
+        matrix = seen.projection(1.0) @ seen.view()
+        widths = []
+        for away in (-5.0, 5.0):
+            middle = np.asarray(seen.target) + away * seen._frame()[2]
+            ends = [matrix @ [*(middle + side * seen._frame()[0]), 1.0] for side in (-0.5, 0.5)]
+            widths.append(ends[1][0] / ends[1][3] - ends[0][0] / ends[0][3])
+        shares.append(widths[1] / widths[0])
+    assert shares[0] > 1.05
+    assert shares[1] == pytest.approx(1.0, abs=0.02)

@@ -1,0 +1,46 @@
+"""What the user wishes for once: pictures, exports, camera paths in files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from player.camera_path import save_path
+from player.choices import Wish
+from player.dates import date_at
+from player.errors import PlayerError
+from player.exports import Exports
+from player.scene import Scene
+from player.screenshot import save_screenshot
+from player.show import Shown
+
+
+def granted(
+    scene: Scene, shown: Shown, exports: Exports, area: tuple[int, int], pixels: bytes
+) -> Scene:
+    """Do what a scene wishes for; the scene without the wish, and with what came of it.
+
+    area, pixels: (width, height) of the picture on screen, and its RGB, bottom row first.
+    """
+    wish, scene = scene.wish, replace(scene, wish=None)
+    if wish is Wish.SAVE_PATH:
+        return scene.told(_saved_path(scene, shown))
+    plain = scene.output.size is None and not scene.output.transparent
+    if wish is Wish.PICTURE and (plain or shown.file is None):
+        date = date_at(shown.clip.scans, scene.timeline.day)
+        return scene.told(save_screenshot(pixels, area, f"{shown.name} {date}"))
+    if shown.file is None:
+        return scene.told("Only clips that were opened from a file can be exported.")
+    still = wish is Wish.PICTURE
+    return scene.told(exports.toggle(scene, shown.file, shown.name, area, still))
+
+
+def _saved_path(scene: Scene, shown: Shown) -> str:
+    if not scene.path:
+        return "Add camera keys first: K, on two days or more."
+    file = Path(f"{shown.name}.camera.json")
+    try:
+        save_path(scene.path, shown.clip, file)
+    except PlayerError as error:
+        return str(error)
+    return f"Saved {file}"
