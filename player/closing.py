@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 SAMPLES = 1500
+ROUGH = 150  # of them, for a first guess
 NEIGHBORS = 48
 COVERED = 0.95  # share of the surface
 MOST = 40_000  # points of a scan that are looked at: a picture must not wait for more
@@ -29,12 +30,13 @@ class ClosingDistances:
         self._at_end: dict[int, float] = {}
         self._thread: threading.Thread | None = None
         self._stopped = False
+        self._guess: float | None = None
 
     def at(self, index: int, share: float, wait: bool = True) -> float:
         """In the clip's unit; `index` and `share` as `gclip.evaluate.locate` gives them.
 
-        wait: measure now what has not been measured yet; else the nearest time's distance serves
-        until a thread, started by the first such question, has measured all.
+        wait: measure now what has not been measured yet; else the nearest time's distance serves,
+              or a guess.
         """
         first, second = self._end(index, wait), self._end(index + 1, wait)
         return (1.0 - share) * first + share * second
@@ -44,13 +46,25 @@ class ClosingDistances:
         if self._thread is not None:
             self._thread.join()
 
-    def _end(self, end: int, wait: bool) -> float:
-        if wait or end in self._at_end or not self._at_end:
-            return self._measured(end)
+    def settled(self, index: int) -> bool:
+        """Whether an interval's distances are measured, not guessed."""
+        return index in self._at_end and index + 1 in self._at_end
+
+    def measure(self, first: int) -> None:
+        """Measure all in a thread, beginning with those near to interval `first`."""
         if self._thread is None:
-            self._thread = threading.Thread(target=self._measure_all, args=(end,), daemon=True)
+            self._thread = threading.Thread(target=self._measure_all, args=(first,), daemon=True)
             self._thread.start()
-        return self._at_end[min(self._at_end.copy(), key=lambda other: abs(other - end))]
+
+    def _end(self, end: int, wait: bool) -> float:
+        if wait or end in self._at_end:
+            return self._measured(end)
+        known = self._at_end.copy()
+        if known:
+            return known[min(known, key=lambda other: abs(other - end))]
+        if self._guess is None:
+            self._guess = self._found(end, roughly=True)
+        return self._guess
 
     def _measure_all(self, first: int) -> None:
         for end in sorted(range(len(self._clip.intervals) + 1), key=lambda e: abs(e - first)):
@@ -59,18 +73,20 @@ class ClosingDistances:
 
     def _measured(self, end: int) -> float:
         if end not in self._at_end:
-            from gclip.evaluate import positions_on_curve
-
-            last = end == len(self._clip.intervals)
-            interval = self._clip.intervals[end - 1 if last else end]
-            every = -(-len(interval) // MOST)
-            some = slice(None, None, every)
-            points = positions_on_curve(interval, some, 1.0 if last else 0.0)
-            # Movers may share a point: what is thinned is the scan's points.
-            thinned = every if every == 1 else self._points_at(end) / distinct_count(points)
-            found = closing_distance(points) / math.sqrt(max(thinned, 1.0))
-            self._at_end[end] = found or 2.5 * self._clip.spacing
+            self._at_end[end] = self._found(end)
         return self._at_end[end]
+
+    def _found(self, end: int, roughly: bool = False) -> float:
+        from gclip.evaluate import positions_on_curve
+
+        last = end == len(self._clip.intervals)
+        interval = self._clip.intervals[end - 1 if last else end]
+        every = -(-len(interval) // MOST)
+        points = positions_on_curve(interval, slice(None, None, every), 1.0 if last else 0.0)
+        # Movers may share a point: what is thinned is the scan's points.
+        thinned = every if every == 1 else self._points_at(end) / distinct_count(points)
+        found = closing_distance(points, roughly) / math.sqrt(max(thinned, 1.0))
+        return found or 2.5 * self._clip.spacing
 
     def _points_at(self, end: int) -> float:
         """How many points the plant has at an interval's end; between scans, as in proportion."""
@@ -86,18 +102,17 @@ def distinct_count(points: NDArray[np.floating]) -> int:
     return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
 
 
-def closing_distance(points: NDArray[np.floating]) -> float:
+def closing_distance(points: NDArray[np.floating], roughly: bool = False) -> float:
     """The radius at which discs on the points cover most of the surface that they lie on.
 
-    points: (N, 3) on a surface; repeated ones count once.
+    points:  (N, 3) on a surface; repeated ones count once.
+    roughly: from few places, some per cent off, and without loading scipy.
 
     The distance to the nearest point says little: a scanner's points lie close together along its
     lines, and far apart across them. So the points' neighbourhoods are laid flat, and places
     between three points each ask for the nearest one: 19 of 20 find it within this distance.
     Gives 0 where there are too few points to tell.
     """
-    from scipy.spatial import cKDTree
-
     from gclip.pack import morton_codes
 
     if len(points) == 0:
@@ -108,13 +123,30 @@ def closing_distance(points: NDArray[np.floating]) -> float:
     if count < 3:
         return 0.0
     random = np.random.default_rng(0)
-    chosen = distinct[random.permutation(len(distinct))[:SAMPLES]]
-    tree = cKDTree(distinct, balanced_tree=False, compact_nodes=False)
-    _, neighbors = tree.query(chosen, k=count + 1)
-    offsets = distinct[neighbors] - chosen[:, None]
+    nearest, samples = (_one_by_one, ROUGH) if roughly else (_by_tree, SAMPLES)
+    chosen = distinct[random.permutation(len(distinct))[:samples]]
+    offsets = distinct[nearest(distinct, chosen, count + 1)] - chosen[:, None]
     _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))
     flat = np.einsum("nki,nij->nkj", offsets, axes[:, :, 1:])
     corners = flat[np.arange(len(flat))[:, None], random.integers(0, count + 1, (len(flat), 3))]
     places = np.einsum("nc,ncj->nj", random.dirichlet((1, 1, 1), len(flat)), corners)
-    nearest = np.linalg.norm(flat - places[:, None], axis=2).min(axis=1)
-    return float(np.quantile(nearest, COVERED))
+    found = np.linalg.norm(flat - places[:, None], axis=2).min(axis=1)
+    return float(np.quantile(found, COVERED))
+
+
+def _by_tree(points: NDArray, chosen: NDArray, count: int) -> NDArray[np.intp]:
+    """(N, count) the nearest points of each chosen one."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    return tree.query(chosen, k=count)[1]
+
+
+def _one_by_one(points: NDArray, chosen: NDArray, count: int) -> NDArray[np.intp]:
+    """The same without scipy, whose import takes longer than a few searches do."""
+    around = np.asarray(points - points.mean(axis=0), np.float32)
+    found = []
+    for place in np.asarray(chosen - points.mean(axis=0), np.float32):
+        squared = ((around - place) ** 2).sum(axis=1)
+        found.append(np.argpartition(squared, count - 1)[:count])
+    return np.array(found)

@@ -42,19 +42,22 @@ class Way(StrEnum):
 class Dots:
     """Draws dots and closes the surface between them.
 
-    way: AUTO tries both at the first picture and stays with the faster one.
+    way: AUTO tries both at the second picture and stays with the faster one; the first one is
+         there sooner without.
     """
 
     def __init__(self, movers: Movers, way: Way = Way.AUTO) -> None:
         self._movers = movers
         self.way = Way.POINTS if movers.context.version_code < 430 else way
+        self._opened = False
         self._targets: DotTargets | None = None
         self._screen: dict[tuple[str, int, int], moderngl.VertexArray] = {}
 
     def draw(self, targets: Targets, portions: list[Portion], discs: Discs, region: Region) -> None:
-        if self.way is Way.AUTO:
+        if self.way is Way.AUTO and self._opened:
             self.way = self._faster_way(portions, discs)
-        self.scatter(self.way, portions, discs)
+        self._opened = True
+        self.scatter(Way.COMPUTE if self.way is Way.AUTO else self.way, portions, discs)
         self._gather(targets, discs, region)
 
     def scatter(self, way: Way, portions: list[Portion], discs: Discs) -> None:

@@ -98,8 +98,8 @@ class Renderer:
         every:    of so many movers one is drawn, and larger.
         patience: seconds that uploading may take, or as long as it needs (None). Movers that are
                   not on the GPU by then are left out this time.
-        Returns whether every mover was drawn. The framebuffer stays bound, with blending and depth
-        test switched off.
+        Returns whether every mover was drawn, as large as it has to be. The framebuffer stays
+        bound, with blending and depth test switched off.
         """
         targets, lighting, backdrop = self._targets_for(size)
         portions = self._portions(layers_at(self.clip, day), every, patience)
@@ -119,7 +119,14 @@ class Renderer:
             smoothed = lighting.smooth(discs, region)
             lighting.light(discs, style, region, self._radius, backdrop.small, smoothed)
             self._show(framebuffer, lighting, opacity)
-        return _missing(portions) == 0 and every == 1
+        if patience is not None:
+            self._closing.measure(locate(self.clip, day)[0])
+        exact = patience is None or self.settled(day)
+        return _missing(portions) == 0 and every == 1 and exact
+
+    def settled(self, day: float) -> bool:
+        """Whether the discs' size on a day is known, and not guessed."""
+        return self._closing.settled(locate(self.clip, day)[0])
 
     @property
     def loaded(self) -> int:

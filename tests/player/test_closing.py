@@ -38,3 +38,24 @@ def test_the_distance_is_continuous_in_time(make_clip) -> None:
     assert distances.at(0, 1.0) == distances.at(1, 0.0)
     middle = (distances.at(1, 0.0) + distances.at(1, 1.0)) / 2
     assert distances.at(1, 0.5) == pytest.approx(middle)
+
+
+def test_a_guess_is_near_the_distance(make_clip) -> None:
+    for points in (grid(1.0, 1.0, noise=0.2), grid(0.2, 1.0), np.repeat(grid(1, 1), 3, axis=0)):
+        assert closing_distance(points, roughly=True) == pytest.approx(
+            closing_distance(points), rel=0.15
+        )
+    distances = ClosingDistances(make_clip())
+    guess = distances.at(0, 0.0, wait=False)
+    assert not distances.settled(0)
+    assert guess == pytest.approx(distances.at(0, 0.0), rel=0.15)
+    distances.at(0, 1.0)
+    assert distances.settled(0)
+
+
+def test_measuring_goes_on_in_a_thread(make_clip) -> None:
+    distances = ClosingDistances(make_clip())
+    distances.measure(0)
+    assert distances._thread is not None
+    distances._thread.join()
+    assert all(distances.settled(index) for index in (0, 1))
