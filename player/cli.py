@@ -140,7 +140,7 @@ def play_command(
         bool, typer.Option("--scale-bar", help="Draw a scale bar into pictures.")
     ] = False,
     legend: Annotated[
-        bool, typer.Option("--legend", help="List the organs' colours in pictures.")
+        bool, typer.Option("--legend", help="Explain the colours in pictures.")
     ] = False,
     transparent: Annotated[
         bool, typer.Option("--transparent", help="PNG pictures of the plant alone.")

@@ -33,7 +33,7 @@ NAMES = {
     "speed": "growth speed",
     "height": "height",
 }
-MAPS = {"age": "crameri:imola_r", "speed": "plasma", "height": "viridis"}
+MAPS = {"age": "crameri:imola_r", "speed": "colorbrewer:YlOrRd", "height": "viridis"}
 
 
 class Value(IntEnum):

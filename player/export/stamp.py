@@ -11,16 +11,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from player.colors import Colors, chosen
 from player.errors import PlayerError
 
 if TYPE_CHECKING:
     from gclip import Clip
     from player.camera import Camera
+    from player.colors import Scale
     from player.export.film import Film
 
 REGULAR, BOLD = "Roboto-Regular.ttf", "Roboto-Bold.ttf"
 MARGIN, LINE, SMALL, LARGE = 30, 23, 15, 21  # in a picture 720 pixels high
 WIDEST_BAR = 0.22  # share of the picture's width
+RAMP_WIDTH, RAMP_STEP = 160, 4  # units, and of so many of a ramp's colours one
 LEGEND_HEIGHT = 0.62  # share of the picture's height
 
 
@@ -30,7 +33,7 @@ class Stamps:
 
     date:   the moment's date and the time since the first scan, below on the left.
     scale:  a bar of a round length, as it appears at the middle of the plant, below on the right.
-    legend: the organs' colours, above on the right.
+    legend: what the colours mean, above on the right.
     """
 
     date: bool = False
@@ -39,10 +42,11 @@ class Stamps:
 
 
 def check(stamps: Stamps, clip: Clip, film: Film) -> None:
-    """Raise PlayerError for a legend of colours that the picture does not show."""
-    if stamps.legend and clip.has_colors and film.style.color_by != "track":
+    """Raise PlayerError for a legend of colours that mean nothing: the scans' own."""
+    if stamps.legend and chosen(clip, film.style) == "scan":
         raise PlayerError(
-            "--legend names the organs' own colours; add --color track, or leave it out."
+            "--legend explains colours of organs and values, not the scans' own; "
+            "add --color track, age, speed or height, or leave it out."
         )
 
 
@@ -64,7 +68,8 @@ def stamped(
     if stamps.scale:
         _scale_bar(pen, camera, clip)
     if stamps.legend:
-        _legend(pen, clip)
+        scale = Colors(clip).scale(film.style)
+        _legend(pen, clip) if scale is None else _ramp(pen, scale)
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 
 
@@ -144,6 +149,16 @@ def _legend(pen: _Pen, clip: Clip) -> None:
     rest = len(clip.track_table) - len(tracks)
     if rest:
         pen.text(-1, len(tracks) * LINE, f"and {rest} more", SMALL, muted=True)
+
+
+def _ramp(pen: _Pen, scale: Scale) -> None:
+    """The colours of values, lowest first, and what their ends stand for."""
+    pen.text(-1, 0, scale.title, SMALL)
+    colors = scale.colors()[::-RAMP_STEP]
+    step = RAMP_WIDTH / len(colors)
+    for place, color in enumerate(colors):
+        pen.box(-1 - place * step, LINE + 2, step + 1, 12, (*color.tolist(), 255))
+    pen.text(-1, 2 * LINE, f"{scale.low:g} to {scale.high:.3g} {scale.unit}", SMALL, muted=True)
 
 
 def _bytes(color: tuple[float, ...]) -> tuple[int, ...]:

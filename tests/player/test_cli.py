@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import moderngl
+import numpy as np
 import pytest
 
 from player.cli import main
+from tests.player.conftest import ClipMaker
 
 
 @pytest.fixture
@@ -105,3 +108,50 @@ def test_help_needs_no_graphics() -> None:
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "--export" in done.stdout
+
+
+def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -> None:
+    from PIL import Image
+
+    from player.camera import Camera
+    from player.camera_path import CameraPath, save_path
+
+    clip = make_clip()
+    clip.save(tmp_path / "a.gclip")
+    home = Camera.home(clip, 1.0)
+    path = CameraPath().with_key(0.0, home).with_key(5.0, home.zoom(3.0))
+    save_path(path, clip, tmp_path / "p.json")
+    pictures = {}
+    for day in ("0", "5"):
+        output = tmp_path / f"{day}.png"
+        arguments = [str(tmp_path / "a.gclip"), "--camera", str(tmp_path / "p.json")]
+        assert (
+            main([*arguments, "--export", str(output), "--day", day, "--size", "64x64", "-q"]) == 0
+        )
+        with Image.open(output) as picture:
+            view = np.array(json.loads(picture.text["view"]))  # type: ignore[attr-defined]
+        pictures[day] = view
+    assert np.allclose(pictures["0"], home.matrix(1.0))
+    assert np.allclose(pictures["5"], home.zoom(3.0).matrix(1.0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--camera", "round"], "still, turntable or a camera path"),
+        (["--camera", "none.json", "--export", "a.png"], "none.json can't be read"),
+        (["b.gclip", "--info"], "in step in the window only"),
+    ],
+)
+def test_wrong_cameras_and_pairs_are_refused(
+    make_clip: ClipMaker,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    make_clip().save(tmp_path / "a.gclip")
+    assert main(["a.gclip", *arguments]) == 2
+    assert message in " ".join(capsys.readouterr().err.split())

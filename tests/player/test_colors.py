@@ -50,9 +50,9 @@ def test_height_goes_up_the_ramp(context: moderngl.Context, make_clip: ClipMaker
     column = picture[:, SIZE[0] // 2]
     wall = drawn(context, clip, 0.0, replace(PLAIN, hidden=frozenset((0, 1))))[:, SIZE[0] // 2]
     plant = column[(column != wall).any(axis=1)]
-    # The ramp goes from blue to pink: red rises all the way.
-    assert (np.diff(plant[::6, 0][::-1]) >= -4).all()
-    assert plant[3, 0] > plant[-4, 0] + 60
+    # The ramp goes from purple to yellow: green rises all the way.
+    assert (np.diff(plant[::6, 1][::-1]) >= -4).all()
+    assert plant[3, 1] > plant[-4, 1] + 60
 
 
 def test_the_fastest_colour_is_a_speed_of_the_clip(make_clip: ClipMaker) -> None:

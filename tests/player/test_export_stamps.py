@@ -13,6 +13,7 @@ import pytest
 
 from gclip.clip import Clip, Motion, Track
 from player.cli import main as play
+from player.colors import Colors
 from player.errors import PlayerError
 from player.export import Film, export
 from player.export.stamp import Stamps, bar_length
@@ -102,7 +103,21 @@ def test_a_legend_of_colors_that_are_not_shown_is_refused(make_clip: Any, tmp_pa
     film = Film(size=(64, 48), stamps=Stamps(legend=True))
     with pytest.raises(PlayerError, match="--color track"):
         export(clip, film, tmp_path / "still.png")
-    export(clip, replace(film, style=Style(color_by="track")), tmp_path / "still.png")
+    for meant in ("track", "age", "height"):
+        export(clip, replace(film, style=Style(color_by=meant)), tmp_path / "still.png")
+
+
+def test_a_legend_of_values_shows_the_ramp(clip: Clip, tmp_path: Path) -> None:
+    style = Style(color_by="height")
+    plain, named = (
+        still(clip, tmp_path, style=style, stamps=stamps)
+        for stamps in (Stamps(), Stamps(legend=True))
+    )
+    changed = named[(plain != named).any(axis=2)].astype(int)
+    scale = Colors(clip).scale(style)
+    assert scale is not None
+    for color in scale.colors()[[8, 128, 248]].astype(int):
+        assert np.abs(changed[:, :3] - color).max(axis=1).min() <= 6
 
 
 def test_webm_has_the_films_frames_and_is_reproducible(clip: Clip, tmp_path: Path) -> None:
