@@ -21,7 +21,7 @@ from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.interval import Keyframe, Moved, solve_all, solve_task
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
-from baker.motion import curved, organ_motions
+from baker.motion import attached, curved, organ_motions
 from baker.options import Options, Paths
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
@@ -236,6 +236,7 @@ def _intervals(
     if recipe.paths != Paths.straight:
         motions = organ_motions(clouds, matches, vertical, spacing, workers)
         solved = curved(solved, clouds, matches, organs, motions)
+        solved = attached(solved, matches, organs, spacing)
     if recipe.paths == Paths.smooth:
         solved = smooth_through(solved, keyframes, times)
     intervals = [

@@ -60,8 +60,8 @@ def _affine(
     weights: (centres, n). Returns (centres, 3, 3) and (centres, 3).
     """
     count = len(points)
-    mass = np.bincount(rows, trust, count)
-    pull = np.empty((count, 3))
+    mass, pull = np.empty(count), np.empty((count, 3))
+    mass[:] = np.bincount(rows, trust, count)
     for axis in range(3):
         pull[:, axis] = np.bincount(rows, trust * shift[:, axis], count)
 
