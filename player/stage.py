@@ -18,7 +18,7 @@ class Stage:
     """One renderer for each clip, in one context.
 
     whole:   whether the last picture showed every mover.
-    loading: whether movers came to the GPU for it.
+    loading: whether movers came to the GPU for it, or their size is not known yet.
     """
 
     def __init__(self, context: Any, clips: Sequence[Clip]) -> None:
@@ -60,7 +60,9 @@ class Stage:
                 picture.scissor = (left, 0, right - left, size[1])
                 self._enlarger.copy(into.color_attachments[0], picture, where)
                 picture.scissor = None
-        self.loading = before != sum(renderer.loaded for renderer in self._renderers)
+        settled = all(self._renderers[pane.clip].settled(pane.day) for pane in panes)
+        came = before != sum(renderer.loaded for renderer in self._renderers)
+        self.loading = patience is not None and (came or not settled)
         self._painted = wanted
 
     def show(self, screen: Any, size: tuple[int, int]) -> None:
