@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -78,21 +79,29 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
 
+    def tell(state: State) -> None:
+        try:
+            events.send(state)
+        except OSError:  # the window is gone
+            raise Stopped from None
+
     def progress(done: int, total: int) -> None:
         if stop.is_set():
             raise Stopped
-        events.send(State(done, total))
+        tell(State(done, total))
 
     name = Path(output).name
     try:
         export(gclip.open(clip), film, Path(output), progress)
-        events.send(State(ended=f"Saved {output}"))
+        ended = f"Saved {output}"
     except Stopped:
-        events.send(State(ended=f"Stopped: {name} was not written."))
+        ended = f"Stopped: {name} was not written."
     except (PlayerError, ClipError) as error:
-        events.send(State(ended=str(error)))
+        ended = str(error)
     except Exception as error:
-        events.send(State(ended=f"Exporting {name} failed: {error or type(error).__name__}."))
+        ended = f"Exporting {name} failed: {error or type(error).__name__}."
+    with suppress(Stopped):
+        tell(State(ended=ended))
 
 
 def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
