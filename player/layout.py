@@ -28,7 +28,7 @@ TOP_BUTTONS = (
     "help",
 )
 TINY_TOP_BUTTONS = ("color", "ground", "fit", "panel", "help")
-TIMELINE, PANEL, WIPE = "timeline", "panel", "wipe"
+TIMELINE, PANEL, WIPE = "the timeline", "the panel", "the wipe"  # none is an action's name
 PANEL_WIDTH = 272.0
 BESIDE_PANEL = 300.0  # the least that it leaves to the plant
 WIPE_REACH = 9.0  # how far from the wipe's line the cursor still takes hold of it

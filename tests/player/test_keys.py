@@ -1,7 +1,7 @@
 """The one table: nothing in it is ambiguous, and all of it reaches the help and the handling."""
 
 from player import keys
-from player.layout import TOP_BUTTONS
+from player.layout import PANEL, TIMELINE, TOP_BUTTONS, WIPE
 
 
 def test_no_key_means_two_things() -> None:
@@ -47,3 +47,8 @@ def test_shift_counts_only_where_the_table_says_so() -> None:
     assert keys.drag_for("left", shift=True).name == "pan"  # type: ignore[union-attr]
     assert keys.drag_for("right", shift=True).name == "pan"  # type: ignore[union-attr]
     assert keys.drag_for("fourth", shift=False) is None
+
+
+def test_places_are_no_actions() -> None:
+    names = {action.name for action in keys.ACTIONS}
+    assert not names & {TIMELINE, PANEL, WIPE}
