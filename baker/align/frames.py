@@ -15,9 +15,9 @@ from baker.align.yaw import YawFit, kept_near, likely_yaws
 from baker.vertical import Vertical
 
 SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
-# Of the share kept, what the scans' own frame may lose against the best yaw: at the median over
-# the series where it is one frame, and at a scan that has not jumped out of it.
-SAME_FRAME, NO_JUMP = 0.05, 0.2
+# Of the share kept, what the scans' own frame may lose against the best yaw: in most pairs, and in
+# one pair of a series that came aligned.
+SAME_FRAME, NO_JUMP = 0.08, 0.2
 
 
 def best_stand(
@@ -38,9 +38,10 @@ def best_stand(
 def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:
     """(S,) a number for each scan; scans with the same number stand in one frame.
 
-    A series came aligned if most scans have their base where the one before has it, and turned no
-    further keep about as much of it: one pair alone may fit the wrong way round by chance. Scans
-    that then fit neither the one before nor the one before that have jumped, each for itself.
+    A series came aligned if most scans have their base where the one before has it and keep about
+    as much of it as they could: one pair alone may fit better the wrong way round by chance. Where
+    much is lost, or something twice in a row (as one jumped scan does it), and the scan doesn't fit
+    the one before the last either, it has jumped, and stands alone.
     """
     count = len(stands)
     lost = [
@@ -50,13 +51,16 @@ def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> 
     alone = np.arange(count)
     if count == 1 or np.sort(lost)[(count - 2) // 2] > SAME_FRAME:
         return alone
+    doubtful = np.concatenate([[False], np.array(lost) > SAME_FRAME, [False]])
+    in_row = doubtful[1:-1] & (doubtful[:-2] | doubtful[2:])
+    broken = in_row | (np.array(lost) > NO_JUMP)
     frames = alone.copy()
     for at in range(1, count):
-        if lost[at - 1] <= NO_JUMP:
+        if not broken[at - 1]:
             frames[at] = frames[at - 1]
         elif at > 1:
             before, after = stands[at - 2], stands[at]
-            if _lost_unturned(before, after, likely_yaws(before, after)[0].kept) <= NO_JUMP:
+            if _lost_unturned(before, after, likely_yaws(before, after)[0].kept) <= SAME_FRAME:
                 frames[at] = frames[at - 2]
     main = np.argmax(np.bincount(frames))
     return np.where(frames == main, count, alone)

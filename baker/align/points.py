@@ -44,20 +44,31 @@ class Around:
         return cls(np.hypot(x, y), np.arctan2(y, x), z)
 
 
-def pairs_of_least_cost(
-    earlier: Around, later: Around, yaw: float, growth: float
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Indices of the earlier and of the later points that belong together at this yaw.
+@dataclass(frozen=True)
+class Pairs:
+    """(n,) indices of the earlier and of the later points, radians between and moments of them."""
+
+    earlier: NDArray[np.intp]
+    later: NDArray[np.intp]
+    turns: NDArray[np.float64]
+    moments: NDArray[np.float64]
+
+
+def pairs_of_least_cost(earlier: Around, later: Around, yaw: float, growth: float) -> Pairs:
+    """Which points of two scans belong together at this yaw.
 
     Every point of the smaller sample is paired with one of its own in the other, by the assignment
     of least cost. Plants grow outwards and upwards, so that costs less than a way around the stem.
     """
     from scipy.optimize import linear_sum_assignment
 
-    turn, moment = _turns(earlier, later, yaw)
+    turns = later.azimuth + np.radians(yaw) - earlier.azimuth[:, None]
+    turns -= 2.0 * np.pi * np.rint(turns / (2.0 * np.pi))
+    moments = earlier.radius[:, None] * later.radius
     grown = (earlier.radius[:, None] - later.radius) ** 2
     grown += (earlier.height[:, None] - later.height) ** 2
-    return linear_sum_assignment(moment * turn**2 + growth**2 * grown)
+    before, after = linear_sum_assignment(moments * turns**2 + growth**2 * grown)
+    return Pairs(before, after, turns[before, after], moments[before, after])
 
 
 def kept_share(earlier: Around, later: Around, yaw: float, growth: float) -> float:
@@ -66,13 +77,12 @@ def kept_share(earlier: Around, later: Around, yaw: float, growth: float) -> flo
     A pair counts by its distance from the stem (as an arm's moment does) and with a Gaussian of
     its turn: turned, new and lost organs then weigh nothing instead of pulling.
     """
-    turn, moment = _turns(earlier, later, yaw)
     pairs = pairs_of_least_cost(earlier, later, yaw, growth)
-    weights = np.sqrt(moment[pairs])
+    weights = np.sqrt(pairs.moments)
     total = weights.sum()
     if total == 0.0:
         return 1.0
-    return float((weights * np.exp(-0.5 * (turn[pairs] / TURN_KEPT) ** 2)).sum() / total)
+    return float((weights * np.exp(-0.5 * (pairs.turns / TURN_KEPT) ** 2)).sum() / total)
 
 
 def at_one_spacing(
@@ -81,11 +91,3 @@ def at_one_spacing(
     """Both samples equally dense: a plant that has grown has more points, not all are needed."""
     spacing = max(sample.radii[:most][-1] for sample in (earlier, later))
     return earlier.within(spacing), later.within(spacing)
-
-
-def _turns(
-    earlier: Around, later: Around, yaw: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(n, m) radians from each earlier to each later point at this yaw, and their moments."""
-    turn = later.azimuth + np.radians(yaw) - earlier.azimuth[:, None]
-    return (turn + np.pi) % (2.0 * np.pi) - np.pi, earlier.radius[:, None] * later.radius

@@ -16,7 +16,7 @@ from baker.align.sample import EvenSample, even_sample
 from baker.align.stand import Stand, move, possible_stands
 from baker.align.surface import touching_pairs
 from baker.align.up import find_up_of, upright
-from baker.align.yaw import YawFit, exact_yaw
+from baker.align.yaw import YawFit, difference
 from baker.vertical import Vertical
 
 Progress = Callable[[str, int, int], None]
@@ -124,7 +124,7 @@ def _brought_together(
             continue
         first[frames[at]] = at
         before, after = stands[at - 1 : at + 1]
-        step = move(before, after, exact_yaw(before, after, yaws[at - 1][0].yaw))
+        step = move(before, after, yaws[at - 1][0].yaw)
         transforms.append(transforms[-1] @ step)
     return transforms
 
@@ -169,14 +169,10 @@ def _doubts(samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]]) -> 
         if min(len(sample.points) for sample in pair) < FEWEST:
             doubts.append(f"scan {number} or its predecessor has too few points to find its yaw")
         elif len(likely) > 1:
-            further = abs(_difference(likely[1].yaw, likely[0].yaw))
+            further = abs(difference(likely[1].yaw, likely[0].yaw))
             doubts.append(
                 f"scan {number} fits its predecessor nearly as well when turned by a further "
                 f"{further:.0f} degrees (so much of the plant keeps its direction: "
                 f"{likely[0].kept:.0%}, or {likely[1].kept:.0%})"
             )
     return doubts
-
-
-def _difference(yaw: float, other: float) -> float:
-    return (yaw - other + 180.0) % 360.0 - 180.0

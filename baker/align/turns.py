@@ -39,39 +39,15 @@ def organ_turns(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     """Each organ's turn beyond `yaw` in degrees, its lever, and what share of the plant they are.
 
-    The points are paired one to one; organs are the same when most points of either have their
-    partners in the other. What is one organ in one scan and several in the other is taken together.
+    An organ points where its middle lies, seen from the stem.
     """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    before, after = at_one_spacing(earlier.sample, later.sample, CLOSELY.points)
     turned = about_z(yaw)[:3, :3]
-    after = after @ turned.T
-    rows, columns = pairs_of_least_cost(
-        Around.stem(before), Around.stem(after), 0.0, CLOSELY.growth
-    )
-    of_before = earlier.organs.numbers[: len(before)]
-    of_after = later.organs.numbers[: len(after)]
-    count, more = of_before.max(initial=AXIS) + 1, of_after.max(initial=AXIS) + 1
-    shared = np.zeros((count, more))
-    in_both = (of_before[rows] != AXIS) & (of_after[columns] != AXIS)
-    np.add.at(shared, (of_before[rows[in_both]], of_after[columns[in_both]]), 1.0)
-    most_of_before = (
-        shared >= 0.5 * np.bincount(of_before[of_before != AXIS], minlength=count)[:, None]
-    )
-    most_of_after = shared >= 0.5 * np.bincount(of_after[of_after != AXIS], minlength=more)
-    one, other = np.nonzero((shared > 0) & (most_of_before | most_of_after))
-    links = coo_matrix((np.ones(len(one)), (one, count + other)), shape=(count + more,) * 2)
-    _, organ = connected_components(links, directed=False)
-    whole_before, whole_after = earlier.sample.points, later.sample.points @ turned.T
+    before, after = earlier.sample.points, later.sample.points @ turned.T
     turns, levers, moment = [], [], 0.0
-    for number in np.unique(organ[one]):
-        mine = whole_before[
-            np.isin(earlier.organs.numbers, np.flatnonzero(organ[:count] == number))
-        ]
-        theirs = whole_after[np.isin(later.organs.numbers, np.flatnonzero(organ[count:] == number))]
-        start, end = (points.mean(axis=0) for points in (mine, theirs))
+    for old, new in _same_organs(earlier, later, turned):
+        mine = before[np.isin(earlier.organs.numbers, old)]
+        theirs = after[np.isin(later.organs.numbers, new)]
+        start, end = mine.mean(axis=0), theirs.mean(axis=0)
         lever = min(np.hypot(*start[:2]), np.hypot(*end[:2]))
         turn = np.degrees(np.arctan2(end[1], end[0]) - np.arctan2(start[1], start[0]))
         turn = (turn + 180.0) % 360.0 - 180.0
@@ -80,8 +56,39 @@ def organ_turns(
             turns.append(turn)
             levers.append(lever)
             moment += reach.sum()
-    whole = np.hypot(*whole_before[:, :2].T).sum()
-    return np.array(turns), np.array(levers), moment / whole if whole > 0 else 0.0
+    whole = np.hypot(*before[:, :2].T).sum()
+    return np.array(turns), np.array(levers), float(moment / whole) if whole > 0 else 0.0
+
+
+def _same_organs(
+    earlier: Stand, later: Stand, turned: NDArray[np.float64]
+) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Numbers of organs in the earlier and in the later scan that are the same.
+
+    The points are paired one to one; organs are the same when most points of either have their
+    partners in the other. What is one organ in one scan and several in the other is taken together.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    before, after = at_one_spacing(earlier.sample, later.sample, CLOSELY.points)
+    around = Around.stem(before), Around.stem(after @ turned.T)
+    pairs = pairs_of_least_cost(*around, 0.0, CLOSELY.growth)
+    old, new = earlier.organs.numbers[: len(before)], later.organs.numbers[: len(after)]
+    count, more = old.max(initial=AXIS) + 1, new.max(initial=AXIS) + 1
+    # The axis is counted as one further organ, and left out.
+    shared = np.zeros((count + 1, more + 1))
+    np.add.at(shared, (old[pairs.earlier], new[pairs.later]), 1.0)
+    shared = shared[:-1, :-1]
+    most_of_old = shared >= 0.5 * np.bincount(old + 1, minlength=count + 1)[1:, None]
+    most_of_new = shared >= 0.5 * np.bincount(new + 1, minlength=more + 1)[1:]
+    one, other = np.nonzero((shared > 0) & (most_of_old | most_of_new))
+    links = coo_matrix((np.ones(len(one)), (one, count + other)), shape=(count + more,) * 2)
+    _, organ = connected_components(links, directed=False)
+    return [
+        (np.flatnonzero(organ[:count] == same), np.flatnonzero(organ[count:] == same))
+        for same in np.unique(organ[one])
+    ]
 
 
 def _median(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:

@@ -18,7 +18,9 @@ from baker.align.points import (
 from baker.align.stand import Stand
 from baker.align.turns import organ_yaw
 
-NEAR = 0.1  # yaws that keep so nearly as much as the best one are also likely
+# Yaws that keep so nearly as much as the best one are also likely; before they are found exactly,
+# when some are five degrees off and others hit upon, they may be.
+NEAR, PROMISING = 0.1, 0.15
 ROUND_STEP, CLOSE_STEP, CLOSE_REACH = 10.0, 2.0, 14.0  # degrees
 
 
@@ -31,16 +33,27 @@ class YawFit:
 
 
 def likely_yaws(earlier: Stand, later: Stand) -> list[YawFit]:
-    """The directions that keep nearly as much of the plant as the best does, best first.
+    """The yaws that keep nearly as much of the plant as the best does, exactly, the best first.
 
-    All of the circle is looked at, in steps of 10 degrees. A bare stem keeps everything at every
-    yaw: then 0 is the only answer.
+    All of the circle is looked at, in steps of 10 degrees; what looks promising is looked at
+    closely. A bare stem keeps everything at every yaw: then 0 is the only answer.
     """
     yaws = np.arange(-180.0, 180.0, ROUND_STEP)
     kept = _kept(earlier, later, yaws)
-    peak = (kept >= np.roll(kept, 1)) & (kept > np.roll(kept, -1)) & (kept >= kept.max() - NEAR)
-    fits = [YawFit(float(yaws[at]), float(kept[at])) for at in np.flatnonzero(peak)]
-    return sorted(fits, key=lambda fit: -fit.kept) or [YawFit(0.0, float(kept.max()))]
+    peak = (kept >= np.roll(kept, 1)) & (kept > np.roll(kept, -1))
+    peak &= kept >= kept.max() - PROMISING
+    exact = [exact_yaw(earlier, later, float(yaw)) for yaw in yaws[peak]] or [0.0]
+    fits = [
+        YawFit(yaw, float(share))
+        for yaw, share in zip(exact, _kept(earlier, later, np.array(exact)), strict=True)
+    ]
+    best, *others = sorted(fits, key=lambda fit: -fit.kept)
+    near = [
+        fit
+        for fit in others
+        if fit.kept >= best.kept - NEAR and abs(difference(fit.yaw, best.yaw)) > ROUND_STEP
+    ]
+    return [best, *near]
 
 
 def kept_near(earlier: Stand, later: Stand, yaw: float) -> float:
@@ -84,6 +97,11 @@ def organs_kept(earlier: Stand, later: Stand, yaw: float) -> float:
     kept = kept * np.exp(-0.5 * ((turn / TURN_KEPT) ** 2 + climb**2))
     total = before.radius.sum()
     return float(kept[linear_sum_assignment(-kept)].sum() / total) if total > 0.0 else 1.0
+
+
+def difference(yaw: float, other: float) -> float:
+    """Degrees from `other` to `yaw`, the shorter way round."""
+    return (yaw - other + 180.0) % 360.0 - 180.0
 
 
 def _kept(earlier: Stand, later: Stand, yaws: NDArray[np.floating]) -> NDArray[np.float64]:
