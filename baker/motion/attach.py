@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,11 @@ from gclip.pack import raised
 
 INSTANTS = (0.5, 0.25, 0.75)
 SLACK = 0.5  # point spacings that a gap may widen
+SAMPLED = 200  # points of an organ that are searched without a bound
 REACH = 0.5  # of an organ, in its root mean square radii, that follows its base
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 Curve = tuple[NDArray[np.floating], ...]
 
@@ -68,20 +73,31 @@ def _at(curve: Curve, u: float) -> NDArray[np.floating]:
     return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
 
 
-def _drawn(moved: Moved, bearer: Sequence, slack: float) -> Moved:
+def _drawn(moved: Moved, bearer: Sequence[cKDTree], slack: float) -> Moved:
     """The movers with their base within reach of the bearer, whose trees are those of the ends
     and of the instants between."""
     curve = moved.movers.curve
-    ends = [float(tree.query(_at(curve, u))[0].min()) for u, tree in enumerate(bearer[:2])]
+    ends = [_closest(tree, _at(curve, u))[2] for u, tree in enumerate(bearer[:2])]
     allowed = max(ends) + slack
     for u, tree in zip(INSTANTS, bearer[2:], strict=True):
         points = _at(curve, u)
-        gaps, touched = tree.query(points)
-        base = int(np.argmin(gaps))
-        if gaps[base] > allowed:
-            way = (tree.data[touched[base]] - points[base]) * (1.0 - allowed / gaps[base])
+        base, touched, gap = _closest(tree, points)
+        if gap > allowed:
+            way = (tree.data[touched] - points[base]) * (1.0 - allowed / gap)
             curve = _shifted(curve, u, way * _followers(points, points[base]))
     return moved if curve is moved.movers.curve else _on(moved, curve)
+
+
+def _closest(tree: cKDTree, points: NDArray[np.floating]) -> tuple[int, int, float]:
+    """The point nearest to a tree's, the tree's point there, and how far they are apart.
+
+    A sample bounds the distance, and the search ends there: most points are farther.
+    """
+    sample = points[:: max(1, len(points) // SAMPLED)]
+    bound = float(tree.query(sample)[0].min())
+    apart, near = tree.query(points, distance_upper_bound=np.nextafter(bound, np.inf))
+    first = int(np.argmin(apart))
+    return first, int(near[first]), float(apart[first])
 
 
 def _followers(points: NDArray[np.floating], base: NDArray[np.floating]) -> NDArray[np.float64]:
