@@ -132,8 +132,7 @@ def _improve(
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
     near = _neighbours(start, search.workers, n * m), _neighbours(end, search.workers, n * m)
-    best = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
-    sweep = 0
+    best, sweep = np.inf, 0
     while True:
         size = _CELL * 2**sweep  # what is left to do in later sweeps is little
         cells = 1 if n + m <= _WHOLE else -(-(n + m) // size)

@@ -15,7 +15,7 @@ from baker.transport.plan import (
 from baker.transport.sinkhorn import regularized_plan
 from baker.transport.support import balance, explained_cost
 
-_SLACK = 3e-4  # share of the whole cost below which an improvement is not worth a sweep
+_SLACK = 1e-4  # share of the whole cost below which an improvement is not worth a sweep
 
 
 def solve(start: Points, end: Points, options: TransportOptions | None = None) -> Plan:
