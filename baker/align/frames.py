@@ -38,10 +38,10 @@ def best_stand(
 def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:
     """(S,) a number for each scan; scans with the same number stand in one frame.
 
-    A series came aligned if most scans have their base where the one before has it and keep about
-    as much of it as they could: one pair alone may fit better the wrong way round by chance. Where
-    much is lost, or something twice in a row (as one jumped scan does it), and the scan doesn't fit
-    the one before the last either, it has jumped, and stands alone.
+    A series came aligned if most scans have their base in one place, and most of those keep about
+    as much of the one before as they could: one pair alone may fit better the wrong way round by
+    chance. Where much is lost, or something twice in a row (as one jumped scan does it), and the
+    scan doesn't fit the one before the last either, it has jumped, and stands alone.
     """
     count = len(stands)
     lost = [
@@ -49,11 +49,13 @@ def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> 
         for (before, after), likely in zip(pairwise(stands), yaws, strict=True)
     ]
     alone = np.arange(count)
-    if count == 1 or np.sort(lost)[(count - 2) // 2] > SAME_FRAME:
+    in_place = _in_place(stands)
+    in_row = np.sort(np.array(lost)[in_place[1:] & in_place[:-1]])
+    if not len(in_row) or in_row[(len(in_row) - 1) // 2] > SAME_FRAME:
         return alone
     doubtful = np.concatenate([[False], np.array(lost) > SAME_FRAME, [False]])
-    in_row = doubtful[1:-1] & (doubtful[:-2] | doubtful[2:])
-    broken = in_row | (np.array(lost) > NO_JUMP)
+    twice = doubtful[1:-1] & (doubtful[:-2] | doubtful[2:])
+    broken = twice | (np.array(lost) > NO_JUMP)
     frames = alone.copy()
     for at in range(1, count):
         if not broken[at - 1]:
@@ -64,6 +66,14 @@ def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> 
                 frames[at] = frames[at - 2]
     main = np.argmax(np.bincount(frames))
     return np.where(frames == main, count, alone)
+
+
+def _in_place(stands: Sequence[Stand]) -> NDArray[np.bool_]:
+    """(S,) whether a scan's base is where most have theirs; none is if there is no such place."""
+    bases = np.array([stand.base for stand in stands])
+    apart = np.linalg.norm(bases - np.median(bases, axis=0), axis=1)
+    there = apart <= SAME_PLACE * max(stand.height for stand in stands)
+    return there if 2 * there.sum() > len(stands) else np.zeros(len(stands), bool)
 
 
 def _lost_unturned(earlier: Stand, later: Stand, best: float) -> float:

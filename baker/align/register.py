@@ -98,7 +98,7 @@ def align(
         if len(clouds) > 1 and len(set(frames)) == 1:
             notes.append("the scans stand in one frame already and were left there")
         else:
-            notes += _jumps(frames) + _doubts(samples, yaws)
+            notes += _jumps(frames) + _doubts(samples, yaws, frames)
     elif method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
@@ -162,16 +162,20 @@ def _moves(drift: Sequence[PairFit]) -> str:
     )
 
 
-def _doubts(samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]]) -> list[str]:
-    """A sentence for every scan that might as well stand another way round."""
+def _doubts(
+    samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+) -> list[str]:
+    """A sentence for every scan that was turned and might as well stand another way round."""
     doubts = []
-    for number, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True), start=2):
+    for at, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True)):
+        if frames[at] == frames[at + 1]:
+            continue
         if min(len(sample.points) for sample in pair) < FEWEST:
-            doubts.append(f"scan {number} or its predecessor has too few points to find its yaw")
+            doubts.append(f"scan {at + 2} or its predecessor has too few points to find its yaw")
         elif len(likely) > 1:
             further = abs(difference(likely[1].yaw, likely[0].yaw))
             doubts.append(
-                f"scan {number} fits its predecessor nearly as well when turned by a further "
+                f"scan {at + 2} fits its predecessor nearly as well when turned by a further "
                 f"{further:.0f} degrees (so much of the plant keeps its direction: "
                 f"{likely[0].kept:.0%}, or {likely[1].kept:.0%})"
             )
