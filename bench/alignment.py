@@ -11,7 +11,8 @@ the first columns, point for point the same plants: in the second all scans stan
 
 pairs      yaw and tilt error of each pair, for `--align auto` and for `--align icp`.
 scattered  aligned series whose scans are first turned about the vertical and shifted at random, by
-           up to a tenth of their height: yaw errors of all pairs, CHAIN from the first to the last.
+           up to a tenth of their height: yaw errors of all pairs, CHAIN from the first to the last,
+           and how far the stem's FOOT is off, level, in % of the height, in the median.
 grown      the same with plants that `grow` makes, whose truth is exact.
 jumps      aligned series as they are, which should stay, and with one scan turned by 40 to 320
            degrees and, in every second copy, shifted: the others should stay.
@@ -72,9 +73,9 @@ def pairs(unaligned: Path, aligned: Path, names: list[str]) -> None:
 def scattered(series: dict[str, list[np.ndarray]], seeds: int) -> None:
     """Errors of series whose scans are turned and shifted at random."""
     everything: list[float] = []
-    print(f"{'series':<26}{'WRONG':>6}{'median':>8}{'worst':>8}{'CHAIN':>8}   s of CPU")
+    print(f"{'series':<26}{'WRONG':>6}{'median':>8}{'worst':>8}{'CHAIN':>8}{'FOOT':>6}   s of CPU")
     for name, scans in series.items():
-        yaws, chains = [], []
+        yaws, chains, feet = [], [], []
         begun = time.process_time()
         for seed in range(1, seeds + 1):
             rng = np.random.default_rng(seed)
@@ -84,12 +85,16 @@ def scattered(series: dict[str, list[np.ndarray]], seeds: int) -> None:
             )
             errors = [yaw for yaw, _ in _errors(found, [np.linalg.inv(move) for move in truth])]
             yaws += errors
+            places = [at @ move for at, move in zip(found.transforms, truth, strict=True)]
+            for points, (before, after) in zip(scans, pairwise(places), strict=False):
+                off = np.linalg.inv(before) @ after
+                feet.append(100.0 * np.hypot(*off[:2, 3]) / np.ptp(points[:, 2]))
             chains.append((sum(errors) + 180.0) % 360.0 - 180.0)
         seconds = (time.process_time() - begun) / seeds
         size = np.abs(yaws)
         print(
             f"{name:<26}{np.sum(size > WRONG):6d}{np.median(size):8.2f}{size.max():8.2f}"
-            f"{np.abs(chains).max():8.2f}{seconds:8.1f}",
+            f"{np.abs(chains).max():8.2f}{np.median(feet):6.2f}{seconds:8.1f}",
             flush=True,
         )
         everything += yaws
