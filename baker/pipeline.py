@@ -35,7 +35,7 @@ from baker.tasks import interval_tasks
 from baker.through import smooth_through
 from baker.vertical import Vertical
 from baker.workers import in_parallel, worker_count
-from gclip.clip import Clip, Interval, Motion, ScanMark
+from gclip.clip import Clip, HeldOutScan, Interval, Motion, ScanMark
 from gclip.pack import pack_interval
 
 Progress = Callable[[str, int, int], None]
@@ -105,6 +105,10 @@ def bake_recorded(
         time_unit=series.unit,
         floor=floor,
         spacing=spacing,
+        held_out=tuple(
+            HeldOutScan(held.scan.name, held.scan.time, held.scan.date, held.keyframe.positions)
+            for held in held_out
+        ),
         provenance=describe_provenance(found, series, alignment, labels, hierarchies, chosen),
     )
     record = BakeRecord(

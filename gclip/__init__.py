@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Any
 from gclip.errors import ClipError, UserError
 
 if TYPE_CHECKING:
-    from gclip.clip import Box, Clip, Group, Interval, Motion, ScanMark, SegmentPair, Track
+    from gclip.clip import (
+        Box,
+        Clip,
+        Group,
+        HeldOutScan,
+        Interval,
+        Motion,
+        ScanMark,
+        SegmentPair,
+        Track,
+    )
     from gclip.evaluate import Frame, Layer
     from gclip.file import open_clip as open
 
@@ -20,6 +30,7 @@ __all__ = [
     "ClipError",
     "Frame",
     "Group",
+    "HeldOutScan",
     "Interval",
     "Layer",
     "Motion",
@@ -31,7 +42,11 @@ __all__ = [
 ]
 
 _HOME = dict.fromkeys(
-    ("Box", "Clip", "Group", "Interval", "Motion", "ScanMark", "SegmentPair", "Track"), "gclip.clip"
+    (
+        *("Box", "Clip", "Group", "HeldOutScan", "Interval", "Motion", "ScanMark"),
+        *("SegmentPair", "Track"),
+    ),
+    "gclip.clip",
 ) | {"Frame": "gclip.evaluate", "Layer": "gclip.evaluate", "open": "gclip.file"}
 
 

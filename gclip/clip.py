@@ -144,6 +144,19 @@ class Interval:
 
 
 @dataclass(frozen=True)
+class HeldOutScan:
+    """A scan that the clip was baked without, aligned with the others: the truth to compare with.
+
+    positions: (N, 3) float32 about the clip's origin.
+    """
+
+    name: str
+    time: float
+    date: str
+    positions: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
 class Clip:
     """A plant's growth, ready to be played.
 
@@ -153,6 +166,7 @@ class Clip:
     time_unit:  "days", or "scans" where the times are only an order.
     floor:      height along `up` (local coordinates) where lost organs come to rest.
     spacing:    median distance between neighbouring points, in the length unit.
+    held_out:   scans that were left out of the bake, by time; empty where none were.
     provenance: options, versions, input names and digests; never paths or dates of the bake.
     """
 
@@ -165,6 +179,7 @@ class Clip:
     time_unit: str = "days"
     floor: float = 0.0
     spacing: float = 0.0
+    held_out: tuple[HeldOutScan, ...] = ()
     provenance: dict[str, Any] = field(default_factory=dict)
 
     @property

@@ -55,6 +55,7 @@ def to_json(clip: Clip) -> str:
                 for t in clip.track_table
             ],
             "intervals": [_interval_to_json(interval) for interval in clip.intervals],
+            **_held_out_to_json(clip),
             "provenance": clip.provenance,
         },
         sort_keys=True,
@@ -62,6 +63,15 @@ def to_json(clip: Clip) -> str:
         ensure_ascii=False,
         allow_nan=False,
     )
+
+
+def _held_out_to_json(clip: Clip) -> dict[str, Any]:
+    """Nothing where there is nothing: most clips were baked from all scans."""
+    marks = [
+        {"name": s.name, "time": s.time, "date": s.date, "points": len(s.positions)}
+        for s in clip.held_out
+    ]
+    return {"held_out": marks} if marks else {}
 
 
 def _interval_to_json(interval: Interval) -> dict[str, Any]:
@@ -91,8 +101,8 @@ def _interval_to_json(interval: Interval) -> dict[str, Any]:
     }
 
 
-def from_json(text: str) -> tuple[Clip, list[IntervalHeader]]:
-    """A clip without intervals, and the headers of the intervals it announces.
+def from_json(text: str) -> tuple[Clip, list[IntervalHeader], list[ScanMark]]:
+    """A clip without buffers, and the intervals and the scans left out that it announces.
 
     Raises ClipError naming the field, what was found and what is allowed.
     """
@@ -101,10 +111,7 @@ def from_json(text: str) -> tuple[Clip, list[IntervalHeader]]:
     except (ValueError, RecursionError) as error:
         raise ClipError(f"its document is not valid JSON ({type(error).__name__})") from None
     _check_version(root.text("version"))
-    scans = tuple(
-        ScanMark(f.text("name"), f.number("time"), f.text("date", ""), f.count("points"))
-        for f in root.objects("scans")
-    )
+    scans = tuple(_scan(f) for f in root.objects("scans"))
     if len(scans) < 2:
         raise ClipError(f"scans holds {len(scans)} entries; at least 2 are needed")
     if any(a.time >= b.time for a, b in pairwise(scans)):
@@ -115,6 +122,8 @@ def from_json(text: str) -> tuple[Clip, list[IntervalHeader]]:
         raise ClipError("tracks is empty; at least one is needed")
     headers = [_interval_header(f, len(tracks)) for f in root.objects("intervals")]
     _check_times(scans, headers)
+    held_out = [_scan(f) for f in root.objects("held_out", optional=True)]
+    _check_held_out(scans, held_out)
     clip = Clip(
         scans=scans,
         intervals=(),
@@ -127,7 +136,7 @@ def from_json(text: str) -> tuple[Clip, list[IntervalHeader]]:
         spacing=root.number("spacing", 0.0, lowest=0.0),
         provenance=root.mapping("provenance"),
     )
-    return clip, headers
+    return clip, headers, held_out
 
 
 def _check_version(version: str) -> None:
@@ -150,6 +159,18 @@ def _check_times(scans: tuple[ScanMark, ...], headers: list[IntervalHeader]) -> 
         raise ClipError("the intervals do not follow one another without a gap")
     if not {scan.time for scan in scans} <= {*starts, ends[-1]}:
         raise ClipError("a scan's time lies inside an interval")
+
+
+def _scan(f: Fields) -> ScanMark:
+    return ScanMark(f.text("name"), f.number("time"), f.text("date", ""), f.count("points"))
+
+
+def _check_held_out(scans: tuple[ScanMark, ...], held_out: list[ScanMark]) -> None:
+    times = [scan.time for scan in held_out]
+    if any(a >= b for a, b in pairwise(times)):
+        raise ClipError("the times in held_out do not ascend")
+    if times and not scans[0].time <= times[0] <= times[-1] <= scans[-1].time:
+        raise ClipError("a time in held_out lies outside the series")
 
 
 def _track(f: Fields, index: int, total: int) -> Track:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, Interval
+from gclip.clip import Clip, HeldOutScan, Interval, ScanMark
 from gclip.document import IntervalHeader, from_json, to_json
 from gclip.errors import ClipError
 
@@ -36,6 +36,8 @@ def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
         for index, interval in enumerate(clip.intervals)
         for name, buffer in _buffers(index, interval).items()
     }
+    for index, scan in enumerate(clip.held_out):
+        tensors[_held_out_name(index)] = np.ascontiguousarray(scan.positions, np.float32)
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         os.close(handle)
@@ -81,14 +83,15 @@ def _open(path: Path) -> Clip:
         raise ClipError("no such file") from None
     except OSError as error:
         raise ClipError(f"it can't be read: {error.strerror or error}") from None
-    clip, headers = from_json(document)
+    clip, headers, marks = from_json(document)
     intervals = tuple(
         _interval(index, header, buffers, len(clip.track_table))
         for index, header in enumerate(headers)
     )
+    held_out = tuple(_held_out(index, mark, buffers) for index, mark in enumerate(marks))
     if buffers:
-        raise ClipError(f'it holds a buffer "{next(iter(buffers))[:40]}" that no interval names')
-    return replace(clip, intervals=intervals)
+        raise ClipError(f'it holds a buffer "{next(iter(buffers))[:40]}" that nothing names')
+    return replace(clip, intervals=intervals, held_out=held_out)
 
 
 def _map_container(path: Path) -> tuple[str, dict[str, NDArray[Any]]]:
@@ -178,6 +181,18 @@ def _interval(
     )
 
 
+def _held_out_name(index: int) -> str:
+    return f"held_out/{index:04d}"
+
+
+def _held_out(index: int, mark: ScanMark, buffers: dict[str, NDArray[Any]]) -> HeldOutScan:
+    name = _held_out_name(index)
+    positions = _take(buffers, name, (mark.points, 3), (np.float32,))
+    if not np.isfinite(positions).all():
+        raise ClipError(f'its buffer "{name}" holds a position that is not finite')
+    return HeldOutScan(mark.name, mark.time, mark.date, positions)
+
+
 def _take(
     buffers: dict[str, NDArray[Any]], name: str, shape: tuple[int, ...], kinds: tuple[type, ...]
 ) -> NDArray[Any]:
@@ -188,6 +203,6 @@ def _take(
         allowed = " or ".join(np.dtype(kind).name for kind in kinds)
         raise ClipError(
             f'its buffer "{name}" is {buffer.dtype.name} {buffer.shape}, '
-            f"not {allowed} {shape} as its interval needs"
+            f"not {allowed} {shape} as the document needs"
         )
     return buffer

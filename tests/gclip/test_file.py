@@ -36,6 +36,32 @@ def test_what_is_written_comes_back(make_clip, tmp_path, degree, colors, precisi
         assert np.array_equal(clip.at(day).colors, again.at(day).colors)
 
 
+def test_scans_left_out_come_back(make_clip, tmp_path):
+    points = np.random.default_rng(3).random((20, 3)).astype(np.float32)
+    left_out = gclip.HeldOutScan("x.ply", 1.5, "day 1.5", points)
+    replace(make_clip(), held_out=(left_out,)).save(tmp_path / "c.gclip")
+    (again,) = gclip.open(tmp_path / "c.gclip").held_out
+    assert (again.name, again.time, again.date) == ("x.ply", 1.5, "day 1.5")
+    assert np.array_equal(again.positions, points)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("time", 9.0, "outside the series"),
+        ("points", 21, "as the document needs"),
+        ("name", 7, r"held_out\[0\].name is 7"),
+    ],
+)
+def test_scans_left_out_are_checked(make_clip, tmp_path, field, value, words):
+    points = np.zeros((20, 3), np.float32)
+    left_out = gclip.HeldOutScan("x.ply", 1.5, "day 1.5", points)
+    replace(make_clip(), held_out=(left_out,)).save(tmp_path / "c.gclip")
+    rewrite(tmp_path / "c.gclip", lie(field, value, "held_out", 0))
+    with pytest.raises(gclip.ClipError, match=words):
+        gclip.open(tmp_path / "c.gclip")
+
+
 def test_bytes_a_mover(make_clip, tmp_path):
     for degree, colors, expected in ((1, False, 14), (2, False, 20), (2, True, 28), (3, False, 26)):
         clip = make_clip(degree=degree, colors=colors)
@@ -150,7 +176,7 @@ LIES = {
     "deep JSON": (lambda d, b: "[" * 100_000, "JSON"),
     "JSON list": (lambda d, b: "[]", "not an object"),
     "missing buffer": (drop("0001/track"), "missing"),
-    "buffer nobody names": (put("0009/start", np.zeros((3, 3), np.uint16)), "no interval names"),
+    "buffer nobody names": (put("0009/start", np.zeros((3, 3), np.uint16)), "nothing names"),
     "foreign dtype": (put("0000/track", np.zeros(300, np.float64)), "type F64"),
     "shape": (put("0000/track", np.zeros((300, 2), np.uint16)), "needs"),
     "track out of range": (put("0000/track", np.full(300, 2, np.uint16)), "names track 2"),
