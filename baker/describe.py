@@ -58,12 +58,10 @@ def describe_provenance(
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     return {
-        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
-        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
+        **software(),
         "options": options.provenance(),
         "inputs": [
-            {"name": scan.name, "sha256": _digest((scan.path, *scan.beside))}
-            for scan in found.scans
+            {"name": scan.name, "sha256": digest((scan.path, *scan.beside))} for scan in found.scans
         ],
         "transforms": [transform.tolist() for transform in alignment.transforms],
         "decisions": [series.rule, *alignment.notes, labels.sentence],
@@ -71,9 +69,17 @@ def describe_provenance(
     }
 
 
-def _digest(paths: Sequence[Path]) -> str:
+def software() -> dict[str, dict[str, str]]:
+    """The program and the packages its numbers come from, with their versions."""
+    return {
+        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
+    }
+
+
+def digest(paths: Sequence[Path]) -> str:
     """SHA-256 over the bytes of all files a scan was read from, one after the other."""
-    digest = hashlib.sha256()
+    found = hashlib.sha256()
     for path in paths:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+        found.update(path.read_bytes())
+    return found.hexdigest()

@@ -65,7 +65,7 @@ def bake_recorded(
         _read_options(chosen),
         lambda done, total, name: tell("reading", done, total),
     )
-    chosen = _told_by(found, chosen)
+    chosen = told_by(found, chosen)
     recipe = recipe_for(chosen)
     alignment = align(
         [scan.points for scan in found.scans],
@@ -138,7 +138,7 @@ def _read_options(options: Options) -> ReadOptions:
     )
 
 
-def _told_by(series: Series, options: Options) -> Options:
+def told_by(series: Series, options: Options) -> Options:
     """The options, with what the series itself knows where they leave it open."""
     if series.fixed:
         align = "none" if options.align == "auto" else options.align

@@ -18,16 +18,15 @@ if TYPE_CHECKING:
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
-def run(command: str, work: Callable[[], None]) -> int:
+def run(command: str, work: Callable[[], int | None]) -> int:
     """Do `work` and turn its outcome into an exit code, with one sentence on stderr.
+
+    Work that has told its failures itself returns the exit code.
 
     Set the environment variable ``GCLIP_TRACEBACK=1`` to see the traceback of a fault of our own.
     """
     try:
-        work()
-    except UserError as error:
-        _say(command, str(error))
-        return BAD_INPUT
+        return work() or DONE
     except KeyboardInterrupt:
         _say(command, "stopped; nothing half-written is left behind.")
         return INTERRUPTED
@@ -35,19 +34,28 @@ def run(command: str, work: Callable[[], None]) -> int:
         # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
-    except MemoryError:
-        _say(command, "out of memory; try fewer points, for example with `bake --voxel SIZE`.")
-        return BAD_INPUT
     except Exception as error:
-        if os.environ.get("GCLIP_TRACEBACK"):
+        code, sentence = verdict(error)
+        if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
             raise
-        _say(
-            command,
-            f"internal error ({type(error).__name__}: {error}); this is a fault of the program, "
-            "please report it (set GCLIP_TRACEBACK=1 to see where).",
+        _say(command, sentence)
+        return code
+
+
+def verdict(error: Exception) -> tuple[int, str]:
+    """The exit code that an error stands for, and the one sentence it is told with."""
+    if isinstance(error, UserError):
+        return BAD_INPUT, str(error)
+    if isinstance(error, MemoryError):
+        return (
+            BAD_INPUT,
+            "out of memory; try fewer points, for example with `bake --voxel SIZE`.",
         )
-        return OUR_FAULT
-    return DONE
+    return (
+        OUR_FAULT,
+        f"internal error ({type(error).__name__}: {error}); this is a fault of the program, "
+        "please report it (set GCLIP_TRACEBACK=1 to see where).",
+    )
 
 
 def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
@@ -56,7 +64,7 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     from typer.exceptions import TyperException
     from typer.main import get_command
 
-    def work() -> None:
+    def work() -> int | None:
         try:
             code = get_command(app).main(args=argv, prog_name=command, standalone_mode=False)
             if code == INTERRUPTED:  # what typer makes of Ctrl-C
@@ -68,6 +76,7 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
             raise KeyboardInterrupt from None
         if code == INTERRUPTED:  # typer's own word for Ctrl-C
             raise KeyboardInterrupt
+        return code if isinstance(code, int) else None
 
     return run(command, work)
 

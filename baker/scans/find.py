@@ -49,6 +49,14 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     return FoundScans(tuple(inputs), from_folder=False)
 
 
+def holds_scans(folder: Path) -> bool:
+    """Whether `folder` itself holds a scan, be they enough for a series or not."""
+    try:
+        return any(_is_scan(path) for path in folder.iterdir())
+    except OSError as error:
+        raise InputError(f"'{folder}' can't be read: {error.strerror}.") from error
+
+
 def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     try:
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))

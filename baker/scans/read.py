@@ -14,7 +14,7 @@ from baker.scans.scan import Scan, Series
 if TYPE_CHECKING:
     from baker.rgbd.series import ImageSeries
     from baker.scans.cloud import Cloud
-    from baker.scans.times import Schedule
+    from baker.scans.times import Entry, Schedule
 
 Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
@@ -77,17 +77,10 @@ def read_series(
     """
     from baker.scans import clean, place
     from baker.scans.denoise import denoised
-    from baker.scans.find import find_scans
-    from baker.scans.times import schedule_scans
 
     options = options or ReadOptions()
-    images = _open_images(inputs, options)
-    if images:
-        schedule = images.schedule
-    else:
-        schedule = schedule_scans(find_scans(inputs, options.times_file), options.times_file)
-    schedule = _thin_out(schedule, options.every)
-
+    listing = list_series(inputs, options)
+    schedule, images = listing.schedule, listing.images
     scans: list[Scan] = []
     origin = None
     for done, entry in enumerate(schedule.entries):
@@ -121,19 +114,49 @@ def read_series(
                 colors=cloud.colors,
                 date=entry.moment.date,
                 notes=cloud.notes,
-                beside=images.beside(entry.path) if images else (),
+                beside=listing.files(entry)[1:],
             )
         )
     if progress:
         progress(len(scans), len(scans), "")
-    return Series(
-        _agree(scans, options),
-        schedule.rule,
-        schedule.unit,
-        fixed=images is not None,
-        length="mm" if images else "",
-        root="virtual" if images and images.has_labels and options.use_labels else None,
-    )
+    return listing.series(_agree(scans, options), options)
+
+
+@dataclass(frozen=True)
+class Listing:
+    """The scans of one plant, found, timed and ordered; nothing of them is read yet."""
+
+    schedule: Schedule
+    images: ImageSeries | None
+
+    def files(self, entry: Entry) -> tuple[Path, ...]:
+        """All files that one scan is made from."""
+        return (entry.path, *(self.images.beside(entry.path) if self.images else ()))
+
+    def series(self, scans: tuple[Scan, ...], options: ReadOptions) -> Series:
+        """The series of these scans once they are read; without any, what is known of it before."""
+        images = self.images
+        return Series(
+            scans,
+            self.schedule.rule,
+            self.schedule.unit,
+            fixed=images is not None,
+            length="mm" if images else "",
+            root="virtual" if images and images.has_labels and options.use_labels else None,
+        )
+
+
+def list_series(inputs: Sequence[Path], options: ReadOptions) -> Listing:
+    """What `read_series` would read. Raises InputError as that does."""
+    from baker.scans.find import find_scans
+    from baker.scans.times import schedule_scans
+
+    images = _open_images(inputs, options)
+    if images:
+        schedule = images.schedule
+    else:
+        schedule = schedule_scans(find_scans(inputs, options.times_file), options.times_file)
+    return Listing(_thin_out(schedule, options.every), images)
 
 
 def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | None:
