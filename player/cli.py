@@ -34,6 +34,7 @@ class ColorBy(StrEnum):
     age = "age"
     speed = "speed"
     height = "height"
+    error = "error"
 
 
 class GroundChoice(StrEnum):
@@ -117,7 +118,11 @@ def play_command(
         ),
     ] = STILL,
     color: Annotated[
-        ColorBy, typer.Option(help="Colours: the scans' own, each organ's, or those of a value.")
+        ColorBy,
+        typer.Option(
+            help="Colours: the scans' own, each organ's, or those of a value; error, against a "
+            "scan left out, needs a clip of bake --holdout."
+        ),
     ] = ColorBy.auto,
     ground: Annotated[
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")

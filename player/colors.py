@@ -1,8 +1,9 @@
 """What colours mean: the one place that the window, its legend and every export ask.
 
 A mover wears its scan's colours, its organ's, or the colour of a value: the organ's age, the
-mover's height or speed. Age is one value an organ, so it comes as another palette of tracks; height
-and speed are found in the shaders (value.glsl), which read their colours off a ramp.
+mover's height or speed, or its error. Age is one value an organ, so it comes as another palette of
+tracks; height and speed are found in the shaders (value.glsl), which read their colours off a ramp;
+errors stand in the clip's own colours, in a copy of it (against.py).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.color import srgb_to_linear
+from player.against import Errors
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -32,8 +34,15 @@ NAMES = {
     "age": "age",
     "speed": "growth speed",
     "height": "height",
+    "error": "error",
 }
-MAPS = {"age": "crameri:imola_r", "speed": "colorbrewer:YlOrRd", "height": "viridis"}
+TITLES = NAMES | {"error": "error against a scan left out"}
+MAPS = {
+    "age": "crameri:imola_r",
+    "speed": "colorbrewer:YlOrRd",
+    "height": "viridis",
+    "error": "plasma",
+}
 
 
 class Value(IntEnum):
@@ -58,7 +67,7 @@ class Scale:
 
     @property
     def title(self) -> str:
-        return NAMES[self.name]
+        return TITLES[self.name]
 
     def colors(self) -> NDArray[np.uint8]:
         """(STEPS, 3) uint8 sRGB, from low to high."""
@@ -82,7 +91,10 @@ class Colors:
         self._clip = clip
 
     def scale(self, style: Style) -> Scale | None:
-        """What to explain in a legend; None for the scans' and the organs' own colours."""
+        """What to explain in a legend; None for the scans' and the organs' own colours.
+
+        Raises PlayerError for errors where the clip holds no scan that was left out.
+        """
         clip, name = self._clip, chosen(self._clip, style)
         time = clip.time_unit
         if name == "age":
@@ -92,7 +104,18 @@ class Colors:
         if name == "speed":
             unit = f"{clip.unit or 'units'} a {time.removesuffix('s')}"
             return Scale(name, 0.0, self._fastest, unit)
+        if name == "error":
+            high = rounded_up(max(self._errors.high, 1e-9))
+            return Scale(name, 0.0, high, clip.unit or "units")
         return None
+
+    def worn(self, style: Style) -> Clip:
+        """The clip to draw: a copy with its errors as colours where a style shows them.
+
+        Raises PlayerError as `scale` does.
+        """
+        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
+        return self._clip if scale is None else self._errors.painted(scale.colors(), scale.high)
 
     def value(self, style: Style) -> Value:
         return {"height": Value.HEIGHT, "speed": Value.SPEED}.get(
@@ -119,7 +142,8 @@ class Colors:
 
     def ramp(self, style: Style) -> NDArray[np.float32]:
         """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
-        scale, texels = self.scale(style), np.zeros((STEPS, 4), np.float32)
+        valued, texels = self.value(style) is not Value.NONE, np.zeros((STEPS, 4), np.float32)
+        scale = self.scale(style) if valued else None
         if scale is not None:
             texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
         return texels
@@ -137,13 +161,17 @@ class Colors:
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
         """(tracks, 3) uint8 sRGB."""
-        scale = self.scale(style)
-        if scale is None or scale.name != "age":
+        scale = self.scale(style) if chosen(self._clip, style) == "age" else None
+        if scale is None:
             return self._clip.palette[:, :3]
         first = self._clip.times[0]
         born = np.array([max(track.born, first) for track in self._clip.track_table])
         share = np.clip((day - born) / max(scale.high, 1e-12), 0.0, 1.0)
         return scale.colors()[np.round((STEPS - 1) * share).astype(int)]
+
+    @cached_property
+    def _errors(self) -> Errors:
+        return Errors(self._clip)
 
     @cached_property
     def _heights(self) -> tuple[float, float]:

@@ -113,8 +113,11 @@ def colored(name: str) -> Move:
     """Colour by one of NAMES in player/colors.py."""
 
     def color(scene: Scene) -> Scene:
+        from player.against import NOTHING
         from player.colors import NAMES
 
+        if name == "error" and not scene.has_errors:
+            return scene.told(f"{NOTHING[0].upper()}{NOTHING[1:]}")
         return scene.styled(f"Coloured by {NAMES[name]}", color_by=name)
 
     return color

@@ -58,6 +58,7 @@ class Panel:
 
     def _look(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
         style, names = scene.style, scene.colorings
+        names += () if scene.has_errors else ("error",)  # the answer tells how to get it
         chosen = widgets.choice(
             "Colour", [NAMES[n] for n in names], names.index(scene.color_by), "color"
         )

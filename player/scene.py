@@ -19,6 +19,7 @@ class Scene:
 
     home:       the camera that shows the whole plant in the window's present shape.
     has_colors: whether the clip carries the scans' own colours.
+    has_errors: whether it carries scans that were left out, to compare with.
     organs:     how many tracks the clip has.
     clips:      how many are shown, 1 or 2.
     turning:    the camera goes round the plant by itself; following: along its path.
@@ -33,6 +34,7 @@ class Scene:
     home: Camera
     style: Style
     has_colors: bool
+    has_errors: bool = False
     organs: int = 0
     clips: int = 1
     turning: bool = False
@@ -53,7 +55,7 @@ class Scene:
 
     @property
     def color_by(self) -> str:
-        """The colouring on screen: "scan", "track", "age", "speed" or "height"."""
+        """The colouring on screen: one of NAMES in player/colors.py."""
         if self.style.color_by in ("auto", "scan"):
             return "scan" if self.has_colors else "track"
         return self.style.color_by
@@ -61,8 +63,8 @@ class Scene:
     @property
     def colorings(self) -> tuple[str, ...]:
         """What can be chosen."""
-        every = ("scan", "track", "age", "speed", "height")
-        return every if self.has_colors else every[1:]
+        every = ("scan", "track", "age", "speed", "height", "error")
+        return every[0 if self.has_colors else 1 : None if self.has_errors else -1]
 
     def clock(self, move: Callable[[Timeline], Timeline]) -> Scene:
         return replace(self, timeline=move(self.timeline))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from player.colors import Colors
 from player.compare import Pane
 from player.detail import Detail, Enlarger
 from player.renderer import Renderer
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Stage:
-    """One renderer for each clip, in one context.
+    """One renderer for each clip, in one context, and one for its errors where they are shown.
 
     whole:   whether the last picture showed every mover.
     loading: whether movers came to the GPU for it, or their size is not known yet.
@@ -23,7 +24,8 @@ class Stage:
 
     def __init__(self, context: Any, clips: Sequence[Clip]) -> None:
         self._context = context
-        self._renderers = [Renderer(context, clip) for clip in clips]
+        self._clips = clips
+        self._renderers = {(number, False): Renderer(context, c) for number, c in enumerate(clips)}
         self._enlarger = Enlarger(context)
         self._pictures: dict[str, Any] = {}
         self._painted: object = None
@@ -45,7 +47,7 @@ class Stage:
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
             return
-        before = sum(renderer.loaded for renderer in self._renderers)
+        before = self._loaded
         self.whole = True
         picture = self._sized("all", size)
         for pane in panes:
@@ -60,9 +62,8 @@ class Stage:
                 picture.scissor = (left, 0, right - left, size[1])
                 self._enlarger.copy(into.color_attachments[0], picture, where)
                 picture.scissor = None
-        settled = all(self._renderers[pane.clip].settled(pane.day) for pane in panes)
-        came = before != sum(renderer.loaded for renderer in self._renderers)
-        self.loading = patience is not None and (came or not settled)
+        settled = all(self._renderer(pane.clip, style).settled(pane.day) for pane in panes)
+        self.loading = patience is not None and (before != self._loaded or not settled)
         self._painted = wanted
 
     def show(self, screen: Any, size: tuple[int, int]) -> None:
@@ -78,8 +79,20 @@ class Stage:
             picture.color_attachments[0].release()
             picture.release()
         self._enlarger.release()
-        for renderer in self._renderers:
+        for renderer in self._renderers.values():
             renderer.release()
+
+    @property
+    def _loaded(self) -> int:
+        return sum(renderer.loaded for renderer in self._renderers.values())
+
+    def _renderer(self, number: int, style: Style) -> Renderer:
+        """Of a clip in a style: errors are the colours of a copy, made when first wanted."""
+        clip = self._clips[number]
+        errors = style.color_by == "error" and bool(clip.held_out)
+        if (number, errors) not in self._renderers:
+            self._renderers[number, errors] = Renderer(self._context, Colors(clip).worn(style))
+        return self._renderers[number, errors]
 
     def _paint_pane(
         self,
@@ -91,7 +104,7 @@ class Stage:
         patience: float | None,
     ) -> None:
         def paint(framebuffer: Any, pixels: tuple[int, int]) -> None:
-            whole = self._renderers[pane.clip].draw(
+            whole = self._renderer(pane.clip, style).draw(
                 *(framebuffer, pane.day, pane.camera, style, pixels),
                 every=detail.every,
                 patience=patience,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from player.against import Errors
 from player.camera_path import load_path
 from player.scene import Scene
 from player.settings import Settings, load_settings, save_settings
@@ -38,6 +39,8 @@ class Wanted:
 def start(files: Sequence[Path], style: Style, wanted: Wanted) -> None:
     """Play one clip, or two in step. Raises ClipError, and PlayerError, as `show` does."""
     shown = [Shown.opened(file) for file in files]
+    if style.color_by == "error":
+        Errors(shown[0].clip)
     last = load_settings()
     path = None if wanted.path is None else load_path(wanted.path, shown[0].clip)
     style = replace(style, ground=wanted.ground or last.ground or style.ground)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-COLOR_CHOICES = ("auto", "scan", "track", "age", "speed", "height")
+COLOR_CHOICES = ("auto", "scan", "track", "age", "speed", "height", "error")
 GROUND_CHOICES = ("dark", "light")
 
 Light = tuple[float, float, float]
@@ -14,7 +14,7 @@ class Style:
 
     color_by:    "scan" for the scans' own colours, "track" for one colour an organ, "auto" for the
                  scans' colours where there are any. "scan" falls back to "track" without any.
-                 "age", "speed" and "height" colour by value (player/colors.py).
+                 "age", "speed", "height" and "error" colour by value (player/colors.py).
     ground:      "dark" or "light", the background.
     point_size:  factor on the clip's natural point size, 1 closes the surfaces.
     depth_cue:   far parts recede into the background.

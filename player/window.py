@@ -166,12 +166,15 @@ class Window:
         organs = len(clip.track_table)
         if scene.organs != organs and style.marked:
             scene = scene.styled(scene.notice, picked=None, alone=None, hidden=frozenset())
+        if style.color_by == "error" and not clip.held_out:
+            scene = scene.styled(scene.notice, color_by="auto")
         compare = scene.compare
         if len(self._shown) != scene.clips:
             compare = Compare.BESIDE if len(self._shown) > 1 else Compare.OFF
         return replace(
             scene,
             has_colors=clip.has_colors,
+            has_errors=bool(clip.held_out),
             organs=organs,
             clips=len(self._shown),
             compare=compare,

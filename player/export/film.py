@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from player.colors import Colors
 from player.export.stamp import Stamps, stamped
 from player.style import Style
 
@@ -94,6 +95,7 @@ class Film:
         """Draws the picture of a day, with all that is written into it."""
         from player.export.cutout import Cutout
 
+        scale = Colors(clip).scale(self.style) if self.stamps.legend else None
         cutout = Cutout(offscreen, self.style) if self.cut_out else None
 
         def draw(day: float, camera: Camera) -> NDArray:
@@ -102,7 +104,7 @@ class Film:
                 if cutout
                 else offscreen.picture(day, camera, self.style)
             )
-            return stamped(plain, day, camera, self, clip)
+            return stamped(plain, day, camera, self, clip, scale)
 
         return draw
 

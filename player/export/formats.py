@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from player.colors import Colors
 from player.errors import PlayerError
 from player.export import gif, mp4, png, stamp, usd, webm
 from player.export.film import Film
@@ -67,7 +68,7 @@ def export(
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
     if chosen.picture:
         stamp.check(film.stamps, clip, film)
-    chosen.write(clip, film, path, progress)
+    chosen.write(Colors(clip).worn(film.style), film, path, progress)
 
 
 def format_of(path: Path, film: Film) -> Format:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from player.colors import Colors, chosen
+from player.colors import chosen
 from player.errors import PlayerError
 
 if TYPE_CHECKING:
@@ -46,14 +46,22 @@ def check(stamps: Stamps, clip: Clip, film: Film) -> None:
     if stamps.legend and chosen(clip, film.style) == "scan":
         raise PlayerError(
             "--legend explains colours of organs and values, not the scans' own; "
-            "add --color track, age, speed or height, or leave it out."
+            "add --color track, age, speed, height or error, or leave it out."
         )
 
 
 def stamped(
-    picture: NDArray[np.uint8], day: float, camera: Camera, film: Film, clip: Clip
+    picture: NDArray[np.uint8],
+    day: float,
+    camera: Camera,
+    film: Film,
+    clip: Clip,
+    scale: Scale | None,
 ) -> NDArray[np.uint8]:
-    """The (height, width, 4) picture with the film's title and stamps written upon it."""
+    """The (height, width, 4) picture with the film's title and stamps written upon it.
+
+    scale: of the values whose colours the legend explains, if it is not the organs'.
+    """
     from PIL import Image, ImageDraw
 
     stamps = film.stamps
@@ -68,7 +76,6 @@ def stamped(
     if stamps.scale:
         _scale_bar(pen, camera, clip)
     if stamps.legend:
-        scale = Colors(clip).scale(film.style)
         _legend(pen, clip) if scale is None else _ramp(pen, scale)
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 

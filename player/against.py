@@ -1,0 +1,83 @@
+"""How far a clip is from the scans that it was baked without, and in colours.
+
+`bake --holdout 2` leaves every second scan out, and the clip carries those aligned with it
+(docs/format.md, `held_out`). At such a scan's own time each mover of its interval is so far from
+the nearest of its points. That distance is the mover's error; it keeps its colour while its
+interval lasts, so that one sees where the plant went wrong, and how it came to that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip.evaluate import evaluate_layer, layers_at, locate
+from player.errors import PlayerError
+
+if TYPE_CHECKING:
+    from gclip import Clip, Interval
+
+HIGH = 0.98  # share of the movers whose error is below the highest colour's
+UNKNOWN = (150, 150, 150)  # sRGB of movers whose interval has no scan to compare with
+NOTHING = "the clip holds no scan that was left out of it; bake it with --holdout 2."
+
+
+class Errors:
+    """Of one clip. Raises PlayerError where it holds no scan that was left out."""
+
+    def __init__(self, clip: Clip) -> None:
+        if not clip.held_out:
+            raise PlayerError(NOTHING)
+        self._clip = clip
+        self._scans = {locate(clip, scan.time)[0]: scan for scan in clip.held_out}
+
+    @cached_property
+    def intervals(self) -> dict[int, NDArray[np.float64]]:
+        """By interval, (N,) each mover's error in the clip's length unit; NaN where the mover is
+        no part of the plant at that time. Intervals without a scan left out are missing.
+        """
+        return {index: self._of(index) for index in self._scans}
+
+    @cached_property
+    def high(self) -> float:
+        """An error that few movers exceed."""
+        known = np.concatenate([errors[np.isfinite(errors)] for errors in self.intervals.values()])
+        return float(np.quantile(known, HIGH)) if len(known) else 0.0
+
+    def painted(self, ramp: NDArray[np.uint8], highest: float) -> Clip:
+        """The clip with its movers' errors as colours, so that all that shows colours shows them.
+
+        ramp: (steps, 3) uint8 sRGB, from no error to the highest and beyond.
+        """
+        intervals = [
+            _painted(interval, self.intervals.get(index, np.zeros(0)) / highest, ramp)
+            for index, interval in enumerate(self._clip.intervals)
+        ]
+        return replace(self._clip, intervals=tuple(intervals))
+
+    def _of(self, index: int) -> NDArray[np.float64]:
+        from scipy.spatial import cKDTree
+
+        clip, scan = self._clip, self._scans[index]
+        errors = np.full(len(clip.intervals[index]), np.nan)
+        if not len(scan.positions):
+            return errors
+        nearest = cKDTree(scan.positions)
+        for layer in layers_at(clip, scan.time):
+            if layer.interval == index and not layer.litter:
+                local = evaluate_layer(clip, layer)[0]
+                errors[layer.group.first : layer.group.stop] = nearest.query(local)[0]
+        return errors
+
+
+def _painted(interval: Interval, shares: NDArray[np.float64], ramp: NDArray[np.uint8]) -> Interval:
+    paint = np.full((len(interval), 4), 255, np.uint8)
+    paint[:, :3] = UNKNOWN
+    known = np.flatnonzero(np.isfinite(shares))
+    steps = np.minimum(shares[known], 1.0) * (len(ramp) - 1)
+    paint[known, :3] = ramp[np.round(steps).astype(int)]
+    return replace(interval, start_colors=paint, end_colors=paint)
