@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any
 
 from gclip.clip import UP_AXES, Box, Clip, Group, Interval, Motion, ScanMark, SegmentPair, Track
 from gclip.errors import ClipError
+from gclip.fields import Fields, parse
+from gclip.text import printable
 
-VERSION = (1, 0)
-T = TypeVar("T")
+VERSION = (1, 1)
+SHORTEST = 1e-9  # time between the ends of an interval
+DOCUMENT, BLANK = "document", "0" * 64
 
 
 @dataclass(frozen=True)
@@ -28,9 +31,29 @@ class IntervalHeader:
     segments: tuple[SegmentPair, ...]
 
 
-def to_json(clip: Clip) -> str:
-    """The document of a clip, byte for byte the same for the same clip."""
-    return json.dumps(
+def to_json(clip: Clip, checksums: Mapping[str, str]) -> str:
+    """The document of a clip, byte for byte the same for the same clip.
+
+    checksums: of the buffers by name, as `checksum` gives them; the document's own is added.
+    """
+    blank = _dumped(clip, {**checksums, DOCUMENT: BLANK})
+    return _dumped(clip, {**checksums, DOCUMENT: checksum(blank.encode())})
+
+
+def checksum(content: Any) -> str:
+    """SHA-256 of bytes, or of an array in C order, in hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def document_checksum(text: str, written: str) -> str:
+    """What the checksum of a document is that says it is `written`: taken with zeros in its place,
+    because no text can hold a checksum of itself.
+    """
+    return checksum(text.replace(written, BLANK).encode())
+
+
+def _dumped(clip: Clip, checksums: Mapping[str, str]) -> str:
+    text = json.dumps(
         {
             "version": f"{VERSION[0]}.{VERSION[1]}",
             "up": clip.up,
@@ -57,12 +80,14 @@ def to_json(clip: Clip) -> str:
             "intervals": [_interval_to_json(interval) for interval in clip.intervals],
             **_held_out_to_json(clip),
             "provenance": clip.provenance,
+            "sha256": dict(checksums),
         },
         sort_keys=True,
         separators=(",", ":"),
         ensure_ascii=False,
         allow_nan=False,
     )
+    return printable(text)  # names of files need not be UTF-8
 
 
 def _held_out_to_json(clip: Clip) -> dict[str, Any]:
@@ -101,15 +126,13 @@ def _interval_to_json(interval: Interval) -> dict[str, Any]:
     }
 
 
-def from_json(text: str) -> tuple[Clip, list[IntervalHeader], list[ScanMark]]:
+def from_json(text: str, file_size: int) -> tuple[Clip, list[IntervalHeader], list[ScanMark]]:
     """A clip without buffers, and the intervals and the scans left out that it announces.
 
+    file_size: bytes of the file, which bound what is read.
     Raises ClipError naming the field, what was found and what is allowed.
     """
-    try:
-        root = Fields(json.loads(text), "the document")
-    except (ValueError, RecursionError) as error:
-        raise ClipError(f"its document is not valid JSON ({type(error).__name__})") from None
+    root = parse(text, file_size)
     _check_version(root.text("version"))
     scans = tuple(_scan(f) for f in root.objects("scans"))
     if len(scans) < 2:
@@ -134,7 +157,7 @@ def from_json(text: str) -> tuple[Clip, list[IntervalHeader], list[ScanMark]]:
         time_unit=root.one_of("time_unit", ("days", "scans"), "days"),
         floor=root.number("floor", 0.0),
         spacing=root.number("spacing", 0.0, lowest=0.0),
-        provenance=root.mapping("provenance"),
+        provenance=root.anything("provenance"),
     )
     return clip, headers, held_out
 
@@ -195,6 +218,8 @@ def _interval_header(f: Fields, tracks: int) -> IntervalHeader:
     start, end = f.number("start"), f.number("end")
     if start >= end:
         raise ClipError(f"{f.place} starts at {start:g} and ends at {end:g}; it must end later")
+    if end - start < SHORTEST:
+        raise ClipError(f"{f.place} is {end - start:g} long; at least {SHORTEST:g} is needed")
     degree = f.count("degree")
     if degree not in (1, 2, 3):
         raise ClipError(f"{f.place}.degree is {degree}; 1, 2 or 3 is allowed")
@@ -210,6 +235,8 @@ def _interval_header(f: Fields, tracks: int) -> IntervalHeader:
     )
     if not groups or any(a.stop != b.first for a, b in pairwise((Group(0, 0), *groups))):
         raise ClipError(f"{f.place}.groups do not cover the movers one after the other")
+    if groups[-1].stop == 0:
+        raise ClipError(f"{f.place} holds no movers; at least one is needed")
     segments = tuple(_segment(s, tracks) for s in f.objects("segments", optional=True))
     return IntervalHeader(start, end, degree, box, groups, segments)
 
@@ -227,89 +254,5 @@ def _segment(f: Fields, tracks: int) -> SegmentPair:
         solver=f.text("solver", ""),
         cost=f.number("cost", 0.0),
         marginal_error=f.number("marginal_error", 0.0),
-        notes=tuple(str(note) for note in f.items("notes", optional=True)),
+        notes=f.texts("notes"),
     )
-
-
-@dataclass(frozen=True)
-class Fields:
-    """A JSON object whose fields are read by type; a wrong one is a ClipError naming its place."""
-
-    value: Any
-    place: str
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.value, dict):
-            raise ClipError(f"{self.place} is not an object")
-
-    def present(self, key: str) -> bool:
-        return self.value.get(key) is not None
-
-    def text(self, key: str, default: str | None = None) -> str:
-        return self._get(key, lambda v: isinstance(v, str), "text", default)
-
-    def number(self, key: str, default: float | None = None, lowest: float = -math.inf) -> float:
-        value = self._get(key, _is_number, "a finite number", default)
-        if value < lowest:
-            raise ClipError(f"{self.place}.{key} is {value:g}; at least {lowest:g} is needed")
-        return float(value)
-
-    def optional_number(self, key: str) -> float | None:
-        return self.number(key) if self.present(key) else None
-
-    def count(self, key: str) -> int:
-        return self._get(key, _is_count, "a whole number from 0", None)
-
-    def optional_count(self, key: str) -> int | None:
-        return self.count(key) if self.present(key) else None
-
-    def vector(
-        self, key: str, default: tuple[float, float, float] | None = None
-    ) -> tuple[float, float, float]:
-        value = self._get(
-            key,
-            lambda v: isinstance(v, list | tuple) and len(v) == 3 and all(map(_is_number, v)),
-            "three finite numbers",
-            default,
-        )
-        return float(value[0]), float(value[1]), float(value[2])
-
-    def one_of(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
-        value = self.text(key, default)
-        if value not in allowed:
-            raise ClipError(f'{self.place}.{key} is "{value[:30]}"; one of {", ".join(allowed)}')
-        return value
-
-    def items(self, key: str, optional: bool = False) -> list[Any]:
-        default: list[Any] | None = [] if optional else None
-        return self._get(key, lambda v: isinstance(v, list), "a list", default)
-
-    def object(self, key: str) -> Fields:
-        return Fields(self.value.get(key), f"{self.place}.{key}")
-
-    def objects(self, key: str, optional: bool = False) -> list[Fields]:
-        items = self.items(key, optional)
-        return [Fields(item, f"{key}[{i}]") for i, item in enumerate(items)]
-
-    def mapping(self, key: str) -> dict[str, Any]:
-        return self._get(key, lambda v: isinstance(v, dict), "an object", {})
-
-    def _get(self, key: str, accept: Callable[[Any], bool], what: str, default: T | None) -> Any:
-        value = self.value.get(key, default)
-        if value is None or not accept(value):
-            found = "missing" if key not in self.value else repr(value)[:40]
-            raise ClipError(f"{self.place}.{key} is {found}; {what} is needed")
-        return value
-
-
-def _is_number(value: Any) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:
-        return False
-
-
-def _is_count(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**48

@@ -6,7 +6,6 @@ Nothing but numbers is stored, and no code runs on opening. See docs/format.md.
 from __future__ import annotations
 
 import os
-import stat
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -15,34 +14,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, HeldOutScan, Interval, ScanMark
-from gclip.document import IntervalHeader, from_json, to_json
+from gclip.clip import Clip, HeldOutScan, Interval
+from gclip.container import KEY, Container, open_container
+from gclip.document import IntervalHeader, checksum, from_json, to_json
 from gclip.errors import ClipError
-
-KEY = "gclip"
-DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
+from gclip.fields import LARGEST
+from gclip.text import printable
 
 
 def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
     """Write `clip` to `path` in one step: a temporary file beside it, flushed, then renamed.
 
-    Raises ClipError where the folder is missing or can't be written; `path` is then as it was.
+    Raises ClipError where the folder is missing or can't be written, or where the clip says what
+    `open_clip` would refuse; `path` is then as it was.
     """
     from safetensors.numpy import save_file
 
     target = Path(path)
-    tensors = {
-        name: np.ascontiguousarray(buffer)
-        for index, interval in enumerate(clip.intervals)
-        for name, buffer in _buffers(index, interval).items()
-    }
-    for index, scan in enumerate(clip.held_out):
-        tensors[_held_out_name(index)] = np.ascontiguousarray(scan.positions, np.float32)
+    tensors = _tensors(clip)
+    document = to_json(clip, {name: checksum(buffer) for name, buffer in tensors.items()})
+    try:
+        from_json(document, sum(buffer.nbytes for buffer in tensors.values()))
+    except ClipError as error:
+        raise ClipError(printable(f"{target} can't be written: {error}.")) from None
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         os.close(handle)
         try:
-            save_file(tensors, temporary, {KEY: to_json(clip)})
+            save_file(tensors, temporary, {KEY: document})
             _finish(temporary, target)
         except BaseException:
             Path(temporary).unlink(missing_ok=True)
@@ -52,6 +51,16 @@ def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
             reason = getattr(error, "strerror", None) or str(error)
             raise ClipError(f"{target} can't be written: {reason}.") from None
         raise
+
+
+def _tensors(clip: Clip) -> dict[str, NDArray[Any]]:
+    """All buffers of a clip by name, in C order."""
+    buffers: dict[str, NDArray[Any]] = {}
+    for index, interval in enumerate(clip.intervals):
+        buffers |= _buffers(index, interval)
+    for index, scan in enumerate(clip.held_out):
+        buffers[_held_out_name(index)] = np.asarray(scan.positions, np.float32)
+    return {name: np.ascontiguousarray(buffer) for name, buffer in buffers.items()}
 
 
 def _finish(temporary: str, target: Path) -> None:
@@ -66,72 +75,105 @@ def _finish(temporary: str, target: Path) -> None:
 def open_clip(path: str | os.PathLike[str]) -> Clip:
     """Open a clip, memory-mapped; everything the file says is checked before it is returned.
 
+    Its checksums are not: that would read all of it (see `gclip.check`).
     Raises ClipError with one sentence that names the file and what is wrong with it.
     """
     try:
-        return _open(Path(path))
+        return clip_in(open_container(Path(path)))
     except ClipError as error:
-        raise ClipError(f"{os.fspath(path)}: {error}.") from None
+        raise ClipError(printable(f"{os.fspath(path)}: {error}.")) from None
 
 
-def _open(path: Path) -> Clip:
-    try:
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            raise ClipError("not a growth clip, not even a file")
-        document, buffers = _map_container(path)
-    except FileNotFoundError:
-        raise ClipError("no such file") from None
-    except OSError as error:
-        raise ClipError(f"it can't be read: {error.strerror or error}") from None
-    clip, headers, marks = from_json(document)
+def clip_in(container: Container) -> Clip:
+    """The clip that a container holds. Raises ClipError without the file's name."""
+    clip, headers, marks = from_json(container.document, container.size)
+    buffers = _Buffers(container)
     intervals = tuple(
         _interval(index, header, buffers, len(clip.track_table))
         for index, header in enumerate(headers)
     )
-    held_out = tuple(_held_out(index, mark, buffers) for index, mark in enumerate(marks))
-    if buffers:
-        raise ClipError(f'it holds a buffer "{next(iter(buffers))[:40]}" that nothing names')
+    held_out = tuple(
+        HeldOutScan(mark.name, mark.time, mark.date, _positions(buffers, name, mark.points))
+        for mark, name in ((mark, _held_out_name(index)) for index, mark in enumerate(marks))
+    )
+    if buffers.left:
+        raise ClipError(f'it holds a buffer "{min(buffers.left)[:40]}" that nothing names')
     return replace(clip, intervals=intervals, held_out=held_out)
 
 
-def _map_container(path: Path) -> tuple[str, dict[str, NDArray[Any]]]:
-    """The document and the buffers as views of the memory-mapped file.
+class _Buffers:
+    """A container's buffers, each taken once; `left` are the names of the others."""
 
-    safetensors checks the header: buffers inside the file, in order, no holes, no overlaps.
-    So each one begins where the last one ended.
-    """
-    from safetensors import SafetensorError, safe_open
+    def __init__(self, container: Container) -> None:
+        self._container = container
+        self.left = set(container.layout)
 
-    try:
-        with safe_open(path, framework="numpy") as container:
-            document = (container.metadata() or {}).get(KEY)
-            if document is None:
-                raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
-            layout = []
-            for name in container.offset_keys():
-                view = container.get_slice(name)
-                layout.append((name, view.get_dtype(), tuple(view.get_shape())))
-    except SafetensorError as error:
-        raise ClipError(f"not a growth clip, or cut short or damaged ({error})") from None
-    data: NDArray[np.uint8] = np.memmap(path, np.uint8, mode="r")
-    first = 8 + int.from_bytes(data[:8].tobytes(), "little")
-    buffers: dict[str, NDArray[Any]] = {}
-    for name, kind, shape in layout:
-        if kind not in DTYPES:
+    def take(self, name: str, shape: tuple[int, ...], kinds: tuple[type, ...]) -> NDArray[Any]:
+        """The buffer of that name, if it is what is expected."""
+        if name not in self.left:
+            raise ClipError(f'its buffer "{name}" is missing')
+        self.left.remove(name)
+        slot = self._container.layout[name]
+        if slot.shape != shape or slot.dtype.type not in kinds:
+            allowed = " or ".join(np.dtype(kind).name for kind in kinds)
             raise ClipError(
-                f'its buffer "{name[:40]}" is of type {kind}; {", ".join(DTYPES)} allowed'
+                f'its buffer "{name}" is {slot.dtype.name} {_shown(slot.shape)}, '
+                f"not {allowed} {_shown(shape)} as the document needs"
             )
-        dtype = np.dtype(DTYPES[kind])
-        size = int(np.prod(shape, dtype=object)) * dtype.itemsize
-        buffers[name] = data[first : first + size].view(dtype).reshape(shape)
-        first += size
-    return document, buffers
+        return self._container.buffer(name).reshape(shape)
+
+
+def _interval(index: int, header: IntervalHeader, buffers: _Buffers, tracks: int) -> Interval:
+    count = header.groups[-1].stop
+    curve = [
+        _positions(buffers, name, count)
+        if header.box is None
+        else buffers.take(name, (count, 3), (np.uint16,))
+        for name in _names(index, header.degree)
+    ]
+    ids = buffers.take(f"{index:04d}/track", (count,), (np.uint16, np.uint32))
+    if int(ids.max()) >= tracks:
+        raise ClipError(
+            f'its buffer "{index:04d}/track" names track {int(ids.max())}; '
+            f"only {tracks} tracks are named"
+        )
+    paint: list[NDArray[np.uint8] | None] = [None, None]
+    names = [f"{index:04d}/{end}_color" for end in ("start", "end")]
+    if not buffers.left.isdisjoint(names):
+        paint = [buffers.take(name, (count, 4), (np.uint8,)) for name in names]
+    return Interval(
+        start=header.start,
+        end=header.end,
+        box=header.box,
+        groups=header.groups,
+        start_positions=curve[0],
+        end_positions=curve[-1],
+        control_positions=tuple(curve[1:-1]),
+        tracks=ids,
+        start_colors=paint[0],
+        end_colors=paint[1],
+        segments=header.segments,
+    )
+
+
+def _positions(buffers: _Buffers, name: str, count: int) -> NDArray[np.float32]:
+    """(count, 3) positions that are numbers; the lowest and the highest tell, also of NaN."""
+    points = buffers.take(name, (count, 3), (np.float32,))
+    if count and not (points.min() >= -LARGEST and points.max() <= LARGEST):
+        raise ClipError(
+            f'its buffer "{name}" holds a position that is not finite, or beyond {LARGEST:g}'
+        )
+    return points
 
 
 def _names(index: int, degree: int) -> list[str]:
     """The names of an interval's position buffers, from start to end."""
     controls = [f"{index:04d}/control{i}" for i in range(1, degree)]
     return [f"{index:04d}/start", *controls, f"{index:04d}/end"]
+
+
+def _held_out_name(index: int) -> str:
+    return f"held_out/{index:04d}"
 
 
 def _buffers(index: int, interval: Interval) -> dict[str, NDArray[Any]]:
@@ -143,66 +185,5 @@ def _buffers(index: int, interval: Interval) -> dict[str, NDArray[Any]]:
     return buffers
 
 
-def _interval(
-    index: int, header: IntervalHeader, buffers: dict[str, NDArray[Any]], tracks: int
-) -> Interval:
-    count = header.groups[-1].stop
-    names = _names(index, header.degree)
-    kind = np.float32 if header.box is None else np.uint16
-    curve = [_take(buffers, name, (count, 3), (kind,)) for name in names]
-    if header.box is None:
-        for name, points in zip(names, curve, strict=True):
-            if not np.isfinite(points).all():
-                raise ClipError(f'its buffer "{name}" holds a position that is not finite')
-    ids = _take(buffers, f"{index:04d}/track", (count,), (np.uint16, np.uint32))
-    if count and int(ids.max()) >= tracks:
-        raise ClipError(
-            f'its buffer "{index:04d}/track" names track {int(ids.max())}; '
-            f"only {tracks} tracks are named"
-        )
-    colors: list[NDArray[np.uint8] | None] = [None, None]
-    if f"{index:04d}/start_color" in buffers or f"{index:04d}/end_color" in buffers:
-        colors = [
-            _take(buffers, f"{index:04d}/{end}_color", (count, 4), (np.uint8,))
-            for end in ("start", "end")
-        ]
-    return Interval(
-        start=header.start,
-        end=header.end,
-        box=header.box,
-        groups=header.groups,
-        start_positions=curve[0],
-        end_positions=curve[-1],
-        control_positions=tuple(curve[1:-1]),
-        tracks=ids,
-        start_colors=colors[0],
-        end_colors=colors[1],
-        segments=header.segments,
-    )
-
-
-def _held_out_name(index: int) -> str:
-    return f"held_out/{index:04d}"
-
-
-def _held_out(index: int, mark: ScanMark, buffers: dict[str, NDArray[Any]]) -> HeldOutScan:
-    name = _held_out_name(index)
-    positions = _take(buffers, name, (mark.points, 3), (np.float32,))
-    if not np.isfinite(positions).all():
-        raise ClipError(f'its buffer "{name}" holds a position that is not finite')
-    return HeldOutScan(mark.name, mark.time, mark.date, positions)
-
-
-def _take(
-    buffers: dict[str, NDArray[Any]], name: str, shape: tuple[int, ...], kinds: tuple[type, ...]
-) -> NDArray[Any]:
-    if name not in buffers:
-        raise ClipError(f'its buffer "{name}" is missing')
-    buffer = buffers.pop(name)
-    if buffer.shape != shape or buffer.dtype.type not in kinds:
-        allowed = " or ".join(np.dtype(kind).name for kind in kinds)
-        raise ClipError(
-            f'its buffer "{name}" is {buffer.dtype.name} {buffer.shape}, '
-            f"not {allowed} {shape} as the document needs"
-        )
-    return buffer
+def _shown(shape: tuple[int, ...]) -> str:
+    return str(shape) if len(shape) < 4 else f"of {len(shape)} axes"

@@ -1,0 +1,71 @@
+"""The command `gclip`: whether clips are whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gclip.console import run_app
+from gclip.errors import ClipError
+
+if TYPE_CHECKING:
+    from gclip.check import Report
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+EPILOG = "Exit codes: 0 all are whole, 2 wrong usage or a clip is not, 1 a fault of our own."
+
+
+@app.callback()
+def gclip_command() -> None:
+    """Look after growth clips. `bake` makes them, `play` shows them."""
+
+
+@app.command("check", epilog=EPILOG)
+def check_command(
+    clips: Annotated[
+        list[Path], typer.Argument(metavar="CLIP...", help="Growth clips, made by `bake`.")
+    ],
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,
+) -> None:
+    """Tell whether clips are whole; what is wrong, and where.
+
+    They are read to the last byte. Every field and every buffer is checked as `play` checks it,
+    and against the checksum that `bake` wrote beside it.
+    """
+    from gclip.check import check
+    from gclip.text import printable
+
+    damaged = 0
+    for path in clips:
+        report = check(path)
+        damaged += not report.whole
+        if report.whole and not quiet:
+            typer.echo(f"{printable(str(path))}: {_praise(report)}")
+        for finding in report.findings:
+            typer.echo(f"{printable(str(path))}: {printable(str(finding))}.")
+    if damaged:
+        raise ClipError(
+            "the clip is not whole."
+            if len(clips) == 1
+            else f"{damaged} of {len(clips)} clips are not whole."
+        )
+
+
+def _praise(report: Report) -> str:
+    checksums = (
+        f"{report.verified} checksums agree"
+        if report.verified
+        else "no checksums: it was written before format 1.1"
+    )
+    return (
+        f"whole; {report.scans} scans, {report.intervals} intervals, {report.buffers} buffers, "
+        f"{report.size:,} bytes, {checksums}"
+    )
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `gclip` with arguments (the process's own by default); returns the exit code."""
+    return run_app(app, "gclip", argv)

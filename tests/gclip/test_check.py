@@ -1,0 +1,209 @@
+"""`gclip check`: every byte counts, and what is wrong is named with its place."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors import safe_open
+from safetensors.numpy import save_file
+
+import gclip
+from gclip.check import check
+from gclip.cli import main
+
+
+@pytest.fixture
+def saved(make_clip, tmp_path: Path) -> Path:
+    path = tmp_path / "c.gclip"
+    make_clip(degree=2, colors=True).save(path)
+    return path
+
+
+def document(path: Path) -> dict:
+    with safe_open(path, "numpy") as container:
+        return json.loads(container.metadata()["gclip"])
+
+
+def rewritten(path: Path, change) -> Path:
+    """The container again, its document changed by hand, its buffers as they were."""
+    with safe_open(path, "numpy") as container:
+        text = json.loads(container.metadata()["gclip"])
+        buffers = {name: container.get_tensor(name) for name in container.offset_keys()}
+    change(text, buffers)
+    save_file(buffers, path, {"gclip": json.dumps(text)})
+    return path
+
+
+def test_a_whole_clip_is_whole(saved: Path) -> None:
+    report = check(saved)
+    assert report.whole
+    assert (report.scans, report.intervals, report.buffers) == (3, 2, 12)
+    assert report.verified == 13
+    assert report.size == saved.stat().st_size
+
+
+def test_checksums_are_what_the_format_says(saved: Path) -> None:
+    """Verified with nothing of ours, as a stranger would."""
+    with safe_open(saved, "numpy") as container:
+        text = container.metadata()["gclip"]
+        for name in container.offset_keys():
+            content = container.get_tensor(name).tobytes()
+            assert json.loads(text)["sha256"][name] == hashlib.sha256(content).hexdigest()
+    own = json.loads(text)["sha256"]["document"]
+    assert own == hashlib.sha256(text.replace(own, "0" * 64).encode()).hexdigest()
+
+
+def test_every_flipped_bit_is_noticed(saved: Path) -> None:
+    """One bit in each of some hundred places: the header, the document, every buffer."""
+    content, random = saved.read_bytes(), np.random.default_rng(1)
+    header = 8 + int.from_bytes(content[:8], "little")
+    places = [
+        *range(8),
+        *random.integers(8, header, 80),
+        *random.integers(header, len(content), 80),
+    ]
+    for place in (*places, len(content) - 1):
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << int(random.integers(8))
+        saved.write_bytes(damaged)
+        # Spaces at the header's end are padding, and mean nothing whichever they are.
+        assert not check(saved).whole or json.loads(content[8:header]) == _header(damaged)
+
+
+def _header(content: bytes | bytearray) -> dict:
+    length = int.from_bytes(content[:8], "little")
+    return json.loads(content[8 : 8 + length])
+
+
+def test_what_is_wrong_is_named_with_its_place(saved: Path) -> None:
+    content = bytearray(saved.read_bytes())
+    with safe_open(saved, "numpy") as container:
+        sizes = {name: container.get_tensor(name).nbytes for name in container.offset_keys()}
+    first = len(content) - sum(sizes.values())
+    for name, size in sizes.items():
+        if name in ("0001/end", "0000/start_color"):
+            content[first + size // 2] ^= 1
+        first += size
+    saved.write_bytes(content)
+    assert gclip.open(saved).times == [0.0, 2.0, 5.0]
+    found = {(finding.buffer, finding.interval) for finding in check(saved).findings}
+    assert found == {
+        ("0001/end", "interval 0001 (2 to 5 days)"),
+        ("0000/start_color", "interval 0000 (0 to 2 days)"),
+    }
+
+
+def test_a_refused_clip_still_has_its_buffers_checked(saved: Path) -> None:
+    def change(text: dict, buffers: dict) -> None:
+        buffers["0000/track"][7] = 99
+
+    words = [str(finding) for finding in check(rewritten(saved, change)).findings]
+    assert any("names track 99" in sentence for sentence in words)
+    assert any("0000/track" in sentence and "checksum" in sentence for sentence in words)
+
+
+def test_a_document_that_was_edited_is_noticed(saved: Path) -> None:
+    def change(text: dict, buffers: dict) -> None:
+        text["tracks"][1]["name"] = "other"
+
+    (finding,) = check(rewritten(saved, change)).findings
+    assert "document does not have the checksum" in finding.what
+
+
+def test_a_missing_checksum_is_noticed(saved: Path) -> None:
+    def change(text: dict, buffers: dict) -> None:
+        del text["sha256"]["0001/track"]
+
+    words = [str(finding) for finding in check(rewritten(saved, change)).findings]
+    assert any('"0001/track" has no checksum' in sentence for sentence in words)
+
+
+@pytest.mark.parametrize("value", [7, {"document": 7}, ["x"]])
+def test_checksums_that_are_none_are_refused(saved: Path, value: object) -> None:
+    def change(text: dict, buffers: dict) -> None:
+        text["sha256"] = value
+
+    assert not check(rewritten(saved, change)).whole
+
+
+def test_old_clips_have_no_checksums_and_are_whole(saved: Path, capsys) -> None:
+    def change(text: dict, buffers: dict) -> None:
+        del text["sha256"]
+        text["version"] = "1.0"
+
+    assert check(rewritten(saved, change)).verified == 0
+    assert main(["check", str(saved)]) == 0
+    assert "no checksums" in capsys.readouterr().out
+
+
+def test_a_clip_cut_short_names_the_first_buffer_that_is_not_whole(saved: Path) -> None:
+    content = saved.read_bytes()
+    saved.write_bytes(content[:-1])
+    (finding,) = check(saved).findings
+    assert finding.buffer == buffer_names(content)[-1]
+    assert f"{len(content) - 1:,} of {len(content):,} bytes" in finding.what
+    saved.write_bytes(content[:100])
+    assert "cut short within its header" in str(check(saved).findings[0])
+
+
+def buffer_names(content: bytes) -> list[str]:
+    """In the order in which they lie in the file."""
+    header = _header(content)
+    del header["__metadata__"]
+    return sorted(header, key=lambda name: header[name]["data_offsets"])
+
+
+def test_several_files_one_exit_code(saved: Path, tmp_path: Path, capsys) -> None:
+    other = tmp_path / "other.gclip"
+    other.write_bytes(saved.read_bytes()[:-5])
+    assert main(["check", str(saved), str(other), str(tmp_path / "absent.gclip")]) == 2
+    out, err = capsys.readouterr()
+    assert "c.gclip: whole; 3 scans, 2 intervals, 12 buffers" in out
+    assert "absent.gclip: no such file." in out
+    assert err == "gclip: 2 of 3 clips are not whole.\n"
+    assert main(["check", "-q", str(saved)]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_what_is_no_clip_at_all(tmp_path: Path, capsys) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    (tmp_path / "empty").touch()
+    (tmp_path / "text").write_text("solid plant\n" * 100)
+    (tmp_path / "list").write_bytes((5).to_bytes(8, "little") + b"[1,2]")
+    for name in ("pipe", "loop", "empty", "text", "list", "."):
+        assert main(["check", str(tmp_path / name)]) == 2
+        out, err = capsys.readouterr()
+        assert out.count("\n") == err.count("\n") == 1
+        assert out.endswith(".\n")
+
+
+def test_help_and_wrong_words(capsys) -> None:
+    assert main(["--help"]) == 0
+    assert "check" in capsys.readouterr().out
+    assert main(["check", "--help"]) == 0
+    assert "checksum" in capsys.readouterr().out
+    for words in ([], ["chekc"], ["check"], ["check", "--deep", "x"]):
+        assert main(words) == 2
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+
+
+def test_it_runs_as_a_module_and_help_loads_nothing_heavy(saved: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "gclip", "check", str(saved)], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    probe = (
+        "import sys; from gclip.cli import main; main(['--help']); "
+        "sys.exit(str({'numpy', 'safetensors'} & set(sys.modules) or ''))"
+    )
+    helped = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True)
+    assert helped.stderr.strip() == ""
