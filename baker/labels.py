@@ -14,6 +14,10 @@ from baker.match.pieces import consistent_pieces
 from baker.scans.scan import Scan
 from baker.segment.hierarchy import Hierarchy
 
+MOST_ORGANS = 1000
+"""Labels of a scan, above which they number something else than organs (matching all of them with
+all of the next scan's would take hours)."""
+
 
 @dataclass(frozen=True)
 class LabelUse:
@@ -46,7 +50,7 @@ def use_of_labels(
     they are, to be matched down the hierarchies.
 
     auto takes labels as names where most organs match the one of the same label in the next scan.
-    Raises InputError where labels are asked for and a scan has none.
+    Raises InputError where labels are asked for and a scan has none, or more than `MOST_ORGANS`.
     """
     if wanted == "ignore":
         return LabelUse(None, False, "labels ignored, as asked")
@@ -56,6 +60,13 @@ def use_of_labels(
             without = next(scan.name for scan in scans if scan.labels is None)
             raise InputError(f"{without} has no labels; --labels {wanted} needs them.")
         return LabelUse(None, False, "the scans have no labels")
+    for scan, names in zip(scans, labels, strict=True):
+        if (count := len(np.unique(names))) > MOST_ORGANS:
+            raise InputError(
+                f"'{scan.name}' has {count} different labels, but at most {MOST_ORGANS} can be "
+                "organs of a plant; choose another field with --label-field, or read the scans "
+                "without labels (--labels ignore)."
+            )
     share = agreement(clouds, labels, root_points) if wanted == "auto" else 0.0
     if wanted == "consistent" or share > 0.5:
         found = "as asked" if wanted != "auto" else f"{share:.0%} of the organs match by shape too"

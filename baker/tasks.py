@@ -57,16 +57,21 @@ def interval_tasks(
     tasks = [
         Task("match", organs.second[b], first.segments[a], second.segments[b])
         for a, b in match.pairs
+        if len(first.segments[a]) and len(second.segments[b])
     ]
+    # A stem that meets a virtual, empty root has nothing to become, or to come from.
+    emptied = [a for a, b in match.pairs if not len(second.segments[b])]
+    filled = [b for a, b in match.pairs if len(second.segments[b]) > len(first.segments[a]) == 0]
     buds: dict[tuple[int | None, int], NDArray[np.intp]] = {}
-    for segment in match.births:
+    for segment in (*match.births, *filled):
         place = _bud_place(match, segment)
         if place not in buds:
             buds[place] = _bud(points, match, *place, bud_points)
         organ, members = organs.second[segment], second.segments[segment]
         tasks.append(Task("birth", organ, buds[place], members, born.get(organ)))
     nothing = np.empty(0, np.intp)
-    tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in match.losses]
+    lost = (*match.losses, *emptied)
+    tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in lost]
     for part in parts:
         tasks = [task if task.organ != part.organ else _without(task, part) for task in tasks]
         tasks.append(Task("part", part.organ, part.points, nothing, leaves=part.leaves))

@@ -143,7 +143,7 @@ def _gpu_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
 def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
     """(N,) Morton codes of (N, 3) positions: 21 bits an axis of the positions' box, interleaved."""
     low = points.min(axis=0)
-    extent = float(max((points.max(axis=0) - low).max(), np.finfo(np.float32).tiny))
+    extent = float((points.max(axis=0) - low).max()) or 1.0
     cells = ((points - low) * ((2**21 - 1) / extent)).astype(np.uint64)
     return (
         _spread(cells[:, 0])

@@ -92,9 +92,10 @@ def organs_kept(earlier: Stand, later: Stand, yaw: float) -> float:
     before, after = (Around.stem(stand.organs.centers) for stand in (earlier, later))
     turn = after.azimuth + np.radians(yaw) - before.azimuth[:, None]
     turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
-    climb = (after.height - before.height[:, None]) / max(earlier.height, np.finfo(float).tiny)
     kept = np.minimum(before.radius[:, None], after.radius)
-    kept = kept * np.exp(-0.5 * ((turn / TURN_KEPT) ** 2 + climb**2))
+    with np.errstate(over="ignore"):  # a plant of no height keeps what is level, and nothing else
+        climb = (after.height - before.height[:, None]) / max(earlier.height, np.finfo(float).tiny)
+        kept = kept * np.exp(-0.5 * ((turn / TURN_KEPT) ** 2 + climb**2))
     total = before.radius.sum()
     return float(kept[linear_sum_assignment(-kept)].sum() / total) if total > 0.0 else 1.0
 

@@ -17,17 +17,43 @@ from baker.scans.cloud import Cloud
 OUTLIER_NEIGHBORS = 16
 RESAMPLING_STEPS = 30
 
+FARTHEST = 1e12
+"""Coordinates beyond are marks of points that weren't measured (1e30, -1e38, ...); they would be
+too large for 32-bit numbers to hold their products."""
+
+SMALLEST = 1e-9
+"""Scans of a smaller size are in no unit that plants are measured in, and so small that products
+of their lengths vanish."""
+
 
 def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
-    """Without points that have a NaN or infinite coordinate. InputError if none is left."""
+    """Without points that have a coordinate that is NaN, infinite or beyond `FARTHEST`.
+
+    InputError if none is left.
+    """
     if not len(cloud):
         raise InputError(f"'{path}' holds no points.")
-    finite = np.isfinite(cloud.points).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        finite = (np.abs(cloud.points) <= FARTHEST).all(axis=1)
     if finite.all():
         return cloud
     if not finite.any():
-        raise InputError(f"'{path}': none of its {len(cloud)} points has finite coordinates.")
-    return _keep(cloud, np.flatnonzero(finite), "with NaN or infinite coordinates")
+        raise InputError(
+            f"'{path}': none of its {len(cloud)} points has coordinates from {-FARTHEST:g} to "
+            f"{FARTHEST:g}."
+        )
+    why = f"with coordinates NaN, infinite or beyond {FARTHEST:g}"
+    return _keep(cloud, np.flatnonzero(finite), why)
+
+
+def require_size(cloud: Cloud, path: Path) -> None:
+    """InputError for a scan that has a size, but one below `SMALLEST`."""
+    size = float(np.ptp(cloud.points, axis=0).max())
+    if 0.0 < size < SMALLEST:
+        raise InputError(
+            f"'{path}' is only {size:.2g} in size, at least {SMALLEST:g} is needed; write it in "
+            "a smaller unit."
+        )
 
 
 def drop_duplicates(cloud: Cloud) -> Cloud:

@@ -12,6 +12,9 @@ from baker.scans.cloud import Cloud
 FAR = 16
 """Scans further from the world's zero than this many times their own size get an own origin."""
 
+VANISHING = 1e-18
+"""Coordinates nearer to the origin than this are zero: in 32 bits their squares are nothing."""
+
 COARSE = 1e-5
 """A float32 step larger than this fraction of the scan's size is worth a note."""
 
@@ -34,13 +37,10 @@ def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def relative_to(origin: NDArray[np.float64], cloud: Cloud) -> Cloud:
-    """`cloud` with points in float32 about `origin`; a note if this scan lies too far from it.
-
-    Positions beyond float32 become infinite (and are dropped as such later).
-    """
+    """`cloud` with points in float32 about `origin`; a note if this scan lies too far from it."""
     # Adding zero turns -0.0 into 0.0, so that equal points have equal bytes.
-    with np.errstate(over="ignore"):
-        local = (cloud.points - origin + 0.0).astype(np.float32)
+    exact = cloud.points - origin + 0.0
+    local = np.where(np.abs(exact) < VANISHING, 0.0, exact).astype(np.float32)
     moved = replace(cloud, points=local)
 
     low, high = np.percentile(cloud.points - origin, [1, 99], axis=0)

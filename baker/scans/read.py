@@ -93,8 +93,8 @@ def read_series(
         cloud = clean.drop_non_finite(cloud, entry.path)
         if origin is None:
             origin = place.shared_origin(cloud.points)
-        cloud = clean.drop_non_finite(place.relative_to(origin, cloud), entry.path)
-        cloud = clean.drop_duplicates(cloud)
+        clean.require_size(cloud, entry.path)
+        cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
         if options.outliers is not None:
             cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
         if options.voxel is not None:
@@ -183,7 +183,8 @@ def _thin_out(schedule: Schedule, every: int) -> Schedule:
     count = len(schedule.entries)
     if len(kept) < 2:
         raise InputError(
-            f"of {count} scans, every {every} leaves only the first one; growth needs at least two."
+            f"of {count} scans, --every {every} leaves only the first one; growth needs at least "
+            "two."
         )
     rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {every}."
     return replace(schedule, entries=kept, rule=rule)

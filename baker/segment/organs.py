@@ -78,5 +78,6 @@ def _told(plant: _Plant, later: _Plant, organ: NDArray[np.intp]) -> NDArray[np.f
     if later.tree is None:
         return None
     apart, nearest = cKDTree(later.sample.points).query(plant.sample.points)
-    trust = TRUST * np.maximum(1.0 - apart / max(NEAR * plant.sample.diameter, TINY), 0.0)
+    near = max(NEAR * plant.sample.diameter, TINY)
+    trust = TRUST * (1.0 - np.minimum(apart, near) / near)
     return np.where(organ[nearest] == STEM, -trust, trust)

@@ -200,7 +200,7 @@ def test_only_each_nth_scan(make_images: FolderMaker) -> None:
     series = read_series([folder], ReadOptions(every=2))
     assert [scan.name for scan in series.scans] == [f"rgb_000_{k:02}.png" for k in (0, 2, 4)]
     assert series.rule.endswith("Of 5 scans 3 are used, one in 2.")
-    with pytest.raises(InputError, match="of 5 scans, every 5 leaves only the first one"):
+    with pytest.raises(InputError, match="of 5 scans, --every 5 leaves only the first one"):
         read_series([folder], ReadOptions(every=5))
     with pytest.raises(InputError, match="every must be a whole number, 1 or more, not 0"):
         ReadOptions(every=0)

@@ -46,11 +46,11 @@ def test_non_finite_points_are_dropped_and_counted():
     cloud = numbered([[0, 0, nan], [1, 2, 3], [inf, 0, 0], [4, 5, 6], [0, -inf, nan]])
     kept = clean.drop_non_finite(cloud, HERE)
     assert kept.colors[:, 0].tolist() == [1, 3]
-    assert kept.notes == ("dropped 3 points with NaN or infinite coordinates.",)
+    assert kept.notes == ("dropped 3 points with coordinates NaN, infinite or beyond 1e+12.",)
 
 
 def test_nothing_left_names_the_file():
-    with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has finite"):
+    with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has coordinates"):
         clean.drop_non_finite(numbered([[np.nan] * 3] * 2), HERE)
     with pytest.raises(InputError, match=r"scan\.ply' holds no points"):
         clean.drop_non_finite(numbered(np.empty((0, 3))), HERE)

@@ -62,7 +62,7 @@ def test_cleaning_is_noted(make_folder):
     assert [len(scan) for scan in series.scans] == [2, 2]
     assert series.scans[0].labels.tolist() == [1, 1]
     assert series.scans[0].notes[2:] == (
-        "dropped 1 point with NaN or infinite coordinates.",
+        "dropped 1 point with coordinates NaN, infinite or beyond 1e+12.",
         "dropped 1 point at exactly the place of another one.",
         "dropped 1 point to keep one for each voxel of 0.5.",
     )

@@ -1,0 +1,76 @@
+"""Whatever the scans are: a true clip, or one sentence (tests/baker/hostile_series.py)."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from hostile_series import LABELS, SHAPES, Scan, Series, all_series, check_series
+
+SHRINKING = tuple(Scan("plant", count) for count in (300, 60, 9, 1))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_shape_next_to_a_plant(shape, tmp_path):
+    check_series(Series((Scan("plant", 120), Scan(shape, 60), Scan("plant", 160))), tmp_path)
+
+
+@pytest.mark.parametrize("labels", LABELS)
+def test_every_kind_of_labels(labels, tmp_path):
+    scans = (Scan("plant", 90, 0, labels), Scan("plant", 120, 1, labels))
+    check_series(Series(scans), tmp_path)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("shape", ["line", "plane", "plant"])
+def test_few_points_bake(shape, count, tmp_path):
+    few = Scan(shape, count)
+    assert check_series(Series((few, Scan("plant", 200), few)), tmp_path) == "baked"
+
+
+@pytest.mark.parametrize(
+    ("series", "outcome"),
+    [
+        (Series(SHRINKING), "baked"),
+        (Series(SHRINKING, {"paper": True}), "baked"),
+        (Series(SHRINKING, {"missing": "fill", "paths": "smooth"}), "baked"),
+        (Series((Scan("plant", 200), Scan("plant", 200))), "baked"),
+        (Series((Scan("grid", 125, labels="few"), Scan("grid", 64, labels="few"))), "baked"),
+        (Series((Scan("plant", 3), Scan("plant", 3000))), "baked"),
+        (Series((Scan("plant", 3000), Scan("plant", 3)), {"transport": "sinkhorn"}), "baked"),
+        (Series((Scan("plant", 200), Scan("upside down", 200))), "baked"),
+        (Series((Scan("plant", 200),)), "only one scan"),
+        (Series((Scan("plant", 9), Scan("nothing", 0), Scan("plant", 9))), "'.*day01.pcd' holds"),
+        (Series((Scan("plant", 9), Scan("all NaN", 9))), "'.*day01.pcd': none of its 9 points"),
+        (Series((Scan("plant", 9, scale=1e30), Scan("plant", 9))), "'.*day00.pcd': none of its"),
+        (Series((Scan("plant", 9, scale=1e-30), Scan("plant", 9))), "'.*day00.pcd' is only"),
+        (
+            Series((Scan("cloud", 2000, labels="all different"),) * 2, {"align": "none"}),
+            "2000 different labels",
+        ),
+    ],
+)
+def test_what_becomes_of_a_series(series, outcome, tmp_path):
+    assert re.search(outcome, check_series(series, tmp_path))
+
+
+@given(all_series(most=120))
+@settings(max_examples=60, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+def test_any_series_bakes_truly_or_is_refused_by_name(tmp_path_factory, series):
+    check_series(series, tmp_path_factory.mktemp("series"))
+
+
+def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
+    """1e30 and -1e38 stand in scans for "nothing there"."""
+    from baker.scans import read_series
+
+    for name in ("some 1e30", "some -1e38", "some infinite", "some NaN"):
+        paths = Series((Scan(name, 100), Scan("plant", 100))).write(tmp_path)
+        scan = read_series(paths).scans[0]
+        assert np.abs(scan.points).max() < 20
+        assert any("dropped" in note and "1e+12" in note for note in scan.notes)
