@@ -34,9 +34,21 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None)
 def bake_command(
     inputs: Annotated[
         list[Path],
-        typer.Argument(metavar="INPUT...", help="A folder of scans, or the files in order."),
+        typer.Argument(
+            metavar="INPUT...",
+            help="A folder of scans, or the files in order; several folders, or a folder of such "
+            "folders, are many plants.",
+        ),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The clip to write, OUT.gclip.")],
+    output: Annotated[
+        str,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="The clip to write, OUT.gclip; of many plants the folder of their clips, OUT/.",
+        ),
+    ],
     align: Annotated[
         Align, typer.Option(help="Bring the scans into one frame; auto searches the turn.")
     ] = Align.auto,
@@ -157,6 +169,12 @@ def bake_command(
     ] = Precision.auto,
     unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
     workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", help="Of many plants, bake those again whose clips are up to date, too."
+        ),
+    ] = False,
     holdout: Annotated[
         int | None,
         typer.Option(
@@ -167,7 +185,10 @@ def bake_command(
     ] = None,
     report: Annotated[
         Path | None,
-        typer.Option(metavar="OUT.html", help="Write what was done and found, with pictures."),
+        typer.Option(
+            metavar="OUT.html",
+            help="Write what was done and found, with pictures; of many plants into a folder.",
+        ),
     ] = None,
     traits: Annotated[
         Path | None,
@@ -177,8 +198,8 @@ def bake_command(
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Say what was found in each scan.")
     ] = False,
-) -> None:
-    """Bake 3D scans of a growing plant into a growth clip."""
+) -> int:
+    """Bake 3D scans of a growing plant into a growth clip; or of many plants, a clip each."""
     options = Options(
         align=align,
         labels=labels,
@@ -209,12 +230,29 @@ def bake_command(
         unit=unit,
         workers=workers,
     )
-    _check_output(output)
-    if report is not None:
-        _check_beside(report, "a report", (".html", ".htm"))
+    from baker.greenhouse.plants import find_plants
+
     if traits is not None:
         _check_beside(traits, "a table of traits", (".csv",))
-    _bake(inputs, output, report, traits, options, quiet, verbose)
+    plants = find_plants(inputs, output)
+    if plants:
+        from baker.greenhouse.run import Order, bake_all
+
+        order = Order(
+            clips=Path(output),
+            reports=report,
+            traits=traits,
+            force=force,
+            quiet=quiet,
+            verbose=verbose,
+        )
+        return bake_all(plants, options, order)
+    clip = Path(output)
+    _check_output(clip)
+    if report is not None:
+        _check_beside(report, "a report", (".html", ".htm"))
+    _bake(inputs, clip, report, traits, options, quiet, verbose)
+    return 0
 
 
 def _bake(

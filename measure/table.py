@@ -57,7 +57,7 @@ def write_table(
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
     found: dict[float, list[Measurement]] = {}
-    about = _provenance(namer.clip)
+    about = provenance(namer.clip)
     for done, day in enumerate(days):
         progress(done, len(days))
         found[day] = measure(namer.clip, day)
@@ -131,7 +131,7 @@ def _number(value: float) -> str:
     return f"{value:.{DIGITS}g}"
 
 
-def _provenance(clip: Clip) -> tuple[str, str]:
+def provenance(clip: Clip) -> tuple[str, str]:
     """What measured, and a digest of what the clip says it was made of and how."""
     from importlib.metadata import version
 
