@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,26 +123,3 @@ def _pair(
         marginal_error=error,
         notes=(*task.notes, *notes),
     )
-
-
-def solve_all(
-    jobs: list[Callable[[], Moved]], workers: int, done: Callable[[int], None]
-) -> Iterable[Moved]:
-    """Run the jobs on `workers` threads; results in the jobs' order whatever their number."""
-    if workers <= 1:
-        for index, job in enumerate(jobs):
-            moved = job()
-            done(index + 1)
-            yield moved
-        return
-    from concurrent.futures import ThreadPoolExecutor
-
-    executor = ThreadPoolExecutor(workers)
-    try:
-        futures = [executor.submit(job) for job in jobs]
-        for index, future in enumerate(futures):
-            moved = future.result()
-            done(index + 1)
-            yield moved
-    finally:
-        executor.shutdown(wait=False, cancel_futures=True)

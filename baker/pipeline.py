@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from baker.align import Alignment, align
 from baker.birth import Birth, births
 from baker.complete import completed
-from baker.density import point_surface, with_even_density
+from baker.density import point_surface
 from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
-from baker.interval import Keyframe, Moved, solve_all, solve_task
+from baker.executor import Executor, Threads
+from baker.interval import Keyframe
+from baker.intervals import solve_intervals
+from baker.job import IntervalJob
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
-from baker.motion import attached, curved, organ_motions
 from baker.options import Options, Paths
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
@@ -32,11 +34,9 @@ from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
 from baker.steady import steadied
 from baker.tasks import interval_tasks
-from baker.through import smooth_through
 from baker.vertical import Vertical
 from baker.workers import in_parallel, worker_count
-from gclip.clip import Clip, HeldOutScan, Interval, Motion, ScanMark
-from gclip.pack import pack_interval
+from gclip.clip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
 
@@ -55,9 +55,15 @@ def bake(
 
 
 def bake_recorded(
-    paths: Sequence[str | Path], options: Options | None = None, progress: Progress | None = None
+    paths: Sequence[str | Path],
+    options: Options | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> tuple[Clip, BakeRecord]:
-    """`bake`, and what its stages found: for the report and for verification."""
+    """`bake`, and what its stages found: for the report and for verification.
+
+    executor: where the intervals are solved; by default on threads of this process.
+    """
     chosen = options or Options()
     tell: Progress = progress or (lambda stage, done, total: None)
     found = read_series(
@@ -91,8 +97,14 @@ def bake_recorded(
         done=lambda done: tell("matching", done, len(hierarchies) - 1),
     )
     organs, named = follow_organs(matches, labels.consistent)
-    intervals, spacing, floor = _intervals(
-        series, keyframes, matches, named, vertical, recipe, chosen, tell
+    jobs, spacing, floor = _interval_jobs(
+        series, keyframes, matches, named, vertical, recipe, chosen
+    )
+    intervals = solve_intervals(
+        jobs,
+        executor or Threads(workers),
+        smooth=recipe.paths == Paths.smooth,
+        tell=partial(tell, "transport"),
     )
     origin = series.scans[0].origin
     clip = Clip(
@@ -186,7 +198,7 @@ def _hold_out(
     )
 
 
-def _intervals(
+def _interval_jobs(
     series: Series,
     keyframes: Sequence[Keyframe],
     matches: Sequence[Match],
@@ -194,19 +206,16 @@ def _intervals(
     vertical: Vertical,
     recipe: Recipe,
     options: Options,
-    tell: Progress,
-) -> tuple[tuple[Interval, ...], float, float]:
+) -> tuple[list[IntervalJob], float, float]:
+    """What each interval is worked out from, and the series' point spacing and floor.
+
+    Here everything is settled that spans intervals: spacing, floor, steadied organs, parts that
+    are missing for a while, how fast new organs unfold.
+    """
     workers = worker_count(options.workers)
     clouds = [frame.positions for frame in keyframes]
     spacing = float(np.median(in_parallel(point_spacing, clouds, workers)))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
-    solve = partial(
-        solve_task,
-        transport=replace(recipe.transport, workers=workers),
-        decay=Motion(options.decay),
-        vertical=vertical,
-        floor=floor,
-    )
     times = [scan.time for scan in series.scans]
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
@@ -226,32 +235,32 @@ def _intervals(
     born: list[dict[int, Birth]] = [{} for _ in matches]
     if recipe.paths != Paths.straight:
         born = births(clouds, matches, organs, times)
-    jobs: list[Callable[[], Moved]] = []
-    sizes = []
-    for k, match in enumerate(matches):
-        tasks = interval_tasks(
-            (clouds[k], clouds[k + 1]), match, organs[k], options.bud, whole.parts[k], born[k]
-        )
-        sizes.append(len(tasks))
-        jobs += [partial(solve, task, keyframes[k], keyframes[k + 1]) for task in tasks]
-    tell("transport", 0, len(jobs))
-    moved = iter(solve_all(jobs, workers, lambda n: tell("transport", n, len(jobs))))
-    solved = [[next(moved) for _ in range(size)] for size in sizes]
-    if recipe.paths != Paths.straight:
-        motions = organ_motions(clouds, matches, vertical, spacing, workers)
-        solved = curved(solved, clouds, matches, organs, motions)
-        solved = attached(solved, matches, organs, spacing)
-    if recipe.paths == Paths.smooth:
-        solved = smooth_through(solved, keyframes, times)
-    intervals = [
-        pack_interval(
-            times[k],
-            times[k + 1],
-            with_even_density([m.movers for m in tasks], [m.surface for m in tasks], recipe.even),
+    jobs = [
+        IntervalJob(
+            times=(times[k], times[k + 1]),
+            start=keyframes[k],
+            end=keyframes[k + 1],
+            match=match,
+            organs=organs[k],
+            tasks=tuple(
+                interval_tasks(
+                    (clouds[k], clouds[k + 1]),
+                    match,
+                    organs[k],
+                    options.bud,
+                    whole.parts[k],
+                    born[k],
+                )
+            ),
+            vertical=vertical,
+            floor=floor,
             spacing=spacing,
+            transport=recipe.transport,
+            decay=Motion(options.decay),
+            curved=recipe.paths != Paths.straight,
+            even=recipe.even,
             precision=options.precision,
-            segments=tuple(m.pair for m in tasks if m.pair is not None),
         )
-        for k, tasks in enumerate(solved)
+        for k, match in enumerate(matches)
     ]
-    return tuple(intervals), spacing, floor
+    return jobs, spacing, floor

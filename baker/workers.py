@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -16,14 +17,21 @@ def worker_count(asked: int) -> int:
 
 
 def in_parallel(
-    function: Callable[[Item], Result], items: Sequence[Item], workers: int
+    function: Callable[[Item], Result],
+    items: Sequence[Item],
+    workers: int,
+    pool: Executor | None = None,
 ) -> list[Result]:
     """The function's results in the items' order, worked out by up to `workers` threads.
+
+    pool: to run on, where several callers share one; none of its own threads may be among them.
 
     Threads gain only where the function spends its time outside Python, as compiled loops do.
     """
     if workers <= 1 or len(items) <= 1:
         return [function(item) for item in items]
+    if pool is not None:
+        return list(pool.map(function, items))
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(min(workers, len(items))) as executor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +30,7 @@ def organ_motions(
     vertical: Vertical,
     spacing: float,
     workers: int = 1,
+    pool: Executor | None = None,
 ) -> list[Motions]:
     """For each interval, by segment of its second scan, how the organs that bend or turn move.
 
@@ -41,7 +43,7 @@ def organ_motions(
         cloud = clouds[scan[0]]
         return organ_shapes(cloud, scans[scan], root_point(cloud, vertical))
 
-    shapes = dict(zip(scans, in_parallel(shapes_of, list(scans), workers), strict=True))
+    shapes = dict(zip(scans, in_parallel(shapes_of, list(scans), workers, pool), strict=True))
     pairs: list[tuple[int, int, OrganShape, OrganShape]] = []
     for k, match in enumerate(matches):
         before, after = shapes[k, id(match.first)], shapes[k + 1, id(match.second)]
@@ -50,7 +52,7 @@ def organ_motions(
             if a != match.first.root and b != match.second.root and one and two:
                 pairs.append((k, b, one, two))
     fitted = in_parallel(
-        lambda pair: fit_motion(pair[2], pair[3], MATTERS * spacing), pairs, workers
+        lambda pair: fit_motion(pair[2], pair[3], MATTERS * spacing), pairs, workers, pool
     )
     motions: list[Motions] = [{} for _ in matches]
     for (k, b, _, _), motion in zip(pairs, fitted, strict=True):

@@ -1,0 +1,123 @@
+"""One interval's work as a unit that any thread, process or machine can do on its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+from baker.density import with_even_density
+from baker.interval import Keyframe, Moved, solve_task
+from baker.match import IntervalOrgans, Match
+from baker.motion import attached, curved, organ_motions
+from baker.tasks import Task
+from baker.transport.plan import TransportOptions
+from baker.vertical import Vertical
+from baker.workers import in_parallel
+from gclip.clip import Interval, Motion
+from gclip.pack import pack_interval
+
+Done = Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class IntervalJob:
+    """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
+
+    What spans intervals is settled before: alignment, segments, which organ is which (`match`,
+    `organs`), parts that are missing, how organs are born (in `tasks`), the series' `floor` and
+    `spacing`. Only `--paths smooth` needs the movers of neighbouring intervals afterwards.
+
+    times:    of the two scans, whose points are `start` and `end`.
+    transport: `workers` in it does not count.
+    decay:    how lost organs leave.
+    curved:   whether organs bend and stay attached, or go straight.
+    even, precision: as in the options.
+    """
+
+    times: tuple[float, float]
+    start: Keyframe
+    end: Keyframe
+    match: Match
+    organs: IntervalOrgans
+    tasks: tuple[Task, ...]
+    vertical: Vertical
+    floor: float
+    spacing: float
+    transport: TransportOptions
+    decay: Motion
+    curved: bool
+    even: float
+    precision: str
+
+    def __len__(self) -> int:
+        """How many tasks there are: the steps of its progress."""
+        return len(self.tasks)
+
+
+def solve_interval(
+    job: IntervalJob,
+    workers: int = 1,
+    pool: Executor | None = None,
+    done: Done = lambda steps: None,
+) -> Interval:
+    """The interval, ready for the clip. Deterministic, whatever the workers.
+
+    workers: threads to use; pool: where to run them, one of its own by default.
+    done:    called, in any thread, with how many more of the job's tasks are done.
+    """
+    return packed_interval(job, move_interval(job, workers, pool, done))
+
+
+def move_interval(
+    job: IntervalJob,
+    workers: int = 1,
+    pool: Executor | None = None,
+    done: Done = lambda steps: None,
+) -> list[Moved]:
+    """Each task's movers on their paths; arguments as those of `solve_interval`."""
+    transport = replace(job.transport, workers=workers)
+
+    def solve(task: Task) -> Moved:
+        moved = solve_task(
+            task,
+            job.start,
+            job.end,
+            transport=transport,
+            decay=job.decay,
+            vertical=job.vertical,
+            floor=job.floor,
+        )
+        done(1)
+        return moved
+
+    # The largest first: none is left to a single thread in the end.
+    order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
+    found = in_parallel(solve, [job.tasks[k] for k in order], workers, pool)
+    solved = [moved for _, moved in sorted(zip(order, found, strict=True), key=lambda kv: kv[0])]
+    return _on_curves(job, solved, workers, pool) if job.curved else solved
+
+
+def packed_interval(job: IntervalJob, solved: list[Moved]) -> Interval:
+    """The interval's movers made even and packed for the clip."""
+    return pack_interval(
+        *job.times,
+        with_even_density([m.movers for m in solved], [m.surface for m in solved], job.even),
+        spacing=job.spacing,
+        precision=job.precision,
+        segments=tuple(m.pair for m in solved if m.pair is not None),
+    )
+
+
+def _on_curves(
+    job: IntervalJob, solved: list[Moved], workers: int, pool: Executor | None
+) -> list[Moved]:
+    clouds = (job.start.positions, job.end.positions)
+    matches, organs = [job.match], [job.organs]
+    motions = organ_motions(clouds, matches, job.vertical, job.spacing, workers, pool)
+    bent = curved([solved], clouds, matches, organs, motions)
+    return attached(bent, matches, organs, job.spacing)[0]
+
+
+def _size(task: Task) -> int:
+    return len(task.start) + len(task.end)
