@@ -6,6 +6,9 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from baker.density import with_even_density
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
@@ -29,6 +32,7 @@ class IntervalJob:
     `spacing`. Only `--paths smooth` needs the movers of neighbouring intervals afterwards.
 
     times:    of the two scans, whose points are `start` and `end`.
+    bases:    (3,) each, where the plant leaves the ground.
     transport: `workers` in it does not count.
     decay:    how lost organs leave.
     curved:   whether organs bend and stay attached, or go straight.
@@ -40,6 +44,7 @@ class IntervalJob:
     end: Keyframe
     match: Match
     organs: IntervalOrgans
+    bases: tuple[NDArray[np.floating], NDArray[np.floating]]
     tasks: tuple[Task, ...]
     vertical: Vertical
     floor: float
@@ -114,7 +119,7 @@ def _on_curves(
 ) -> list[Moved]:
     clouds = (job.start.positions, job.end.positions)
     matches, organs = [job.match], [job.organs]
-    motions = organ_motions(clouds, matches, job.vertical, job.spacing, workers, pool)
+    motions = organ_motions(clouds, matches, job.bases, job.spacing, workers, pool)
     bent = curved([solved], clouds, matches, organs, motions)
     return attached(bent, matches, organs, job.spacing)[0]
 

@@ -98,7 +98,7 @@ def bake_recorded(
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(
-        series, keyframes, matches, named, vertical, recipe, chosen
+        series, keyframes, bases, matches, named, vertical, recipe, chosen
     )
     intervals = solve_intervals(
         jobs,
@@ -201,6 +201,7 @@ def _hold_out(
 def _interval_jobs(
     series: Series,
     keyframes: Sequence[Keyframe],
+    bases: Sequence[int],
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     vertical: Vertical,
@@ -216,6 +217,7 @@ def _interval_jobs(
     clouds = [frame.positions for frame in keyframes]
     spacing = float(np.median(in_parallel(point_spacing, clouds, workers)))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
+    feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
     times = [scan.time for scan in series.scans]
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
@@ -242,6 +244,7 @@ def _interval_jobs(
             end=keyframes[k + 1],
             match=match,
             organs=organs[k],
+            bases=(feet[k], feet[k + 1]),
             tasks=tuple(
                 interval_tasks(
                     (clouds[k], clouds[k + 1]),

@@ -48,7 +48,8 @@ class Alignment:
     up:          the direction of growth in that frame: "x", "y", "z", "-x", "-y" or "-z".
     transforms:  a (4, 4) float64 for each scan, from its coordinates to the first scan's; the
                  first is the identity.
-    drift:       how each scan but the first was moved onto its predecessor.
+    drift:       how each scan but the first was moved onto its predecessor; empty where nothing
+                 was looked for.
     notes:       what a user should know, one sentence each.
     """
 
@@ -74,6 +75,8 @@ def align(
     up:      the direction of growth, or "auto".
     root:    (3,) base of the first scan's stem, where it is known.
     """
+    if method == "none" and up != "auto":
+        return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
     tell = progress or (lambda stage, done, total: None)
     total = 2 * len(clouds) - 1
     samples: list[EvenSample] = []

@@ -13,9 +13,7 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import OrganShape, organ_shapes
-from baker.segment.given import root_point
-from baker.segment.hierarchy import NO_PARENT
-from baker.vertical import Vertical
+from baker.segment.hierarchy import NO_PARENT, Hierarchy
 from baker.workers import in_parallel
 from gclip.pack import raised
 
@@ -27,26 +25,31 @@ Motions = dict[int, OrganMotion]  # of an interval's bending organs, by segment 
 def organ_motions(
     clouds: Sequence[NDArray[np.floating]],
     matches: Sequence[Match],
-    vertical: Vertical,
+    bases: Sequence[NDArray[np.floating]],
     spacing: float,
     workers: int = 1,
     pool: Executor | None = None,
 ) -> list[Motions]:
     """For each interval, by segment of its second scan, how the organs that bend or turn move.
 
+    bases: (3,) where the plant leaves the ground in each scan.
+
     The root stands, and what has too few points or hardly bends goes straight: they are left out.
     """
-    scans = {(k, id(match.first)): match.first for k, match in enumerate(matches)}
-    scans |= {(k + 1, id(match.second)): match.second for k, match in enumerate(matches)}
+    sides = [
+        (k + side, hierarchy, [pair[side] for pair in match.pairs])
+        for k, match in enumerate(matches)
+        for side, hierarchy in enumerate((match.first, match.second))
+    ]
 
-    def shapes_of(scan: tuple[int, int]) -> list[OrganShape | None]:
-        cloud = clouds[scan[0]]
-        return organ_shapes(cloud, scans[scan], root_point(cloud, vertical))
+    def shapes_of(side: tuple[int, Hierarchy, list[int]]) -> list[OrganShape | None]:
+        scan, hierarchy, matched = side
+        return organ_shapes(clouds[scan], hierarchy, bases[scan], matched)
 
-    shapes = dict(zip(scans, in_parallel(shapes_of, list(scans), workers, pool), strict=True))
+    shapes = iter(in_parallel(shapes_of, sides, workers, pool))
     pairs: list[tuple[int, int, OrganShape, OrganShape]] = []
     for k, match in enumerate(matches):
-        before, after = shapes[k, id(match.first)], shapes[k + 1, id(match.second)]
+        before, after = next(shapes), next(shapes)
         for a, b in match.pairs:
             one, two = before[a], after[b]
             if a != match.first.root and b != match.second.root and one and two:

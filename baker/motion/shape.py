@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,24 +30,30 @@ class OrganShape:
 
 
 def organ_shapes(
-    points: NDArray[np.floating], hierarchy: Hierarchy, base: int
+    points: NDArray[np.floating],
+    hierarchy: Hierarchy,
+    base: NDArray[np.floating],
+    wanted: Iterable[int] | None = None,
 ) -> list[OrganShape | None]:
     """The shape of each segment of a scan; None where it has too few points.
 
-    base: index of the point where the plant leaves the ground.
+    base:   (3,) where the plant leaves the ground.
+    wanted: the segments to look at, with their ancestors; the others are None; by default all.
 
     Path lengths run through the parents: an organ that leaves its parent over a long contact, as
     a grass leaf does its whorl, is measured from where it leaves it first.
     """
     found: list[OrganShape | None] = [None] * len(hierarchy.segments)
+    chosen = range(len(found)) if wanted is None else wanted
+    chosen = {s for segment in chosen for s in (segment, *hierarchy.ancestors(segment))}
     for segment in hierarchy.from_the_root():
         members = hierarchy.segments[segment]
-        if len(members) < FEWEST:
+        if segment not in chosen or len(members) < FEWEST:
             continue
         sample = points[members[_sample(len(members))]].astype(np.float64)
         parent = hierarchy.parents[segment]
         above = found[parent] if parent != NO_PARENT else None
-        seeds, head = _contact(sample, above, points[base])
+        seeds, head = _contact(sample, above, base)
         lengths = path_lengths(sample, seeds, head)
         found[segment] = OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
     return found
