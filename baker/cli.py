@@ -169,6 +169,13 @@ def bake_command(
     ] = Precision.auto,
     unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
     workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Bake on the workers of this dask scheduler; local:N starts N here.",
+        ),
+    ] = None,
     force: Annotated[
         bool,
         typer.Option(
@@ -243,6 +250,7 @@ def bake_command(
             reports=report,
             traits=traits,
             force=force,
+            cluster=cluster,
             quiet=quiet,
             verbose=verbose,
         )
@@ -251,7 +259,7 @@ def bake_command(
     _check_output(clip)
     if report is not None:
         _check_beside(report, "a report", (".html", ".htm"))
-    _bake(inputs, clip, report, traits, options, quiet, verbose)
+    _bake(inputs, clip, report, traits, options, cluster, quiet, verbose)
     return 0
 
 
@@ -261,9 +269,12 @@ def _bake(
     report: Path | None,
     traits: Path | None,
     options: Options,
+    cluster: str | None,
     quiet: bool,
     verbose: bool,
 ) -> None:
+    from contextlib import ExitStack
+
     from rich.console import Console
 
     from baker.pipeline import bake_recorded
@@ -272,8 +283,13 @@ def _bake(
     from baker.verify import print_errors, verify
 
     console = Console(stderr=True, quiet=quiet, soft_wrap=True)
-    with StageProgress(quiet) as progress:
-        clip, record = bake_recorded(inputs, options, progress)
+    with ExitStack() as stack, StageProgress(quiet) as progress:
+        executor = None
+        if cluster is not None:
+            from baker.greenhouse.cluster import intervals_on
+
+            executor = stack.enter_context(intervals_on(cluster))
+        clip, record = bake_recorded(inputs, options, progress, executor)
         progress("writing", 0, 1)
         clip.save(output)
         progress("writing", 1, 1)

@@ -74,7 +74,11 @@ def bake_all(plants: Sequence[Plant], options: Options, order: Order) -> int:
 def _outcomes(
     jobs: Sequence[Job], options: Options, order: Order, progress: PlantProgress
 ) -> Generator[Outcome, None, None]:
-    return bake_here(jobs, worker_count(options.workers))
+    if order.cluster is None:
+        return bake_here(jobs, worker_count(options.workers))
+    from baker.greenhouse.cluster import bake_on_cluster
+
+    return bake_on_cluster(jobs, order.cluster, progress.say)
 
 
 def _job(plant: Plant, options: Options, order: Order, table: TraitsTable | None) -> Job:

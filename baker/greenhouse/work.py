@@ -13,6 +13,7 @@ from baker.options import Options
 from gclip.console import OUR_FAULT, verdict
 
 if TYPE_CHECKING:
+    from baker.executor import Executor
     from gclip.clip import Clip
 
 About = tuple[str, str]
@@ -60,11 +61,14 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-def bake_plant(job: Job) -> Outcome:
-    """Bake one plant, or find that its clip stands. Whatever goes wrong is in the outcome."""
+def bake_plant(job: Job, executor: Executor | None = None) -> Outcome:
+    """Bake one plant, or find that its clip stands. Whatever goes wrong is in the outcome.
+
+    executor: where its intervals are solved; by default on threads of this process.
+    """
     began = time.perf_counter()
     try:
-        clip, state = _baked_or_standing(job)
+        clip, state = _baked_or_standing(job, executor)
         traits = _traits(clip, job) if job.traits else ""
     except Exception as error:
         code, sentence = verdict(error)
@@ -84,22 +88,24 @@ def bake_plant(job: Job) -> Outcome:
     )
 
 
-def _baked_or_standing(job: Job) -> tuple[Clip, Literal["baked", "unchanged"]]:
+def _baked_or_standing(
+    job: Job, executor: Executor | None
+) -> tuple[Clip, Literal["baked", "unchanged"]]:
     from baker.greenhouse.fresh import standing_clip
 
     if not job.force and job.clip.exists() and (job.report is None or job.report.exists()):
         clip = standing_clip(job.clip, job.folder, job.options)
         if clip is not None:
             return clip, "unchanged"
-    return _baked(job), "baked"
+    return _baked(job, executor), "baked"
 
 
-def _baked(job: Job) -> Clip:
+def _baked(job: Job, executor: Executor | None) -> Clip:
     from baker.pipeline import bake_recorded
     from baker.report import write_report
     from baker.verify import verify
 
-    clip, record = bake_recorded([job.folder], job.options)
+    clip, record = bake_recorded([job.folder], job.options, executor=executor)
     if job.report is not None:
         # Before the clip: a clip that stands has its report.
         errors = verify(clip, record, _silent)
