@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from numpy.typing import NDArray
 from baker.spacing import reach
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, morton_codes, raised
+
+if TYPE_CHECKING:
+    from baker.interval import Moved
 
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 
@@ -52,21 +56,21 @@ def surface_half_way(
     return (((0.0 if birth else before) + after) / 2) ** 2
 
 
-def with_even_density(
-    movers: Sequence[Movers], surfaces: Sequence[NDArray[np.floating] | None], growth: float
-) -> list[Movers]:
+def with_even_density(tasks: Sequence[Moved], growth: float) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
-    movers:   of each task; surfaces: what each of them stands for, None for those left as they are.
-    growth:   movers to add, as a share of those there are.
+    Tasks without a surface are left as they are.
+    growth: movers to add, as a share of those there are.
 
     The added movers of a task follow its own. Deterministic.
     """
-    known = [surface for surface in surfaces if surface is not None]
+    known = [task.surface for task in tasks if task.surface is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
     return [
-        own if surface is None else _filled(own, np.maximum(density * surface - 1, 0))
-        for own, surface in zip(movers, surfaces, strict=True)
+        task.movers
+        if task.surface is None
+        else _filled(task, np.maximum(density * task.surface - 1, 0))
+        for task in tasks
     ]
 
 
@@ -91,15 +95,16 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
     return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
 
 
-def _filled(movers: Movers, wanted: NDArray[np.floating]) -> Movers:
+def _filled(task: Moved, wanted: NDArray[np.floating]) -> Movers:
     """The movers, and about `wanted` more of each, a little apart from it half-way."""
+    movers = task.movers
     middle = half_way(movers.curve)
     own = _spread_out(middle, wanted)
     if len(movers) <= NEIGHBORS or not len(own):
         return movers
     start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
     # Half-way the ends keep a weight of 2 / 2 ** degree.
-    shift = _aside(movers, middle, own) / (1 - 2.0 ** -len(control))
+    shift = _aside(task, middle, own) / (1 - 2.0 ** -len(control))
     colors, target = movers.start_colors, movers.end_colors
     return replace(
         movers,
@@ -115,7 +120,7 @@ def _filled(movers: Movers, wanted: NDArray[np.floating]) -> Movers:
 
 
 def _aside(
-    movers: Movers, middle: NDArray[np.floating], own: NDArray[np.intp]
+    task: Moved, middle: NDArray[np.floating], own: NDArray[np.intp]
 ) -> NDArray[np.floating]:
     """(n, 3) how far the additions are from their movers half-way.
 
@@ -125,10 +130,8 @@ def _aside(
     """
     from scipy.spatial import cKDTree
 
-    shared = (
-        middle
-        - (_mean_of_twins(movers.curve[0], middle) + _mean_of_twins(movers.curve[-1], middle)) / 2
-    )
+    shared = middle - _mean_of_twins(task.start_points, middle) / 2
+    shared -= _mean_of_twins(task.end_points, middle) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
     lonely = ~shared[own].any(axis=1)
     nearest = cKDTree(middle).query(middle[own[lonely]], k=NEIGHBORS + 1)[1][:, 1:]
@@ -140,11 +143,11 @@ def _aside(
 
 
 def _mean_of_twins(
-    ends: NDArray[np.floating], values: NDArray[np.floating]
+    ends: NDArray[np.intp] | None, values: NDArray[np.floating]
 ) -> NDArray[np.floating]:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
-    _, twin, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    twin = twin.reshape(-1)
+    assert ends is not None  # what has a surface moves from points to points
+    _, twin, count = np.unique(ends, return_inverse=True, return_counts=True)
     return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1)[twin]
 
 

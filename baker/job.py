@@ -29,13 +29,15 @@ class IntervalJob:
 
     What spans intervals is settled before: alignment, segments, which organ is which (`match`,
     `organs`), parts that are missing, how organs are born (in `tasks`), the series' `floor` and
-    `spacing`. Only `--paths smooth` needs the movers of neighbouring intervals afterwards.
+    `series_spacing`. Only `--paths smooth` needs the movers of neighbouring intervals afterwards.
 
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
     transport: `workers` in it does not count.
     decay:    how lost organs leave.
     curved:   whether organs bend and stay attached, or go straight.
+    spacing:  the point spacing of the two scans, which says what gaps and bows matter.
+    series_spacing: that of all scans, which says how fine the clip's positions have to be.
     even, precision: as in the options.
     """
 
@@ -49,6 +51,7 @@ class IntervalJob:
     vertical: Vertical
     floor: float
     spacing: float
+    series_spacing: float
     transport: TransportOptions
     decay: Motion
     curved: bool
@@ -107,8 +110,8 @@ def packed_interval(job: IntervalJob, solved: list[Moved]) -> Interval:
     """The interval's movers made even and packed for the clip."""
     return pack_interval(
         *job.times,
-        with_even_density([m.movers for m in solved], [m.surface for m in solved], job.even),
-        spacing=job.spacing,
+        with_even_density(solved, job.even),
+        spacing=job.series_spacing,
         precision=job.precision,
         segments=tuple(m.pair for m in solved if m.pair is not None),
     )

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from baker import Options, bake
 from baker.density import half_way, point_surface, surface_half_way, with_even_density
+from baker.interval import Moved
 from gclip.clip import Motion
 from gclip.pack import Movers, raised
 
 
-def movers(start, end, track=0, motion=Motion.MOVE):
-    return Movers(motion, (start, end), np.full(len(start), track))
+def task(start, end, surface=1.0, track=0, motion=Motion.MOVE):
+    movers = Movers(motion, (start, end), np.full(len(start), track))
+    if surface is None:
+        return Moved(movers, None)
+    points = np.arange(len(start))
+    return Moved(movers, None, np.full(len(start), surface), points, points)
 
 
 def sheet(count, width, seed=0):
@@ -24,26 +31,23 @@ def sheet(count, width, seed=0):
 def stem_and_leaf():
     """A stem that stays, and a leaf as dense as the stem that grows to nine times its length."""
     stem, leaf = sheet(900, 1.0), sheet(300, 1 / 3, seed=1)
-    tasks = [movers(stem, stem), movers(leaf, leaf * np.float32([9, 1, 1]) + [2, 0, 0], track=1)]
-    return tasks, [np.ones(900), np.full(300, 4.0)]
+    grown = leaf * np.float32([9, 1, 1]) + [2, 0, 0]
+    return [task(stem, stem), task(leaf, grown, 4.0, track=1)]
 
 
 def test_sparse_organs_gain_movers_in_proportion_to_their_surface(stem_and_leaf):
-    tasks, surfaces = stem_and_leaf
-    stem, leaf = with_even_density(tasks, surfaces, growth=2.0)
+    stem, leaf = with_even_density(stem_and_leaf, growth=2.0)
     assert len(stem) == 900
     assert len(leaf) == pytest.approx(1200, abs=2)
 
 
 def test_no_more_movers_than_allowed(stem_and_leaf):
-    tasks, surfaces = stem_and_leaf
-    filled = with_even_density(tasks, surfaces, growth=0.25)
+    filled = with_even_density(stem_and_leaf, growth=0.25)
     assert sum(map(len, filled)) == pytest.approx(1200 + 300, abs=2)
 
 
 def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_leaf):
-    tasks, surfaces = stem_and_leaf
-    leaf = with_even_density(tasks, surfaces, growth=2.0)[1]
+    leaf = with_even_density(stem_and_leaf, growth=2.0)[1]
     start, _, end = leaf.curve
     ends = {(*a, *b) for a, b in zip(start.tolist(), end.tolist(), strict=True)}
     assert len(ends) == 300
@@ -51,13 +55,13 @@ def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_le
 
 
 def test_lost_organs_are_left_as_they_are():
-    fallen = movers(sheet(50, 1.0), sheet(50, 1.0), motion=Motion.FALL)
-    assert with_even_density([fallen], [None], growth=1.0) == [fallen]
+    fallen = task(sheet(50, 1.0), sheet(50, 1.0), surface=None, motion=Motion.FALL)
+    assert with_even_density([fallen], growth=1.0) == [fallen.movers]
 
 
 def test_even_movers_stay_as_they_are(stem_and_leaf):
-    tasks, _ = stem_and_leaf
-    filled = with_even_density(tasks, [np.ones(900), np.ones(300)], growth=1.0)
+    even = [replace(one, surface=np.ones(len(one.movers))) for one in stem_and_leaf]
+    filled = with_even_density(even, growth=1.0)
     assert [len(own) for own in filled] == [900, 300]
 
 
