@@ -9,12 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
-from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.segment.hierarchy import NO_PARENT
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 AT_BASE = 0.02  # share of an organ's points that are its base
@@ -51,11 +55,12 @@ def births(
     grow, the series' other births do.
     """
     spans = np.diff(times)
+    attached = [_Attachments(*scan) for scan in zip(clouds[1:], matches, strict=True)]
     found = []
     for k, match in enumerate(matches):
-        bases = {top: _base(clouds[k + 1], match.second, top) for top in _tops(match)}
+        bases = {top: attached[k].base(top) for top in _tops(match)}
         sizes = {
-            top: _size_half_way(clouds, matches, organs, spans, k, top, base)
+            top: _size_half_way(attached, organs, spans, k, top, base)
             for top, base in bases.items()
         }
         found.append((bases, sizes))
@@ -100,9 +105,40 @@ def _tops(match: Match) -> set[int]:
     return set(_tops_of_births(match).values())
 
 
+class _Attachments:
+    """Where the organs of an interval's second scan are attached, and how far they reach."""
+
+    def __init__(self, cloud: NDArray[np.floating], match: Match) -> None:
+        self.match = match
+        self._cloud = cloud
+        self._bearers: dict[int, cKDTree] = {}
+
+    def base(self, segment: int) -> NDArray[np.float64]:
+        """(3,) the middle of the segment's points nearest to what it grows from."""
+        own = self._points(segment)
+        apart = self._bearer(self.match.second.parents[segment]).query(own)[0]
+        nearest = np.argsort(apart, kind="stable")[: max(1, round(AT_BASE * len(own)))]
+        return own[nearest].mean(axis=0)
+
+    def extent(self, segment: int, base: NDArray[np.float64]) -> float:
+        return float(np.sqrt(((self._points(segment) - base) ** 2).sum(axis=1).mean()))
+
+    def _points(self, segment: int) -> NDArray[np.float64]:
+        return self._cloud[self.match.second.segments[segment]].astype(float)
+
+    def _bearer(self, parent: int) -> cKDTree:
+        """A parent's points to search in: many organs may grow from one."""
+        from scipy.spatial import cKDTree
+
+        if parent not in self._bearers:
+            members = self.match.second.segments[parent] if parent != NO_PARENT else ()
+            points = self._cloud[members] if len(members) else np.median(self._cloud, 0)[None]
+            self._bearers[parent] = cKDTree(points)
+        return self._bearers[parent]
+
+
 def _size_half_way(
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
+    attached: Sequence[_Attachments],
     organs: Sequence[IntervalOrgans],
     spans: NDArray[np.float64],
     k: int,
@@ -110,34 +146,14 @@ def _size_half_way(
     base: NDArray[np.float64],
 ) -> float | None:
     """The organ's size half-way as a share of its size at the end, None where nothing tells."""
-    if k + 1 >= len(matches):
+    if k + 1 >= len(attached):
         return None
-    following, organ = matches[k + 1], organs[k].second[top]
+    following, organ = attached[k + 1], organs[k].second[top]
     named = organs[k + 1].second
-    later = next((b for _, b in following.pairs if named[b] == organ), None)
+    later = next((b for _, b in following.match.pairs if named[b] == organ), None)
     if later is None:
         return None
-    size = _extent(clouds[k + 1], matches[k].second, top, base)
-    grown = _extent(
-        clouds[k + 2], following.second, later, _base(clouds[k + 2], following.second, later)
-    )
+    size = attached[k].extent(top, base)
+    grown = following.extent(later, following.base(later))
     growth = (grown / max(size, 1e-12) - 1) * spans[k] / (2 * spans[k + 1])
     return float(np.clip(1 - growth, LATE, EVEN))
-
-
-def _extent(
-    cloud: NDArray[np.floating], hierarchy: Hierarchy, segment: int, base: NDArray[np.float64]
-) -> float:
-    return float(np.sqrt(((cloud[hierarchy.segments[segment]] - base) ** 2).sum(axis=1).mean()))
-
-
-def _base(cloud: NDArray[np.floating], hierarchy: Hierarchy, segment: int) -> NDArray[np.float64]:
-    """(3,) the middle of the segment's points nearest to what it grows from."""
-    from scipy.spatial import cKDTree
-
-    own = cloud[hierarchy.segments[segment]].astype(float)
-    parent = hierarchy.parents[segment]
-    bearer = hierarchy.segments[parent] if parent != NO_PARENT else np.empty(0, np.intp)
-    others = cloud[bearer] if len(bearer) else np.median(cloud, axis=0, keepdims=True)
-    apart = cKDTree(others).query(own)[0]
-    return own[np.argsort(apart, kind="stable")[: max(1, round(AT_BASE * len(own)))]].mean(axis=0)
