@@ -34,7 +34,7 @@ def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
     tensors = _tensors(clip)
     document = to_json(clip, {name: checksum(buffer) for name, buffer in tensors.items()})
     try:
-        from_json(document, sum(buffer.nbytes for buffer in tensors.values()))
+        from_json(document, len(document) + sum(buffer.nbytes for buffer in tensors.values()))
     except ClipError as error:
         raise ClipError(printable(f"{target} can't be written: {error}.")) from None
     try:

@@ -93,11 +93,13 @@ class Camera:
         slope = math.tan(FIELD_OF_VIEW / 2) * MARGIN
         distance = np.max(towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope)
         radius = float(np.max(np.hypot(reach, level)))
+        # A plant may be one point, and far from the origin.
+        least = max(1e-6, 1e-9 * float(np.abs(target).max()))
         return cls(
             target=_triple(target),
-            distance=max(float(distance), 1e-6),
+            distance=max(float(distance), least),
             up=up,
-            radius=max(radius, 1e-6),
+            radius=max(radius, least),
         )
 
     def _closer(self, points: Vector, aspect: float) -> Camera:
@@ -106,7 +108,7 @@ class Camera:
         slope = math.tan(self.field_of_view / 2) * MARGIN
         for _ in range(4):  # perspective moves the centre a little with every step nearer
             right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
-            away = camera.distance - towards
+            away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
             across, along = right / away / aspect, above / away
             shift = camera.distance * np.array(
                 [aspect * (across.min() + across.max()), along.min() + along.max(), 0.0]
@@ -114,7 +116,8 @@ class Camera:
             target = np.asarray(camera.target) + camera._frame().T @ (shift / 2)
             right, above, towards = camera._frame() @ (points - target).T
             needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
-            camera = replace(camera, target=_triple(target), distance=float(needed.max()))
+            distance = max(float(needed.max()), 0.1 * self.radius)
+            camera = replace(camera, target=_triple(target), distance=distance)
         return camera
 
     def orbit(self, dyaw: float, dpitch: float) -> Camera:

@@ -180,7 +180,7 @@ class Colors:
 
         levels = outline(self._clip)[:, 2]
         low, high = float(levels.min()), float(levels.max())
-        return low, max(high, low + 1e-6)
+        return low, max(high, low + max(1e-6, 1e-9 * abs(low)))
 
     @cached_property
     def _fastest(self) -> float:

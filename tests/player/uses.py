@@ -1,0 +1,109 @@
+"""Everything that the player does with a clip between opening it and handing it to the GPU."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from gclip import Clip
+from gclip.evaluate import layers_at, locate
+
+ASPECT = 16 / 9
+
+
+def days_of(clip: Clip) -> list[float]:
+    """The ends, the scans, moments around them, and what lies outside."""
+    first, last = clip.times[0], clip.times[-1]
+    middles = [(a + b) / 2 for a, b in zip(clip.times[:3], clip.times[1:4], strict=False)]
+    return [*clip.times[:3], *middles, last, last + 1.0, first - 1e18]
+
+
+def evaluated(clip: Clip) -> None:
+    """Positions are numbers, ids are known, at every time."""
+    for day in days_of(clip):
+        frame = clip.at(day)
+        for part in (frame, frame.litter):
+            if part is not None and len(part):
+                assert np.isfinite(part.positions).all()
+                assert int(part.tracks.max()) < len(clip.track_table)
+                assert len(part.positions) == len(part.colors) == len(part.tracks)
+    low, high = clip.bounds
+    assert (low <= high).all()
+
+
+def told(clip: Clip, path: Path) -> None:
+    """`--info`, with nothing in it that a terminal would obey."""
+    from rich.console import Console
+
+    from player.info import print_info
+
+    for width, terminal in ((200, False), (60, True)):
+        console = Console(width=width, file=io.StringIO(), force_terminal=terminal, no_color=True)
+        print_info(console, clip, path)
+        text = console.file.getvalue()  # type: ignore[attr-defined]
+        if not terminal:
+            assert all(
+                c.isprintable() or c in "\n\N{ZERO WIDTH JOINER}" or c.isspace() for c in text
+            )
+            assert "\x1b" not in text
+            assert "\r" not in text
+
+
+def loaded(clip: Clip) -> None:
+    """What the window needs before its first picture."""
+    from player.camera import Camera
+    from player.camera_path import CameraPath
+    from player.chunks import Portion, estimate
+    from player.closing import ClosingDistances
+    from player.colors import Colors
+    from player.dates import date_at, elapsed, short_dates
+    from player.layout import arrange
+    from player.measures import home_camera
+    from player.style import Style
+    from player.timeline import Timeline
+
+    dates = [scan.date for scan in clip.scans]
+    home = Camera.home(clip, ASPECT)
+    for camera in (home, Camera.home(clip, 0.5, turning=True), home_camera(clip, (1280.0, 720.0))):
+        assert np.isfinite(camera.matrix(ASPECT)).all()
+        assert np.isfinite(camera.zoom(1e9).orbit(1.0, 1.0).pan(0.1, 0.1).matrix(ASPECT)).all()
+    closing = ClosingDistances(clip)
+    for day in days_of(clip):
+        assert np.isfinite(closing.at(*locate(clip, day)))
+        assert closing.at(*locate(clip, day), wait=False) >= 0.0
+        assert date_at(clip.scans, day) is not None
+        elapsed(clip.scans, day, clip.time_unit)
+        for layer in layers_at(clip, day):
+            list(Portion(layer, layer.group.count).chunks())
+        CameraPath().with_key(day, home)
+    for name in ("scan", "track", "age", "speed", "height"):
+        colors, style = Colors(clip), Style(color_by=name)
+        assert np.isfinite(colors.palette(days_of(clip)[1], style)).all()
+        assert np.isfinite(colors.ramp(style)).all()
+        if colors.value(style):
+            assert np.isfinite(np.hstack(list(colors.uniforms().values()))).all()
+    assert all(estimate(interval) > 0 for interval in clip.intervals)
+    timeline = Timeline.of(clip.times).played().tick(0.1)
+    assert np.isfinite(timeline.day)
+    arrange((1280.0, 720.0), clip.times, dates, short_dates(dates), lambda text, size: len(text))
+
+
+def exported(clip: Clip, suffix: str) -> None:
+    """Exports that need no GPU: whole, or refused in one sentence."""
+    from player.export import Film, export
+
+    with tempfile.TemporaryDirectory() as folder:
+        export(clip, Film(seconds=0.1, fps=10), Path(folder, f"plant{suffix}"))
+
+
+EXPORTS = (".html", ".ply", ".glb", ".usda", ".csv")
+USES: dict[str, Callable[[Clip, Path], None]] = {
+    "evaluated": lambda clip, path: evaluated(clip),
+    "told": told,
+    "loaded": lambda clip, path: loaded(clip),
+    **{suffix: lambda clip, path, s=suffix: exported(clip, s) for suffix in EXPORTS},  # type: ignore[misc]
+}
