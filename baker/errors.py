@@ -1,7 +1,21 @@
 """The baker's one error for bad input."""
 
 from gclip.errors import UserError
+from gclip.text import printable
+
+LONGEST = 1000  # characters of a sentence
 
 
 class InputError(UserError):
-    """Scans or options that can't be baked; the message names the file and the remedy."""
+    """Scans or options that can't be baked; the message names the file and the remedy.
+
+    What files hold may stand in it: nothing that a terminal would obey gets through.
+    """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(printable(sentence, LONGEST))
+
+
+def excerpt(text: str) -> str:
+    """What a file says, short enough to be quoted."""
+    return printable(text, 60)

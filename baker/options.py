@@ -90,6 +90,9 @@ CHOICES: dict[str, type[StrEnum]] = {
 }
 
 
+FARTHEST = 1e12  # coordinates beyond are no place of a plant
+
+
 @dataclass(frozen=True)
 class Options:
     """The options of `bake`, with its defaults; see `bake --help` for what they mean.
@@ -134,6 +137,11 @@ class Options:
                 raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
         if self.even is not None and not 0 <= self.even <= 10:
             raise InputError(f"even is {self.even}; from 0 to 10 is allowed.")
+        if isinstance(self.root, tuple) and not all(abs(axis) <= FARTHEST for axis in self.root):
+            raise InputError(
+                f"--root is {','.join(f'{axis:g}' for axis in self.root)}; numbers from "
+                f"{-FARTHEST:g} to {FARTHEST:g} are allowed."
+            )
         for name in ("every", "neighbors", "graph_neighbors", "bud"):
             value = getattr(self, name)
             if value is not None and value < 1:

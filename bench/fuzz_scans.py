@@ -49,19 +49,20 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=float("inf"))
     parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--only", choices=("series", "files"))
+    parser.add_argument("--kind", default="", help="only files of kinds that begin so")
     asked = parser.parse_args()
 
     kinds = [asked.only] if asked.only else ["files", "series"]
     until = time.monotonic() + 60 * asked.minutes
     failed = False
     for kind in kinds:
-        tally = fuzz(*_subject(kind), asked.cases, asked.seed, until, asked.limit)
+        tally = fuzz(*_subject(kind, asked.kind), asked.cases, asked.seed, until, asked.limit)
         _tell(kind, tally)
         failed |= bool(tally.failures)
     return int(failed)
 
 
-def _subject(kind: str) -> tuple[Any, Callable[[Any, Path], str]]:
+def _subject(kind: str, begins: str) -> tuple[Any, Callable[[Any, Path], str]]:
     """What to draw, and what to do with it."""
     if kind == "series":
         from hostile_series import all_series, check_series
@@ -69,7 +70,7 @@ def _subject(kind: str) -> tuple[Any, Callable[[Any, Path], str]]:
         return all_series(), check_series
     from hostile_files import all_files, check_file
 
-    return all_files(), check_file
+    return all_files(begins), check_file
 
 
 def fuzz(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import struct
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -25,6 +27,9 @@ from baker.scans.times import (
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
+MOST_PIXELS = 100_000_000
 
 MOST_LABELS = 256
 """More distinct colours than this are no labels, but a smoothed or lossy picture of them."""
@@ -190,11 +195,19 @@ def _require_distinct(entries: Sequence[Entry]) -> None:
 
 
 def _open(path: Path) -> Image:
+    """Decoded as a whole; only formats that scanners write, for others may run other programs."""
     from PIL import Image
 
+    quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
     try:
-        image = Image.open(path)
-        image.load()
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError(f"'{path}' can't be read as an image: {error}.") from error
-    return image
+        with quiet, Image.open(path, formats=FORMATS) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise InputError(
+                    f"'{path}' has {image.width} x {image.height} pixels; up to "
+                    f"{MOST_PIXELS // 10**6} million can be read."
+                )
+            image.load()
+            return image
+    except (OSError, SyntaxError, ValueError, EOFError, struct.error) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error

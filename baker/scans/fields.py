@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.scans.cloud import Cloud, Columns
 
 LABEL_NAMES = ("label", "class", "classification", "instance", "segment")
@@ -37,7 +37,7 @@ def choose_fields(
     by_name: dict[str, str] = {}
     for name in columns.values:
         by_name.setdefault(name.lower(), name)
-    found = ", ".join(columns.values) or "none"
+    found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
 
     missing = [axis for axis in "xyz" if axis not in by_name]
     if missing:

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.scans.cloud import Columns
 from baker.scans.fields import LABEL_NAMES
+from baker.scans.laz import require_sound_chunks
 from baker.scans.rows import require_room
 from baker.scans.scan import Scan
 
 SUFFIXES = (".las", ".laz")
-CHUNK = 1_000_000
+CHUNK = 32 << 20  # bytes of points that are decoded at a time
 SHORTEST_HEADER = 227  # bytes, LAS 1.0 to 1.2
 SHORTEST_RECORD = 54  # bytes of a variable length record without content
 
@@ -57,11 +58,13 @@ def _read_dimensions(path: Path) -> tuple[dict[str, NDArray], list[str]]:
         header = file.header
         if header.point_count == 0:
             raise InputError(f"'{path}' holds no points.")
-        if not header.are_points_compressed:
+        if header.are_points_compressed:
+            require_sound_chunks(path, header)
+        else:
             room = path.stat().st_size - header.offset_to_point_data
             require_room(path, header.point_count, header.point_format.size, room)
         # In chunks, so that memory is made only for points that are there.
-        chunks = list(file.chunk_iterator(CHUNK))
+        chunks = list(file.chunk_iterator(max(1, CHUNK // header.point_format.size)))
 
     found = sum(len(chunk) for chunk in chunks)
     if found != header.point_count:
@@ -86,7 +89,13 @@ def _check_beginning(path: Path) -> None:
     if len(start) < SHORTEST_HEADER or not start.startswith(b"LASF"):
         raise InputError(f"'{path}' is not a LAS file: it doesn't begin with 'LASF'.")
     header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
-    room = min(points_offset, path.stat().st_size) - header_size
+    size = path.stat().st_size
+    if max(header_size, points_offset) > size:
+        raise InputError(
+            f"'{path}' is no sound LAS file, or is cut short (its header says that the points "
+            f"begin at byte {points_offset}, and the file ends at {size})."
+        )
+    room = points_offset - header_size
     if record_count * SHORTEST_RECORD > room:
         raise InputError(
             f"'{path}' is no sound LAS file, or is cut short (its header announces {record_count} "

@@ -8,19 +8,21 @@ Read here rather than by a library for the reasons given in `baker.scans.ply`.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.scans.cloud import Columns
 from baker.scans.rows import Layout, as_type, read_rows, require_room
 
 KINDS = {"F": {"4", "8"}, "I": {"1", "2", "4", "8"}, "U": {"1", "2", "4", "8"}}
 ENCODINGS = ("ascii", "binary", "binary_compressed")
 LONGEST_HEADER = 100
+MOST_VALUES = 10_000  # of a point; the largest descriptors have some thousand
 LZF_RATIO = 88
 """LZF turns at most 264 bytes into 3."""
 
@@ -142,20 +144,28 @@ def _parse_header(path: Path, words: dict[str, list[str]], size: int, lines: int
     record: list[tuple[str, str]] = []
     for name, kind, width, count in zip(fields, words["TYPE"], words["SIZE"], counts, strict=True):
         if width not in KINDS.get(kind, ()):
-            raise fault(f"gives the field '{name}' the unknown type {kind} of size {width}")
-        if not count.isdecimal() or not 0 < int(count) < 4096:
-            raise fault(f"gives the field '{name}' the COUNT {count}; 1 to 4095 are possible")
+            unknown = f"{excerpt(kind)} of size {excerpt(width)}"
+            raise fault(f"gives the field '{excerpt(name)}' the unknown type {unknown}")
+        if not re.fullmatch("0*[1-9][0-9]{0,3}", count) or int(count) > 4095:
+            raise fault(
+                f"gives the field '{excerpt(name)}' the COUNT {excerpt(count)}; 1 to 4095 are "
+                "possible"
+            )
         for i in range(int(count)):
             # Padding is named "_", as often as it occurs; other values of a field are numbered.
             unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name
             record.append((unique, f"<{kind.lower()}{width}"))
+        if len(record) > MOST_VALUES:
+            raise fault(f"gives a point more than {MOST_VALUES} values")
     names = [name for name, _ in record]
     if len(set(names)) < len(names):
         raise fault("names a field twice")
 
     points, (encoding, *_) = words["POINTS"][0], words["DATA"]
-    if not points.isdecimal():
-        raise fault(f"announces '{points}' POINTS, which is not a whole number")
+    if not re.fullmatch("[0-9]{1,18}", points):
+        raise fault(f"announces '{excerpt(points)}' POINTS, which is no number of points")
     if encoding not in ENCODINGS:
-        raise fault(f"names the unknown DATA '{encoding}'; known are {', '.join(ENCODINGS)}")
+        raise fault(
+            f"names the unknown DATA '{excerpt(encoding)}'; known are {', '.join(ENCODINGS)}"
+        )
     return _Header(np.dtype(record), int(points), encoding, size, lines)

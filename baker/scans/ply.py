@@ -7,13 +7,14 @@ for points that a header announces but the file can't hold.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.scans.cloud import Columns
 from baker.scans.rows import Layout, as_type, read_rows, require_room
 
@@ -62,13 +63,14 @@ def read(path: Path) -> Columns:
     header = _read_header(path)
     names = [element.name for element in header.elements]
     if "vertex" not in names:
-        raise InputError(f"'{path}' has no element 'vertex' (it has {', '.join(names) or 'none'}).")
+        found = excerpt(", ".join(names)) or "none"
+        raise InputError(f"'{path}' has no element 'vertex' (it has {found}).")
     index = names.index("vertex")
     before, vertex = header.elements[:index], header.elements[index]
     if vertex.has_lists:
         name = next(name for name, kind in vertex.properties.items() if kind is None)
         raise InputError(
-            f"'{path}': the vertices' property '{name}' is a list; lists can't be read."
+            f"'{path}': the vertices' property '{excerpt(name)}' is a list; lists can't be read."
         )
     if not vertex.properties:
         raise InputError(f"'{path}': its vertices have no properties.")
@@ -87,7 +89,7 @@ def _read_binary(
     for element in before:
         if element.has_lists:
             raise InputError(
-                f"'{path}': the element '{element.name}' before the vertices holds lists, "
+                f"'{path}': the element '{excerpt(element.name)}' before the vertices holds lists, "
                 "which can't be passed over in a binary file; write the vertices first."
             )
         start += element.count * element.record(header.byte_order).itemsize
@@ -138,7 +140,7 @@ def _read_header(path: Path) -> _Header:
                     return _Header(byte_order, elements, file.tell(), number)
                 case ["format", name, "1.0"] if name in BYTE_ORDERS:
                     byte_order = BYTE_ORDERS[name]
-                case ["element", name, count] if count.isdecimal():
+                case ["element", name, count] if re.fullmatch("[0-9]{1,18}", count):
                     elements.append(_Element(name, int(count)))
                 case ["property", "list", length, item, name] if elements and {length, item} <= {
                     *TYPES
@@ -151,7 +153,7 @@ def _read_header(path: Path) -> _Header:
                 case [] | ["comment" | "obj_info", *_]:
                     pass
                 case _:
-                    text = " ".join(words)[:60]
+                    text = excerpt(" ".join(words))
                     raise InputError(
                         f"'{path}', line {number}: '{text}' is no valid PLY header line."
                     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
+
+LONGEST_LINE = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,20 @@ class Layout:
     delimiter: str | None = None
     columns: tuple[int, ...] | None = None
     comment: str | None = "#"
+
+
+def numbered_lines(path: Path, encoding: str) -> Iterator[tuple[int, str]]:
+    """The lines of a text, from 1; InputError at one too long to be a row of numbers."""
+    with path.open(encoding=encoding, errors="replace") as file:
+        number = 1
+        while line := file.readline(LONGEST_LINE):
+            if len(line) == LONGEST_LINE:
+                raise InputError(
+                    f"'{path}', line {number}: {LONGEST_LINE} characters or more are no row of "
+                    "numbers."
+                )
+            yield number, line
+            number += 1
 
 
 def text_encoding(path: Path) -> str:
@@ -92,29 +108,28 @@ def read_rows(
 
 def _first_fault(path: Path, layout: Layout, encoding: str, error: ValueError | None) -> InputError:
     wanted = layout.columns or tuple(range(len(layout.names)))
-    with path.open(encoding=encoding, errors="replace") as file:
-        for number, line in enumerate(file, 1):
-            text = line.split(layout.comment)[0] if layout.comment else line
-            if number < layout.first_line or not text.strip():
-                continue
-            values = split(text, layout.delimiter)
-            where = f"'{path}', line {number}"
-            if len(values) <= max(wanted) or (
-                layout.columns is None and len(values) != len(layout.names)
-            ):
-                return InputError(
-                    f"{where}: {len(values)} value{'s' * (len(values) != 1)} found, but "
-                    f"{len(layout.names)} expected ({' '.join(layout.names)})."
-                )
-            for column in wanted:
-                if not is_number(values[column]):
-                    return InputError(f"{where}: {not_a_number(values[column])}")
+    for number, line in numbered_lines(path, encoding):
+        text = line.split(layout.comment)[0] if layout.comment else line
+        if number < layout.first_line or not text.strip():
+            continue
+        values = split(text, layout.delimiter)
+        where = f"'{path}', line {number}"
+        if len(values) <= max(wanted) or (
+            layout.columns is None and len(values) != len(layout.names)
+        ):
+            return InputError(
+                f"{where}: {len(values)} value{'s' * (len(values) != 1)} found, but "
+                f"{len(layout.names)} expected ({excerpt(' '.join(layout.names))})."
+            )
+        for column in wanted:
+            if not is_number(values[column]):
+                return InputError(f"{where}: {not_a_number(values[column])}")
     return InputError(f"'{path}' can't be read as rows of numbers ({error}).")
 
 
 def not_a_number(text: str) -> str:
     hint = "; write decimals with a point" if re.fullmatch(r"[-+]?\d+,\d+", text) else ""
-    return f"'{text[:40]}' is not a number{hint}."
+    return f"'{excerpt(text)}' is not a number{hint}."
 
 
 def as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:

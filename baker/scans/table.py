@@ -24,9 +24,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.scans.cloud import Columns
-from baker.scans.rows import Layout, is_number, not_a_number, read_rows, split, text_encoding
+from baker.scans.rows import (
+    Layout,
+    is_number,
+    not_a_number,
+    numbered_lines,
+    read_rows,
+    split,
+    text_encoding,
+)
 
 
 @dataclass(frozen=True)
@@ -78,35 +86,34 @@ def read(path: Path) -> Columns:
         names = _usual_names(rows, is_leica=head.count is not None)
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
     elif words := [names[i] for i in range(width) if i not in numeric]:
-        notes = (f"columns passed over, as they hold no numbers: {', '.join(words)}.",)
+        notes = (f"columns passed over, as they hold no numbers: {excerpt(', '.join(words))}.",)
     return Columns({names[i]: rows[:, k] for k, i in enumerate(numeric)}, notes)
 
 
 def _read_head(path: Path, encoding: str) -> _Head:
     comments: list[str] = []
     header_line, header, count = 0, "", None
-    with path.open(encoding=encoding, errors="replace") as file:
-        for number, line in enumerate(file, 1):
-            text = line.strip()
-            if not text:
-                continue
-            if text.startswith(("#", "//")):
-                comments.append(text.lstrip("#/ \t"))
-                continue
-            delimiter = _delimiter(text)
-            values = split(text, delimiter)
-            if len(values) == 1 and values[0].isdecimal() and count is None:
-                count = int(values[0])
-                continue
-            if sum(map(is_number, values)) >= min(3, len(values)):
-                names = _header(path, header_line, header, comments, delimiter, len(values))
-                is_open_ended = delimiter is not None and text.endswith(delimiter)
-                return _Head(number, delimiter, values, is_open_ended, names, count)
-            numbers = [value for value in values if is_number(value)]
-            if header or numbers or not _names_xyz(values):
-                fault = next(value for value in values if not is_number(value))
-                raise InputError(f"'{path}', line {number}: {not_a_number(fault)}")
-            header_line, header = number, text
+    for number, line in numbered_lines(path, encoding):
+        text = line.strip()
+        if not text:
+            continue
+        if text.startswith(("#", "//")):
+            comments.append(text.lstrip("#/ \t"))
+            continue
+        delimiter = _delimiter(text)
+        values = split(text, delimiter)
+        if len(values) == 1 and values[0].isdecimal() and count is None:
+            count = int(values[0][:18])
+            continue
+        if sum(map(is_number, values)) >= min(3, len(values)):
+            names = _header(path, header_line, header, comments, delimiter, len(values))
+            is_open_ended = delimiter is not None and text.endswith(delimiter)
+            return _Head(number, delimiter, values, is_open_ended, names, count)
+        numbers = [value for value in values if is_number(value)]
+        if header or numbers or not _names_xyz(values):
+            fault = next(value for value in values if not is_number(value))
+            raise InputError(f"'{path}', line {number}: {not_a_number(fault)}")
+        header_line, header = number, text
     raise InputError(f"'{path}' holds no points.")
 
 
@@ -135,9 +142,11 @@ def _header(
 
 
 def _require_distinct(path: Path, names: Sequence[str]) -> list[str]:
+    seen: set[str] = set()
     for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"'{path}': its header names two columns '{name}'.")
+        if name in seen:
+            raise InputError(f"'{path}': its header names two columns '{excerpt(name)}'.")
+        seen.add(name)
     return list(names)
 
 

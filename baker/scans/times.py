@@ -239,9 +239,11 @@ def _read_times(path: Path) -> dict[str, Moment]:
         if not line or line.startswith(("#", "//")):
             continue
         parts = (
-            re.split(r"\s*[,;\t]\s*", line) if re.search(r"[,;\t]", line) else line.split(None, 1)
+            re.split(r"[,;\t]", line, maxsplit=2)
+            if re.search(r"[,;\t]", line)
+            else line.split(None, 1)
         )
-        name, time = (part.strip("\"' ") for part in (*parts, "")[:2])
+        name, time = (part.strip().strip("\"' ") for part in (*parts, "")[:2])
         moment = _parse_time(time)
         may_be_header, is_first = is_first, False
         if moment is None and may_be_header and not re.search(r"\d", time) and time:

@@ -1,0 +1,156 @@
+"""Damaged files are read or refused in one sentence (tests/baker/hostile_files.py)."""
+
+import re
+import struct
+import sys
+import time
+import tracemalloc
+import zlib
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from hostile_files import SOUND, File, all_files, check_file
+
+from baker.errors import InputError
+from baker.rgbd.images import read_color
+from baker.scans.formats import read_columns
+from baker.scans.times import FoundScans, schedule_scans
+
+LISTS = ("ply binary, lists before", "ply binary, lists inside", "ply ascii, lists before")
+HUGE = 10**15
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SOUND if kind not in LISTS])
+def test_sound_files_are_read(kind, tmp_path):
+    assert check_file(File(kind, ()), tmp_path) == "read"
+
+
+@given(all_files())
+@settings(max_examples=250, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+def test_any_damage_is_read_or_refused_by_name(tmp_path_factory, file):
+    check_file(file, tmp_path_factory.mktemp("files"))
+
+
+def refused(path: Path, content: bytes) -> str:
+    """The sentence that refuses a file, which costs neither memory nor time."""
+    path.write_bytes(content)
+    tracemalloc.start()
+    began = time.process_time()
+    try:
+        with pytest.raises(InputError) as error:
+            read_columns(path)
+        assert tracemalloc.get_traced_memory()[1] < (48 << 20) + 40 * len(content)
+    finally:
+        tracemalloc.stop()
+    assert time.process_time() - began < 20
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        (
+            "a.ply",
+            f"ply\nformat binary_little_endian 1.0\nelement vertex {HUGE}\n"
+            "property float x\nproperty float y\nproperty float z\nend_header\n",
+        ),
+        (
+            "b.ply",
+            f"ply\nformat ascii 1.0\nelement face {HUGE}\nelement vertex 3\nproperty float x\n"
+            "property float y\nproperty float z\nend_header\n0 0 0\n",
+        ),
+        ("c.ply", f"ply\nformat ascii 1.0\nelement vertex {'9' * 5000}\nend_header\n"),
+        ("d.pcd", f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS {HUGE}\nDATA ascii\n0 0 0\n"),
+        ("e.pcd", f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS {HUGE}\nDATA binary\n000000"),
+        (
+            "f.pcd",
+            f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS {HUGE}\nDATA binary_compressed\n"
+            "\x00\x01\x00\x00\x00\x01\x00\x00",
+        ),
+        ("g.pts", f"{HUGE}\n0 0 0\n1 1 1\n"),
+    ],
+)
+def test_counts_that_lie_make_no_room(name, content, tmp_path):
+    assert re.search(
+        r"announces|header line|ends before", refused(tmp_path / name, content.encode())
+    )
+
+
+def test_fields_of_many_values_make_no_room(tmp_path):
+    many = 500
+    header = (
+        f"FIELDS {' '.join(f'f{i}' for i in range(many))}\nSIZE{' 4' * many}\nTYPE{' F' * many}\n"
+        f"COUNT{' 4095' * many}\nPOINTS 1\nDATA binary\n"
+    )
+    assert "more than 10000 values" in refused(tmp_path / "a.pcd", header.encode())
+
+
+@pytest.mark.parametrize("unit", [b"1 ", b"1,", b"x,", b"a", b" ", b"#", b"\t"])
+def test_a_line_of_ten_megabytes_is_refused_at_once(unit, tmp_path):
+    line = unit * (10_000_000 // len(unit))
+    assert "line 1" in refused(tmp_path / "a.txt", line + b"\n0 0 0\n")
+    if unit not in (b"#", b" ", b"\t"):  # a comment or nothing, however long
+        assert "line 3" in refused(tmp_path / "a.csv", b"x,y,z\n0,0,0\n" + line + b"\n")
+
+
+def test_a_header_of_many_columns_is_refused_at_once(tmp_path):
+    names = ",".join(f"x{i % 60000}" for i in range(20_000)) + ",x,y,z,x\n"
+    assert "two columns" in refused(
+        tmp_path / "a.csv", (names + ",".join(["0"] * 20_004) + "\n").encode()
+    )
+
+
+def test_a_times_file_of_blanks_is_read_at_once(tmp_path):
+    path = tmp_path / "times.csv"
+    path.write_text("a.xyz," + " " * 3_000_000 + "x\n")
+    began = time.process_time()
+    with pytest.raises(InputError, match=r"times\.csv' has no line for the scan 'a.xyz'"):
+        schedule_scans(FoundScans((tmp_path / "a.xyz", tmp_path / "b.xyz"), False), path)
+    assert time.process_time() - began < 20
+
+
+def test_sizes_in_a_laz_that_lie_do_not_end_the_process(tmp_path):
+    """The decoder would ask for as many bytes, and abort without them."""
+    sound = (SOUND["laz 1.4"][1])()
+    points = struct.unpack_from("<I", sound, 96)[0]
+    table = struct.unpack_from("<q", sound, points)[0]
+    layers = points + 8 + 40 + 4
+    for place, value in ((table + 4, 2**31), (layers, 2**32 - 1), (layers + 8, 2**31)):
+        lying = sound[:place] + struct.pack("<I", value) + sound[place + 4 :]
+        assert "compressed chunks don't fit" in refused(tmp_path / "a.laz", lying)
+
+
+def test_a_picture_of_too_many_pixels_is_not_unpacked(tmp_path):
+    header = struct.pack(">IIBBBBB", 60_000, 60_000, 8, 2, 0, 0, 0)
+    chunk = (
+        struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))
+    )
+    path = tmp_path / "rgb_a.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
+    with pytest.raises(
+        InputError, match=r"rgb_a\.png' has 60000 x 60000 pixels; up to 100 million"
+    ):
+        read_color(path)
+
+
+def test_pictures_that_need_other_programs_are_not_opened(tmp_path):
+    path = tmp_path / "rgb_a.png"
+    path.write_bytes(
+        b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n"
+    )
+    with pytest.raises(InputError, match="can't be read as an image"):
+        read_color(path)
+
+
+def test_what_a_file_says_cannot_command_the_terminal(tmp_path):
+    for name, text in (
+        ("a.ply", "ply\n\x1b[2J\x1b]0;title\x07 x\nend_header\n"),
+        ("b.txt", "\x1b[31m 0 0\n"),
+        ("c.csv", "x,y,z,\x1b[2J,\x1b[2J\n0,0,0,0,0\n"),
+        ("d.pcd", "FIELDS \x1b[2J\nSIZE 3\nTYPE \x9b\nPOINTS 1\nDATA ascii\n"),
+    ):
+        assert refused(tmp_path / name, text.encode()).isprintable()
