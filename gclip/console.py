@@ -5,12 +5,14 @@ Exit codes: 0 done, 1 our own fault, 2 wrong usage or bad input, 130 stopped wit
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
+from gclip.text import printable
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -25,6 +27,8 @@ def run(command: str, work: Callable[[], int | None]) -> int:
 
     Set the environment variable ``GCLIP_TRACEBACK=1`` to see the traceback of a fault of our own.
     """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # where the terminal can't show a name's letters
     try:
         return work() or DONE
     except KeyboardInterrupt:
@@ -82,4 +86,6 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
 
 
 def _say(command: str, sentence: str) -> None:
+    """On one line, whatever the names in it are made of: they come from files."""
+    sentence = printable(" ".join(sentence.split()))
     print(f"{command}: {sentence}", file=sys.stderr)

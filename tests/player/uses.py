@@ -107,3 +107,13 @@ USES: dict[str, Callable[[Clip, Path], None]] = {
     "loaded": lambda clip, path: loaded(clip),
     **{suffix: lambda clip, path, s=suffix: exported(clip, s) for suffix in EXPORTS},  # type: ignore[misc]
 }
+
+
+def drawn(clip: Clip, path: Path) -> None:
+    """A small picture, without an error that OpenGL would report."""
+    from player.render import Offscreen
+
+    with Offscreen(clip, (48, 36), supersample=1) as offscreen:
+        for day in (clip.times[0], clip.times[-1]):
+            offscreen.picture(day)
+        assert offscreen.context.error == "GL_NO_ERROR"
