@@ -202,12 +202,14 @@ def _open(path: Path) -> Image:
     try:
         with quiet, Image.open(path, formats=FORMATS) as image:
             if image.width * image.height > MOST_PIXELS:
-                raise InputError(
-                    f"'{path}' has {image.width} x {image.height} pixels; up to "
-                    f"{MOST_PIXELS // 10**6} million can be read."
-                )
+                raise Image.DecompressionBombError
             image.load()
             return image
+    except Image.DecompressionBombError:
+        raise InputError(
+            f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can be "
+            "read."
+        ) from None
     except (OSError, SyntaxError, ValueError, EOFError, struct.error) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
