@@ -135,7 +135,8 @@ class Scan:
 
     def points(self) -> Points:
         random = np.random.default_rng(self.seed)
-        return SHAPES[self.shape](random, self.count) * self.scale + self.offset
+        with np.errstate(over="ignore"):
+            return SHAPES[self.shape](random, self.count) * self.scale + self.offset
 
     def write(self, path: Path) -> None:
         """A PLY where labels are floats, else a PCD, whose integers have 64 bits."""
