@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -88,22 +86,6 @@ def make_clip() -> ClipMaker:
         )
 
     return make
-
-
-@pytest.fixture(scope="module")
-def display() -> Iterator[dict[str, str]]:
-    for program in ("Xvfb", "xdotool"):
-        if shutil.which(program) is None:
-            pytest.skip(f"{program} is not installed (apt-get install xvfb xdotool)")
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x960x24", "-noreset"],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
-    assert server.stdout is not None
-    number = server.stdout.readline().strip()
-    yield {"DISPLAY": f":{number}", "WAYLAND_DISPLAY": "", "XDG_SESSION_TYPE": "x11"}
-    server.terminate()
-    server.wait(timeout=20)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,137 @@
+"""The examples in README.md and docs/ are run: the commands, the Python, the files they show.
+
+A block that can't be run says why in a comment just above it: `<!-- not run: why -->`. Pictures are
+smaller and plants have fewer points than in print; lines that open a window are run under Xvfb.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from baker.cli import main as bake
+from baker.grow.cli import main as grow
+from player.cli import main as play
+
+ROOT = Path(__file__).parents[2]
+PAGES = ("README.md", "docs/player.md", "docs/exports.md", "docs/images.md", "docs/format.md")
+BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SMALL_PLANT = ["--points", "500", "--scans", "4"]
+SMALL_IMAGES = ["--size", "96x72", "--days", "2"]
+SMALL_PICTURE = ["--size", "96x64", "--fps", "2"]
+PICTURES = (".mp4", ".gif", ".webm", ".png")
+
+
+@dataclass(frozen=True)
+class Block:
+    page: str
+    number: int
+    language: str
+    text: str
+    not_run: str
+
+    def __str__(self) -> str:
+        return f"{self.page}:{self.number}"
+
+
+def blocks_of(page: str) -> list[Block]:
+    found = BLOCK.findall((ROOT / page).read_text("utf-8"))
+    return [Block(page, n, lang, text, why) for n, (why, lang, text) in enumerate(found, 1)]
+
+
+@pytest.fixture(scope="module")
+def plant(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a grown plant's scans and clip, and what else the pages take for granted."""
+    folder = tmp_path_factory.mktemp("plant")
+    assert grow(["maize", str(folder / "scans"), *SMALL_PLANT, "-q"]) == 0
+    clip, images = folder / "plant.gclip", folder / "komatsuna"
+    straight = ["--up", "z", "--paths", "straight", "-q"]
+    assert bake([str(folder / "scans"), "-o", str(clip), *straight]) == 0
+    for name in ("monday", "tuesday"):
+        (folder / f"{name}.gclip").write_bytes(clip.read_bytes())
+    assert grow(["komatsuna", str(images), *SMALL_IMAGES, "-q"]) == 0
+    (path,) = (block for block in blocks_of("docs/player.md") if block.language == "json")
+    (folder / "plant.camera.json").write_text(path.text, "utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_examples_run(
+    page: str, plant: Path, display: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(plant)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(plant / "settings"))
+    blocks = [block for block in blocks_of(page) if not block.not_run]
+    assert blocks or page == "docs/exports.md"
+    for block in blocks:
+        RUNNERS[block.language](block.text, display)
+
+
+def run_shell(text: str, display: dict[str, str]) -> None:
+    for line in text.splitlines():
+        program, *words = shlex.split(line, comments=True)
+        if program == "grow":
+            assert grow([*words, *SMALL_PLANT, "--force"]) == 0, line
+        elif program == "bake":
+            assert bake([*words, "--paths", "straight", "--workers", "1"]) == 0, line
+        elif "--export" in words:
+            drawn = words[words.index("--export") + 1].endswith(PICTURES)
+            assert play([*words, *(SMALL_PICTURE if drawn else [])]) == 0, line
+        elif {"--info", "--list-exports"} & set(words):
+            assert play(words) == 0, line
+        else:
+            in_window(words, display)
+
+
+def in_window(words: list[str], display: dict[str, str]) -> None:
+    """The window opens, and Q closes it."""
+    player = subprocess.Popen(
+        [sys.executable, "-m", "player", *words, "--size", "480x320"],
+        env={**os.environ, **display}, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        deadline = time.monotonic() + 40.0
+        while player.poll() is None and time.monotonic() < deadline:
+            subprocess.run(["xdotool", "key", "q"], env={**os.environ, **display}, check=False)
+            time.sleep(0.2)
+        assert player.poll() == 0, f"{words}: {player.stderr and player.stderr.read()}"
+    finally:
+        player.kill()
+        player.wait()
+
+
+def run_python(text: str, display: dict[str, str]) -> None:
+    exec(compile(text, "example", "exec"), {"__name__": "example"})
+
+
+RUNNERS: dict[str, Callable[[str, dict[str, str]], object]] = {
+    "sh": run_shell,
+    "python": run_python,
+    "json": lambda text, display: json.loads(text),
+    "toml": lambda text, display: tomllib.loads(text),
+}
+
+
+def test_options_that_pages_name_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    for program in (bake, play, grow):
+        assert program(["--help"]) == 0
+    known = options(capsys.readouterr().out)
+    for page in ("README.md", "docs/player.md", "docs/exports.md", "docs/images.md"):
+        text = (ROOT / page).read_text("utf-8")
+        unknown = options(" ".join(re.findall(r"`[^`\n]*`", text))) - known
+        assert not unknown, page
+
+
+def options(text: str) -> set[str]:
+    return set(re.findall(r"(?<![\w-])--[a-z][a-z-]*[a-z]", text))
