@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import mmap
 import os
 import stat
 from collections.abc import Sequence
@@ -56,6 +57,26 @@ class Container:
         return self._data[slot.first : slot.first + slot.size].view(slot.dtype)
 
 
+class Mapped(mmap.mmap):
+    """A file in memory; `name` is its path."""
+
+    name: str
+
+
+def check_whole(buffer: NDArray[Any]) -> None:
+    """Raise ClipError where the file that a buffer is mapped from was cut short in the meantime.
+
+    To be asked before a buffer is read: memory beyond the end of a file ends the program (SIGBUS).
+    Buffers that are no file's are whole.
+    """
+    base: Any = buffer
+    while isinstance(base, np.ndarray):
+        base = base.base
+    mapped = getattr(base, "obj", base)
+    if isinstance(mapped, Mapped) and mapped.size() < len(mapped):
+        raise ClipError(printable(f"{mapped.name}: it was cut short while it was open."))
+
+
 def open_container(path: Path) -> Container:
     """Map a file. Raises ClipError, without the file's name, where it is no whole container."""
     try:
@@ -78,11 +99,12 @@ def _mapped(path: Path) -> Container | None:
         before = os.fstat(file.fileno())
         length = header_length(file.read(8), before.st_size)
         document, layout = _header(path, 8 + length)
-        data: NDArray[np.uint8] = np.memmap(file, np.uint8, mode="r")
+        mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
+        mapped.name = os.fspath(path)
         after = os.stat(path)
-    if _mark(before) != _mark(after) or len(data) != before.st_size:
+    if _mark(before) != _mark(after) or len(mapped) != before.st_size:
         return None
-    return Container(document, layout, data)
+    return Container(document, layout, np.frombuffer(mapped, np.uint8))
 
 
 def header_length(start: bytes, size: int) -> int:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gclip.clip import Clip, Group, Interval, Motion
 from gclip.color import blend_srgb
+from gclip.container import check_whole
 
 LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
 
@@ -106,7 +107,11 @@ def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
 
 
 def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
-    """(n, 3) float32 positions about the clip's origin of a run of movers at u."""
+    """(n, 3) float32 positions about the clip's origin of a run of movers at u.
+
+    Raises ClipError where the clip's file was cut short after it was opened.
+    """
+    check_whole(interval.tracks)
     weights = bernstein(interval.degree, parameter)
     blended = np.zeros((len(interval.tracks[movers]), 3), np.float64)
     for weight, points in zip(weights, interval.curve, strict=True):
@@ -141,6 +146,7 @@ def evaluate_layer(
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
     """(n, 3) float32 local positions, (n, 4) uint8 colours and (n,) tracks of a layer's movers."""
     interval = clip.intervals[layer.interval]
+    check_whole(interval.tracks)
     movers = slice(layer.group.first, layer.group.stop)
     tracks = np.asarray(interval.tracks[movers])
     if interval.start_colors is not None and interval.end_colors is not None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gclip.container import check_whole
 from gclip.evaluate import Layer
 from player.fetch import Fetcher
 
@@ -59,9 +60,13 @@ class Portion:
 
 
 class ChunkBuffers:
-    """One chunk's buffers, laid out as they lie in the clip."""
+    """One chunk's buffers, laid out as they lie in the clip.
+
+    Raises ClipError where the clip's file was cut short after it was opened.
+    """
 
     def __init__(self, context: moderngl.Context, interval: Interval, chunk: Chunk) -> None:
+        check_whole(interval.tracks)
         self.context = context
         self.count = chunk.count
         self.degree = interval.degree

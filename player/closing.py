@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gclip.errors import ClipError
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -67,9 +70,10 @@ class ClosingDistances:
         return self._guess
 
     def _measure_all(self, first: int) -> None:
-        for end in sorted(range(len(self._clip.intervals) + 1), key=lambda e: abs(e - first)):
-            if not self._stopped:
-                self._measured(end)
+        with suppress(ClipError):  # cut short while it is open: who draws it tells
+            for end in sorted(range(len(self._clip.intervals) + 1), key=lambda e: abs(e - first)):
+                if not self._stopped:
+                    self._measured(end)
 
     def _measured(self, end: int) -> float:
         if end not in self._at_end:

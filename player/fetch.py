@@ -6,6 +6,8 @@ import mmap
 import threading
 from typing import TYPE_CHECKING
 
+from gclip.errors import ClipError
+
 if TYPE_CHECKING:
     from gclip import Interval
 
@@ -46,6 +48,8 @@ class Fetcher:
     def _read(self, index: int, interval: Interval) -> None:
         import numpy as np
 
+        from gclip.container import check_whole
+
         for buffer in (
             *(*interval.curve, interval.tracks),
             *(c for c in (interval.start_colors, interval.end_colors) if c is not None),
@@ -55,6 +59,10 @@ class Fetcher:
             pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
             for first in range(0, len(pages), STEP // mmap.PAGESIZE):
                 if self._wanted != index:
+                    return
+                try:
+                    check_whole(buffer)
+                except ClipError:  # who uploads it tells
                     return
                 pages[first : first + STEP // mmap.PAGESIZE].max(initial=0)
         self._done.add(index)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from gclip.errors import ClipError
 from player.dates import date_at
 
 if TYPE_CHECKING:
@@ -69,6 +71,7 @@ class OrganFacts:
     def _measure(self, track: int, day: float) -> None:
         from measure import measure
 
-        found = measure(self._clip, day, only=[track])
-        self._found = ((track, day), found[0] if found else None)
+        with suppress(ClipError):  # cut short while it is open: who draws it tells
+            found = measure(self._clip, day, only=[track])
+            self._found = ((track, day), found[0] if found else None)
         self._ended = time.monotonic()

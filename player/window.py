@@ -317,7 +317,10 @@ class Window:
         at_rest = (not moves and not self._stage.loading) or scene.wish is not None
         panes = self._panes(scene)
         patience = None if at_rest else LOADING
-        self._stage.paint(area, panes, scene.style, detail, patience)
+        try:
+            self._stage.paint(area, panes, scene.style, detail, patience)
+        except ClipError as error:  # cut short while it is open: the last picture stays
+            controls.scene = scene = scene.told(str(error))
         self._context.screen.use()
         self._stage.show(self._context.screen, area)
         if scene.wish is not None:
