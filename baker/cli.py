@@ -169,6 +169,13 @@ def bake_command(
     ] = Precision.auto,
     unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
     workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    cache: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Keep finished intervals there, and take what an earlier bake has kept.",
+        ),
+    ] = None,
     cluster: Annotated[
         str | None,
         typer.Option(
@@ -251,6 +258,7 @@ def bake_command(
             traits=traits,
             force=force,
             cluster=cluster,
+            cache=cache,
             quiet=quiet,
             verbose=verbose,
         )
@@ -259,7 +267,7 @@ def bake_command(
     _check_output(clip)
     if report is not None:
         _check_beside(report, "a report", (".html", ".htm"))
-    _bake(inputs, clip, report, traits, options, cluster, quiet, verbose)
+    _bake(inputs, clip, report, traits, options, cluster, cache, quiet, verbose)
     return 0
 
 
@@ -270,6 +278,7 @@ def _bake(
     traits: Path | None,
     options: Options,
     cluster: str | None,
+    cache: Path | None,
     quiet: bool,
     verbose: bool,
 ) -> None:
@@ -277,19 +286,21 @@ def _bake(
 
     from rich.console import Console
 
+    from baker.cache import IntervalCache
     from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
     from baker.summary import print_summary
     from baker.verify import print_errors, verify
 
     console = Console(stderr=True, quiet=quiet, soft_wrap=True)
+    kept = None if cache is None else IntervalCache(cache)
     with ExitStack() as stack, StageProgress(quiet) as progress:
         executor = None
         if cluster is not None:
             from baker.greenhouse.cluster import intervals_on
 
             executor = stack.enter_context(intervals_on(cluster))
-        clip, record = bake_recorded(inputs, options, progress, executor)
+        clip, record = bake_recorded(inputs, options, progress, executor, kept)
         progress("writing", 0, 1)
         clip.save(output)
         progress("writing", 1, 1)
@@ -312,7 +323,7 @@ def _bake(
 
             write_traits(traits, clip, output.stem, progress)
     _print_notes(console, clip, verbose)
-    print_summary(console, clip, output, progress.seconds)
+    print_summary(console, clip, output, progress.seconds, kept)
     if errors:
         print_errors(console, errors)
     if report is not None:

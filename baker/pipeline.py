@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from baker.align import Alignment, align
 from baker.birth import Birth, births
+from baker.cache import IntervalCache
 from baker.complete import completed
 from baker.density import point_surface
 from baker.describe import describe_provenance, describe_tracks
@@ -59,10 +60,12 @@ def bake_recorded(
     options: Options | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
+    cache: IntervalCache | None = None,
 ) -> tuple[Clip, BakeRecord]:
     """`bake`, and what its stages found: for the report and for verification.
 
     executor: where the intervals are solved; by default on threads of this process.
+    cache:    finished intervals of earlier bakes, which also keeps this one's.
     """
     chosen = options or Options()
     tell: Progress = progress or (lambda stage, done, total: None)
@@ -104,6 +107,7 @@ def bake_recorded(
         jobs,
         executor or Threads(workers),
         smooth=recipe.paths == Paths.smooth,
+        cache=cache,
         tell=partial(tell, "transport"),
     )
     origin = series.scans[0].origin
@@ -215,7 +219,8 @@ def _interval_jobs(
     """
     workers = worker_count(options.workers)
     clouds = [frame.positions for frame in keyframes]
-    spacing = float(np.median(in_parallel(point_spacing, clouds, workers)))
+    spacings = in_parallel(point_spacing, clouds, workers)
+    spacing = float(np.median(spacings))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
     times = [scan.time for scan in series.scans]
@@ -257,7 +262,8 @@ def _interval_jobs(
             ),
             vertical=vertical,
             floor=floor,
-            spacing=spacing,
+            spacing=(spacings[k] + spacings[k + 1]) / 2,
+            series_spacing=spacing,
             transport=recipe.transport,
             decay=Motion(options.decay),
             curved=recipe.paths != Paths.straight,

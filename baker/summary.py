@@ -10,11 +10,21 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from baker.cache import IntervalCache
     from gclip.clip import Clip
 
 
-def print_summary(console: Console, clip: Clip, path: Path, seconds: dict[str, float]) -> None:
-    """Print scans, points, segments, births, losses, movers, clip size and seconds per stage."""
+def print_summary(
+    console: Console,
+    clip: Clip,
+    path: Path,
+    seconds: dict[str, float],
+    cache: IntervalCache | None = None,
+) -> None:
+    """Print scans, points, segments, births, losses, movers, clip size and seconds per stage.
+
+    With a cache, also how many of the intervals came from it.
+    """
     from rich.markup import escape
     from rich.table import Table
 
@@ -23,6 +33,7 @@ def print_summary(console: Console, clip: Clip, path: Path, seconds: dict[str, f
     worst = max((pair.marginal_error for k in clip.intervals for pair in k.segments), default=0.0)
     first, last = clip.scans[0], clip.scans[-1]
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    kept = {} if cache is None else {"from the cache": cache.told()}
     for name, value in {
         "scans": f"{len(clip.scans)}, {first.date} to {last.date}",
         "points": f"{sum(scan.points for scan in clip.scans):,}",
@@ -32,6 +43,7 @@ def print_summary(console: Console, clip: Clip, path: Path, seconds: dict[str, f
         "movers": f"{sum(len(interval) for interval in clip.intervals):,}",
         "transport": ", ".join(f"{n} x {solver}" for solver, n in sorted(solvers.items()))
         + f"; marginal error at most {worst:.1g}",
+        **kept,
         "up": clip.up,
         "seconds": ", ".join(f"{stage} {s:.1f}" for stage, s in seconds.items())
         + f"; {sum(seconds.values()):.1f} in all",

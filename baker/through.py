@@ -23,40 +23,32 @@ Velocity = NDArray[np.float64]
 
 
 def smooth_through(
-    intervals: Sequence[Sequence[Moved]], keyframes: Sequence[Keyframe], times: Sequence[float]
-) -> list[list[Moved]]:
-    """The solved tasks of each interval on cubic curves, C1 at the scans between.
+    tasks: Sequence[Moved], before: Velocity, after: Velocity, span: float
+) -> list[Moved]:
+    """An interval's solved tasks on cubic curves.
 
-    times: of the scans, their real distances. Organs that are born start with the speed of what
-    they grow from; what is lost keeps its path.
+    before, after: (N, 3) the velocities at its two scans, from `velocity_at`.
+    span: the time between them. What is lost keeps its path.
     """
-    spans = np.diff(times)
-    velocities = [
-        _velocity(
-            frame,
-            intervals[k - 1] if k > 0 else None,
-            intervals[k] if k < len(intervals) else None,
-            float(spans[max(k - 1, 0)]),
-            float(spans[min(k, len(spans) - 1)]),
-        )
-        for k, frame in enumerate(keyframes)
-    ]
-    return [
-        [_on_cubic(moved, velocities[k], velocities[k + 1], float(spans[k])) for moved in tasks]
-        for k, tasks in enumerate(intervals)
-    ]
+    return [_on_cubic(moved, before, after, span) for moved in tasks]
 
 
-def _velocity(
+def velocity_at(
     frame: Keyframe,
-    before: Sequence[Moved] | None,
-    after: Sequence[Moved] | None,
+    before: Sequence[Moved],
+    after: Sequence[Moved],
     span_before: float,
     span_after: float,
 ) -> Velocity:
-    """(N, 3) of each point of a scan, in lengths per time."""
-    arriving = _arriving(len(frame.positions), before or (), span_before)
-    departing = _departing(len(frame.positions), after or (), span_after)
+    """(N, 3) of each point of a scan, in lengths per time, as both sides agree on it.
+
+    before, after: the solved tasks of the intervals that end and begin at the scan, none where
+    there is no such interval; span_before, span_after: how long these are.
+
+    Organs that are born start with the speed of what they grow from.
+    """
+    arriving = _arriving(len(frame.positions), before, span_before)
+    departing = _departing(len(frame.positions), after, span_after)
     agreed = _agreed(arriving, departing, span_before, span_after)
     return _averaged(frame.positions, _organs(len(frame.positions), before, after), agreed)
 
@@ -106,15 +98,13 @@ def _agreed(before: Velocity, after: Velocity, span_before: float, span_after: f
     return np.nan_to_num(np.where(alone[:, None], one_sided, between))
 
 
-def _organs(
-    count: int, before: Sequence[Moved] | None, after: Sequence[Moved] | None
-) -> NDArray[np.int64]:
+def _organs(count: int, before: Sequence[Moved], after: Sequence[Moved]) -> NDArray[np.int64]:
     """(N,) the organ of each point."""
     organs = np.full(count, -1)
-    for moved in before or ():
+    for moved in before:
         if moved.end_points is not None:
             organs[moved.end_points] = moved.movers.tracks
-    for moved in after or ():
+    for moved in after:
         if moved.start_points is not None and not moved.born:
             organs[moved.start_points] = moved.movers.tracks
     return organs

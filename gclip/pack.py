@@ -83,6 +83,19 @@ def pack_interval(
     )
 
 
+def packed_alike(interval: Interval, spacing: float, precision: str) -> bool:
+    """Whether packing the same movers with this point spacing gives this interval.
+
+    Where that is a matter of rounding it is said not to.
+    """
+    box = interval.box
+    low, high = _box(interval.curve) if box is None else (np.asarray(box.low), np.asarray(box.high))
+    step, finest = float((np.asarray(high) - low).max()) / LEVELS, FINE_ENOUGH * spacing
+    if precision == "float32":
+        return box is None
+    return abs(step - finest) > 1e-6 * finest and (box is not None) == (step <= finest)
+
+
 def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
     """The same Bézier curves with the control points of a higher degree (Farin 2002, 6.1)."""
     for low in range(len(curve) - 1, degree):

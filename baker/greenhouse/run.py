@@ -30,6 +30,7 @@ class Order:
     traits:  the table of all plants' traits, or none is written.
     force:   bake plants whose clips stand, too.
     cluster: where a scheduler of dask.distributed listens; on this machine where None.
+    cache:   the folder of finished intervals, or none are kept.
     """
 
     clips: Path
@@ -37,6 +38,7 @@ class Order:
     traits: Path | None = None
     force: bool = False
     cluster: str | None = None
+    cache: Path | None = None
     quiet: bool = False
     verbose: bool = False
 
@@ -91,6 +93,7 @@ def _job(plant: Plant, options: Options, order: Order, table: TraitsTable | None
         traits=table is not None,
         known=table.known(plant.name) if table else None,
         force=order.force,
+        cache=order.cache,
     )
 
 

@@ -27,6 +27,7 @@ class Job:
     clip, report: files to write; no report where None.
     traits:       whether to measure, too; `known` says of which clip there are traits already.
     force:        bake even where the clip stands.
+    cache:        folder of finished intervals, None where none are kept.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Job:
     traits: bool = False
     known: About | None = None
     force: bool = False
+    cache: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -101,11 +103,13 @@ def _baked_or_standing(
 
 
 def _baked(job: Job, executor: Executor | None) -> Clip:
+    from baker.cache import IntervalCache
     from baker.pipeline import bake_recorded
     from baker.report import write_report
     from baker.verify import verify
 
-    clip, record = bake_recorded([job.folder], job.options, executor=executor)
+    cache = None if job.cache is None else IntervalCache(job.cache)
+    clip, record = bake_recorded([job.folder], job.options, executor=executor, cache=cache)
     if job.report is not None:
         # Before the clip: a clip that stands has its report.
         errors = verify(clip, record, _silent)
