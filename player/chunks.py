@@ -16,6 +16,7 @@ import numpy as np
 
 from gclip.container import check_whole
 from gclip.evaluate import Layer
+from player.faults import OutOfGpuMemory, check_context
 from player.fetch import Fetcher
 
 if TYPE_CHECKING:
@@ -62,7 +63,8 @@ class Portion:
 class ChunkBuffers:
     """One chunk's buffers, laid out as they lie in the clip.
 
-    Raises ClipError where the clip's file was cut short after it was opened.
+    Raises ClipError where the clip's file was cut short after it was opened, OutOfGpuMemory where
+    there is no room for them.
     """
 
     def __init__(self, context: moderngl.Context, interval: Interval, chunk: Chunk) -> None:
@@ -73,6 +75,7 @@ class ChunkBuffers:
         self.colored = interval.start_colors is not None
         self.size = 0
         self._buffers: list[tuple[moderngl.Buffer, str, str]] = []
+        self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
         kind = "3f4" if interval.box is None else "3u2"
         movers = slice(chunk.first, chunk.first + chunk.count)
         for i, points in enumerate(interval.curve):
@@ -81,7 +84,11 @@ class ChunkBuffers:
         if interval.start_colors is not None and interval.end_colors is not None:
             self._add(interval.start_colors[movers], "4f1", "in_start_color")
             self._add(interval.end_colors[movers], "4f1", "in_end_color")
-        self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
+        try:
+            check_context(context)
+        except OutOfGpuMemory:
+            self.release()
+            raise
 
     def _add(self, values: np.ndarray, kind: str, name: str) -> None:
         buffer = self.context.buffer(reserve=values.nbytes + PADDING)
@@ -144,11 +151,23 @@ class ChunkStore:
             needed = estimate(self._clip.intervals[chunk.interval]) * chunk.count
             while self._kept and self.size + needed > self._room:
                 self._drop(self._least_wanted(chunk.interval))
-            buffers = ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
+            buffers = self._uploaded(chunk)
             self.size += buffers.size
             self.loaded += buffers.size
         self._kept[chunk] = buffers
         return buffers
+
+    def _uploaded(self, chunk: Chunk) -> ChunkBuffers:
+        """On a GPU that is full sooner than it said, the others make room, and less is kept."""
+        while True:
+            try:
+                return ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
+            except OutOfGpuMemory:
+                if not self._kept:
+                    raise
+                self._room = self.size // 2
+                while self._kept and self.size > self._room:
+                    self._drop(self._least_wanted(chunk.interval))
 
     def load(self, portions: list[Portion], seconds: float) -> list[int]:
         """Upload what is wanted for some seconds, fair samples first; then, as far as there is

@@ -10,24 +10,29 @@ if TYPE_CHECKING:
     import moderngl
 
 REQUIRED = 330  # OpenGL 3.3 core: what every machine since 2010, and Mesa without a GPU, can do
+DEVICES = 16  # of EGL that are tried: GPUs, and the software renderer after them
 
 
 def headless() -> moderngl.Context:
-    """A context without a screen, through EGL.
+    """A context without a screen, through EGL, on the first device that offers OpenGL 3.3.
 
-    It has no default framebuffer: draw into one of your own. Raises PlayerError naming the system
-    packages to install where EGL is missing.
+    EGL lists GPUs first, and Mesa's software renderer last: where no GPU can be used, it draws.
+    The context has no default framebuffer: draw into one of your own. Raises PlayerError naming the
+    system packages to install where EGL is missing.
     """
     import moderngl
 
-    settings: dict[str, Any] = {"backend": "egl"}
-    try:
-        return moderngl.create_context(standalone=True, require=REQUIRED, **settings)
-    except Exception as error:
-        raise PlayerError(
-            "OpenGL can't be started without a screen "
-            f"({_reason(error)}); on Debian or Ubuntu: apt-get install libegl1 libgl1."
-        ) from None
+    reason = ""
+    for device in range(DEVICES):
+        settings: dict[str, Any] = {"backend": "egl", "device_index": device}
+        try:
+            return moderngl.create_context(standalone=True, require=REQUIRED, **settings)
+        except Exception as error:
+            reason = reason or _reason(error)
+    raise PlayerError(
+        "OpenGL can't be started without a screen "
+        f"({reason}); on Debian or Ubuntu: apt-get install libegl1 libgl1."
+    )
 
 
 def from_window() -> moderngl.Context:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
+from player.errors import PlayerError
 from player.glsl import give, program
 from player.movers import LOOK, Movers
 from player.rasteriser import Discs
@@ -57,7 +58,13 @@ class Dots:
         if self.way is Way.AUTO and self._opened:
             self.way = self._faster_way(portions, discs)
         self._opened = True
-        self.scatter(Way.COMPUTE if self.way is Way.AUTO else self.way, portions, discs)
+        try:
+            self.scatter(Way.COMPUTE if self.way is Way.AUTO else self.way, portions, discs)
+        except PlayerError:  # a driver that promises compute shaders and can't compile ours
+            if self.way is Way.POINTS:
+                raise
+            self.way = Way.POINTS
+            self.scatter(self.way, portions, discs)
         self._gather(targets, discs, region)
 
     def scatter(self, way: Way, portions: list[Portion], discs: Discs) -> None:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
+
+from player.errors import PlayerError
 
 if TYPE_CHECKING:
     import moderngl
@@ -25,11 +29,12 @@ def source(name: str, **definitions: int | float) -> str:
 def program(
     context: moderngl.Context, vertex: str, fragment: str, **definitions: int | float
 ) -> moderngl.Program:
-    """Compile `<vertex>.vert` and `<fragment>.frag`."""
-    return context.program(
-        vertex_shader=source(f"{vertex}.vert", **definitions),
-        fragment_shader=source(f"{fragment}.frag", **definitions),
-    )
+    """Compile `<vertex>.vert` and `<fragment>.frag`. Raises PlayerError as `compute` does."""
+    with _compiling(f"{vertex}, {fragment}"):
+        return context.program(
+            vertex_shader=source(f"{vertex}.vert", **definitions),
+            fragment_shader=source(f"{fragment}.frag", **definitions),
+        )
 
 
 def feedback(
@@ -44,8 +49,23 @@ def feedback(
 def compute(
     context: moderngl.Context, name: str, **definitions: int | float
 ) -> moderngl.ComputeShader:
-    """Compile `<name>.comp`; needs OpenGL 4.3."""
-    return context.compute_shader(source(f"{name}.comp", **definitions))
+    """Compile `<name>.comp`; needs OpenGL 4.3. Raises PlayerError where the driver can't."""
+    with _compiling(name):
+        return context.compute_shader(source(f"{name}.comp", **definitions))
+
+
+@contextmanager
+def _compiling(name: str) -> Iterator[None]:
+    import moderngl
+
+    try:
+        yield
+    except moderngl.Error as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip(" =-")]
+        raise PlayerError(
+            f"this graphics driver can't compile the shader {name} ({' '.join(lines[:4])[:200]}); "
+            "install a newer one, or set LIBGL_ALWAYS_SOFTWARE=1 to do without it."
+        ) from None
 
 
 def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:

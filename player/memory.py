@@ -16,14 +16,18 @@ FREE_AMD = 0x87FC  # GL_VBO_FREE_MEMORY_ATI, in KiB
 
 
 def room(context: moderngl.Context) -> int:
-    """Bytes. Where the driver doesn't say, what half of the machine's own memory would allow."""
+    """Bytes that movers may take up."""
+    return max(int(SHARE * total(context)), LEAST)
+
+
+def total(context: moderngl.Context) -> int:
+    """Bytes. Where the driver doesn't say, half of the machine's own memory."""
     told = 0
     if "GL_NVX_gpu_memory_info" in context.extensions:
         told = _integer(context, TOTAL_NVIDIA)
     elif "GL_ATI_meminfo" in context.extensions:
         told = _integer(context, FREE_AMD)
-    total = told * 1024 if told > 0 else _own_memory() // 2
-    return max(int(SHARE * total), LEAST)
+    return told * 1024 if told > 0 else _own_memory() // 2
 
 
 def _integer(context: moderngl.Context, name: int) -> int:

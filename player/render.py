@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from player.camera import Camera
 from player.context import headless
+from player.faults import ContextLost, OutOfGpuMemory, check_context, pictures_of, samples_within
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -37,13 +38,19 @@ class Offscreen:
     """A renderer with a framebuffer of its own, for one picture after the other."""
 
     def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
-        from player.renderer import Renderer
-
         self.clip = clip
         self.size = size
+        self._supersample = supersample
+        self._begin()
+
+    def _begin(self) -> None:
+        from player.renderer import Renderer
+
         self.context = headless()
-        self._renderer = Renderer(self.context, clip, supersample)
-        self._framebuffer = self.context.simple_framebuffer(size)
+        self._supersample = samples_within(self.context, self.size, self._supersample)
+        self._renderer = Renderer(self.context, self.clip, self._supersample)
+        with pictures_of(self.size):
+            self._framebuffer = self.context.simple_framebuffer(self.size)
 
     @cached_property
     def home(self) -> Camera:
@@ -53,11 +60,30 @@ class Offscreen:
     def picture(
         self, day: float, camera: Camera | None = None, style: Style | None = None
     ) -> NDArray[np.uint8]:
-        """(height, width, 4) uint8 sRGB, top row first."""
+        """(height, width, 4) uint8 sRGB, top row first.
+
+        Where the driver was reset, all is begun anew once; where the GPU's memory is full, with one
+        sample a pixel. Raises PlayerError where that doesn't help, ClipError where the clip's file
+        was cut short after it was opened.
+        """
+        camera, style = camera or self.home, style or Style()
+        try:
+            return self._picture(day, camera, style)
+        except OutOfGpuMemory:
+            if self._supersample == 1:
+                raise
+            self._supersample = 1
+        except ContextLost:
+            pass
+        self.release()
+        self._begin()
+        return self._picture(day, camera, style)
+
+    def _picture(self, day: float, camera: Camera, style: Style) -> NDArray[np.uint8]:
         width, height = self.size
-        camera = camera or self.home
-        self._renderer.draw(self._framebuffer, day, camera, style or Style(), self.size)
+        self._renderer.draw(self._framebuffer, day, camera, style, self.size)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
+        check_context(self.context)
         return pixels.reshape(height, width, 4)[::-1]
 
     def release(self) -> None:

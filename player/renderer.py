@@ -23,6 +23,7 @@ from player.chunks import Portion
 from player.closing import ClosingDistances
 from player.colors import Colors, Value
 from player.dots import LARGEST, Dots, Way
+from player.faults import pictures_of
 from player.lighting import Lighting
 from player.movers import LOOK, Movers
 from player.passes import Passes
@@ -195,12 +196,14 @@ class Renderer:
         if not self._sized or self._sized[0].size != samples:
             for part in self._sized:
                 part.release()
-            targets = Targets(self.context, *samples)
-            self._sized = (
-                targets,
-                Lighting(self.context, size, self.supersample, targets, self._passes),
-                Backdrop(self.context, size, self._passes),
-            )
+            self._sized = ()
+            with pictures_of(size):
+                targets = Targets(self.context, *samples)
+                self._sized = (
+                    targets,
+                    Lighting(self.context, size, self.supersample, targets, self._passes),
+                    Backdrop(self.context, size, self._passes),
+                )
         return self._sized
 
     def _show(self, framebuffer: moderngl.Framebuffer, lighting: Lighting, opacity: float) -> None:

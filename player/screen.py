@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -41,8 +42,9 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
         glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
         glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
         glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
+        glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
         glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
-        handle = glfw.create_window(*size, title, None, None)
+        handle = glfw.create_window(*size, title, None, None) or _software_window(size, title)
         if not handle:
             raise PlayerError(
                 f"this display offers no OpenGL 3.3 ({_last(reasons)}); install a newer graphics "
@@ -57,6 +59,14 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
         yield handle
     finally:
         glfw.terminate()
+
+
+def _software_window(size: tuple[int, int], title: str) -> Any:
+    """A window that Mesa draws without the GPU, slower; None where there is no Mesa either."""
+    import glfw
+
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"  # read anew for each window
+    return glfw.create_window(*size, title, None, None)
 
 
 def events_to(

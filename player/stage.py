@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from player.colors import Colors
 from player.compare import Pane
 from player.detail import Detail, Enlarger
+from player.faults import pictures_of
 from player.renderer import Renderer
 
 if TYPE_CHECKING:
@@ -122,7 +123,9 @@ class Stage:
         if kept is not None:
             kept.color_attachments[0].release()
             kept.release()
-        texture = self._context.texture(size, 4)
-        texture.repeat_x = texture.repeat_y = False
-        self._pictures[name] = self._context.framebuffer([texture])
+        self._pictures.pop(name, None)
+        with pictures_of(size):
+            texture = self._context.texture(size, 4)
+            texture.repeat_x = texture.repeat_y = False
+            self._pictures[name] = self._context.framebuffer([texture])
         return self._pictures[name]

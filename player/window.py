@@ -21,6 +21,7 @@ from player.dates import date_at
 from player.detail import Detail, Pace
 from player.errors import PlayerError
 from player.exports import Exports
+from player.faults import ContextLost, check_context
 from player.layout import panel_width
 from player.measures import Measures, home_camera
 from player.scene import Scene
@@ -38,6 +39,7 @@ TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
+RESETS = 3  # of the graphics driver that are put up with
 FRESH = 0.7  # seconds that the panel is drawn anew after it was touched: its tips take a while
 
 
@@ -57,16 +59,27 @@ def show(
     size:    (width, height) of the window in units of 1/96 inch.
     prepare: makes the first scene from the usual one.
     watch:   called with the scene after each picture.
-    Gives the last scene and the window's size. Raises PlayerError where there is no display, or no
-    OpenGL 3.3.
+    Gives the last scene and the window's size. Where the graphics driver is reset, a new window
+    goes on where the lost one was. Raises PlayerError where there is no display, no OpenGL 3.3, or
+    too little of the GPU's memory.
     """
     shown = tuple(clip) if isinstance(clip, Sequence) else (Shown(clip, name),)
-    with opened(size, shown[0].name) as handle:
-        window = Window(handle, shown, style or Style(), prepare)
-        try:
-            return window.run(watch), window.size
-        finally:
-            window.release()
+    for left in reversed(range(RESETS + 1)):
+        with opened(size, shown[0].name) as handle:
+            window = Window(handle, shown, style or Style(), prepare)
+            try:
+                return window.run(watch), window.size
+            except ContextLost:
+                if left == 0:
+                    raise
+                shown, lost = window.shown, window.scene
+
+                def prepare(fresh: Scene, lost: Scene = lost) -> Scene:
+                    return lost
+
+            finally:
+                window.release()
+    raise AssertionError("the last one returns or raises")
 
 
 class Window:
@@ -128,6 +141,16 @@ class Window:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
         return self._controls.scene
+
+    @property
+    def scene(self) -> Scene:
+        """The present one."""
+        return self._controls.scene
+
+    @property
+    def shown(self) -> tuple[Shown, ...]:
+        """The present clips."""
+        return self._shown
 
     @property
     def size(self) -> tuple[int, int]:
@@ -332,6 +355,7 @@ class Window:
             replace(facts, panes=panes if len(panes) > 1 else ()),
             wheel,
         )
+        check_context(self._context)
         self._glfw.swap_buffers(self._handle)
         if self._overlay.chosen is not scene and self._overlay.chosen is not None:
             controls.scene = self._overlay.chosen
