@@ -129,8 +129,10 @@ def _courses(
             continue
         arms = np.array([poses[k][organ].middle - poses[k][organ].base for k in held])
         bases = np.array([poses[k][organ].base for k in held])
-        smooth = smooth_course(times[held], np.hstack([_unit(arms), bases]))
-        courses[organ] = dict(zip(held, smooth, strict=True))
+        # In arms, so that bases count by the organ's size and not by the unit of the scans.
+        size = float(np.median(np.linalg.norm(arms, axis=1))) or 1.0
+        smooth = smooth_course(times[held], np.hstack([_unit(arms), bases / size]))
+        courses[organ] = dict(zip(held, smooth * [1, 1, 1, size, size, size], strict=True))
     return courses
 
 

@@ -39,7 +39,7 @@ def draw(moving: Points, end: Points) -> Points:
             rows = np.concatenate([everyone, owner])
             shift = np.concatenate([there[partner], there]) - here[rows]
             away = np.concatenate([ahead, back])
-            trust = 1.0 / (1.0 + (away / (DOUBTFUL * np.median(away) + 1e-12)) ** 2)
+            trust = 1.0 / (1.0 + (away / (DOUBTFUL * np.median(away) + 1e-12 * size)) ** 2)
             slopes, offsets = _affine(here, rows, shift, trust, weights, width * size)
             local = (blend.T @ slopes.reshape(-1, 9)).reshape(-1, 3, 3)
             drawn = here + np.einsum("ni,nik->nk", here, local) + blend.T @ offsets

@@ -74,3 +74,32 @@ def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
         scan = read_series(paths).scans[0]
         assert np.abs(scan.points).max() < 20
         assert any("dropped" in note and "1e+12" in note for note in scan.notes)
+
+
+@pytest.mark.parametrize(
+    ("labels", "options"),
+    [
+        (None, {}),
+        (None, {"paper": True}),
+        ("few", {"smooth": True, "paths": "smooth"}),
+        ("few", {"missing": "fill", "denoise": 20, "outliers": 2.0, "align": "icp"}),
+    ],
+)
+def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
+    """The same plant in units 2 ** 29 times as large or as small moves the same, to the bit."""
+    from baker import Options, bake
+
+    def baked(scale):
+        counts = (120, 150, 200, 230)
+        scans = [Scan("plant", n, k, labels, scale=scale) for k, n in enumerate(counts)]
+        folder = tmp_path / f"{scale}"
+        folder.mkdir()
+        return bake(Series(tuple(scans)).write(folder), Options(workers=1, **options))
+
+    usual = baked(1.0)
+    for scale in (2.0**-29, 2.0**29):
+        other = baked(scale)
+        for day in np.linspace(0, 3, 10):
+            expected, found = usual.at(day), other.at(day)
+            np.testing.assert_array_equal(found.local / scale, expected.local)
+            np.testing.assert_array_equal(found.tracks, expected.tracks)
