@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 PATIENCE = 5  # seconds that a scheduler has to answer
 WINDOW = 64  # plants under way at least, so that a cluster that grows with its load does grow
+LEAN = {"distributed.worker.profile.enabled": False}  # its records grow for an hour
 LOOK_AGAIN = 5  # seconds until workers are counted anew
 
 
@@ -73,6 +75,7 @@ def connected(address: str) -> Iterator[Client]:
     Raises InputError where dask.distributed is missing or nobody answers.
     """
     try:
+        import dask
         import distributed
     except ImportError:
         raise InputError(
@@ -83,6 +86,7 @@ def connected(address: str) -> Iterator[Client]:
         stack.enter_context(_quiet())
         where: dict[str, Any] = {"address": address}
         if address.partition(":")[0] == "local":
+            stack.enter_context(dask.config.set(LEAN))
             where["address"] = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=_local_workers(address),
@@ -112,8 +116,9 @@ class Need:
 
     def missing(self) -> str:
         """What the worker that calls this lacks; "" where it fits."""
+        found = _software()
         for name, ours in self.software.items():
-            theirs = _software()[name]
+            theirs = found[name]
             if theirs != ours:
                 return f"has {name} {theirs}, but here it is {ours}; install the same on both"
         for folder in self.folders:
@@ -214,6 +219,7 @@ def _need(jobs: Sequence[Job]) -> Need:
     return Need(_software(), tuple(sorted(folders)))
 
 
+@cache
 def _software() -> dict[str, str]:
     from baker.describe import software
 
@@ -231,9 +237,13 @@ def _absolute(job: Job) -> Job:
     options = job.options
     if options.times is not None:
         options = replace(options, times=whole(options.times))
-    report = None if job.report is None else whole(job.report)
     return replace(
-        job, folder=whole(job.folder), clip=whole(job.clip), report=report, options=options
+        job,
+        folder=whole(job.folder),
+        clip=whole(job.clip),
+        options=options,
+        report=None if job.report is None else whole(job.report),
+        cache=None if job.cache is None else whole(job.cache),
     )
 
 

@@ -13,12 +13,15 @@ import numpy as np
 import pytest
 
 from baker.cli import main
+from baker.greenhouse.work import Job, bake_plant
+from baker.grow.cli import main as grow
+from baker.options import Options
 from tests.baker.greenhouse.conftest import sprout, write_greenhouse
 
 NAMES = ["p1", "p2", "p10"]
 
 
-def bake(*words, **options) -> int:
+def bake(*words) -> int:
     return main([str(word) for word in words])
 
 
@@ -49,21 +52,19 @@ def test_a_clip_a_plant_just_as_each_alone(greenhouse, tmp_path, capsys):
     assert [row for row in rows if row["plant"] == "p10"] == list(csv.DictReader(measured.open()))
     assert list(dict.fromkeys(row["plant"] for row in rows)) == NAMES
 
-    before = table.read_bytes()
-    capsys.readouterr()
-    assert bake(*asked) == 0
-    assert states(capsys.readouterr().err) == dict.fromkeys(NAMES, "unchanged")
-    assert table.read_bytes() == before
-
     np.savetxt(house / "p1" / "day01.txt", sprout(1, 99), fmt="%.4f")  # changed
     (clips / "p2.gclip").write_bytes(written["p2.gclip"][:-9])  # cut short
+    before = table.read_bytes()
+    capsys.readouterr()
+    asked[-1] = 1
     assert bake(*asked) == 0
     assert states(capsys.readouterr().err) == {"p1": "baked", "p2": "baked", "p10": "unchanged"}
     again = files(clips)
     assert again["p2.gclip"] == written["p2.gclip"]
     assert again["p1.gclip"] != written["p1.gclip"]
+    # The table that grew step by step is the one that is made at once.
     whole = tmp_path / "whole.csv"
-    assert bake(*asked[:5], "--traits", whole, "--force", "-q") == 0
+    assert bake(*asked[:5], "--traits", whole, "--force", "--workers", 1, "-q") == 0
     assert whole.read_bytes() == table.read_bytes() != before
     assert files(clips) == again
 
@@ -88,28 +89,39 @@ def test_what_fails_is_told_at_the_end_and_the_rest_is_done(greenhouse, tmp_path
     assert list(files(reports)) == ["good.html"]
 
 
-def test_a_changed_option_a_changed_time_a_missing_report_bake_again(greenhouse, tmp_path, capsys):
-    house = greenhouse(["p"])
-    times = tmp_path / "times"
+def test_a_changed_option_a_changed_time_a_missing_report_bake_again(greenhouse, tmp_path):
+    folder = greenhouse(["p"]) / "p"
+    times, clip = tmp_path / "times", tmp_path / "p.gclip"
     times.write_text("day00.txt 0\nday01.txt 5\n")
-    clips = tmp_path / "clips"
-    asked = [house / "p", "-o", f"{clips}/", "--align", "none", "--times", times]
 
-    def state(*more) -> str:
-        assert bake(*asked, *more) == 0
-        return states(capsys.readouterr().err)["p"]
+    def state(report: Path | None = None, force: bool = False, **options) -> str:
+        chosen = Options(align="none", times=times, **options)
+        return bake_plant(Job("p", folder, clip, chosen, report=report, force=force)).state
 
     assert state() == "baked"
-    assert state("--workers", 1) == "unchanged"
-    assert state("--decay", "fade") == "baked"
+    assert state(workers=1) == "unchanged"
+    assert state(force=True) == "baked"
+    assert state(decay="fade") == "baked"
     times.write_text("day00.txt 0\nday01.txt 6\n")
-    assert state("--decay", "fade") == "baked"
-    assert state("--decay", "fade", "--report", tmp_path) == "baked"
-    assert state("--decay", "fade", "--report", tmp_path) == "unchanged"
-    (house / "p" / "day00.txt").unlink()
-    clip = files(clips)
-    assert bake(*asked) == 2
-    assert files(clips) == clip
+    assert state(decay="fade") == "baked"
+    assert state(report=tmp_path / "p.html", decay="fade") == "baked"
+    assert state(report=tmp_path / "p.html", decay="fade") == "unchanged"
+    (folder / "day02.txt").write_text((folder / "day01.txt").read_text())
+    times.write_text("day00.txt 0\nday01.txt 6\nday02.txt 7\n")
+    assert state(decay="fade") == "baked"
+    standing = clip.read_bytes()
+    (folder / "day02.txt").unlink()
+    (folder / "day01.txt").unlink()
+    assert state(decay="fade") == "failed"
+    assert clip.read_bytes() == standing
+
+
+def test_images_are_known_again(tmp_path):
+    folder = tmp_path / "komatsuna"
+    words = "--days 1 --per-day 2 --size 96x72 -q".split()
+    assert grow(["komatsuna", str(folder), *words]) == 0
+    job = Job("k", folder, tmp_path / "k.gclip", Options())
+    assert [bake_plant(job).state for _ in range(2)] == ["baked", "unchanged"]
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
