@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.match.cover import agreement, consistent_labels
-from baker.match.pieces import consistent_pieces
+from baker.match.pieces import agreement, consistent_pieces
+from baker.match.tracks import track_organs
 from baker.scans.scan import Scan
 from baker.segment.hierarchy import Hierarchy
 
@@ -73,7 +73,7 @@ def use_of_labels(
         return LabelUse(tuple(labels), True, f"labels name the same organs in all scans: {found}")
     found = "as asked" if wanted != "auto" else f"only {share:.0%} of the organs match by shape"
     if match_by_shape:
-        labels = consistent_labels(clouds, labels, root_points)
+        labels = track_organs(clouds, labels, root_points)
     sentence = f"labels are numbered anew in every scan: {found}"
     return LabelUse(tuple(labels), match_by_shape, sentence, renamed=match_by_shape)
 
@@ -88,7 +88,7 @@ def labels_of_organs(
 
     numbers: (N,) of each scan. origin: why there were no labels, for the sentence.
     """
-    named = consistent_labels(clouds, numbers, root_points)
+    named = track_organs(clouds, numbers, root_points, stem=True)
     sentence = f"{origin}: organs found and matched by shape"
     return LabelUse(tuple(named), True, sentence, renamed=True)
 

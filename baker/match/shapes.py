@@ -38,8 +38,16 @@ class Shapes:
     height: NDArray[np.float64]
 
 
-def shapes_of(cloud: NDArray[np.floating], labels: NDArray[np.integer], root_point: int) -> Shapes:
-    """The organs of an (N, 3) cloud with (N,) labels, the stem's base at point `root_point`."""
+def shapes_of(
+    cloud: NDArray[np.floating],
+    labels: NDArray[np.integer],
+    root_point: int,
+    stem: bool = False,
+) -> Shapes:
+    """The organs of an (N, 3) cloud with (N,) labels, the stem's base at point `root_point`.
+
+    stem: whether the organ there is known to be the stem, however the others seem to hang together.
+    """
     names, members = split_by_label(labels)
     root = names.index(int(labels[root_point]))
     parents = _parents(cloud, members, root)
@@ -56,7 +64,7 @@ def shapes_of(cloud: NDArray[np.floating], labels: NDArray[np.integer], root_poi
     mean = np.array([r.mean(axis=0) for r in reach])
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     along = np.linalg.norm(bases - foot, axis=1)
-    stem = _is_stem(root, parents)
+    stem = stem or _is_stem(root, parents)
     return Shapes(
         labels=names,
         samples=samples,

@@ -23,14 +23,17 @@ def track_organs(
     clouds: Sequence[NDArray[np.floating]],
     labels: Sequence[NDArray[np.integer]],
     root_points: Sequence[int],
+    stem: bool = False,
 ) -> list[NDArray[np.int64]]:
     """Number organs the same in all scans, whatever each scan calls them.
 
     clouds: aligned scans, (N, 3) each; labels: (N,) each; root_points: each scan's stem base.
+    stem: whether the organ at the base is known to be the stem of all others.
     Returns (N,) organ numbers for each scan, from 0 in order of first appearance. In a scan,
     different labels have different numbers.
     """
-    shapes = [shapes_of(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
+    scans = zip(clouds, labels, root_points, strict=True)
+    shapes = [shapes_of(*scan, stem=stem) for scan in scans]
     worth = {
         (k, k + gap): trust * gains(shapes[k], shapes[k + gap])
         for k in range(len(shapes))

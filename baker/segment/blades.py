@@ -16,7 +16,7 @@ from baker.segment.levels import LevelTree
 BALL = 1.0  # radius of the ball, in stem diameters
 ROUND = 0.55  # from this ratio of the ball's least two axes on, what it sees is round
 CLEAR = 0.3  # further from it than this, nothing gets clearer
-PRICE = 0.5  # a blade is larger than this, in squares of the stem's diameter
+PRICE = 0.7  # a blade is larger than this, in squares of the stem's diameter
 SLENDER = 2.0  # a branch of a blade this many times as long as wide is a blade of its own
 BARE = 3.0  # a branch without blades is an organ from this length on, in stem diameters
 STEM = 0

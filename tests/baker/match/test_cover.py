@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from baker.match.cover import agreement, consistent_labels
-from baker.match.pieces import consistent_pieces
+from baker.match.pieces import agreement, consistent_pieces
+from baker.match.tracks import track_organs
 
 
 def growing_plant(day: int, rng: np.random.Generator):
@@ -32,7 +32,7 @@ def test_shuffled_labels_are_named_again(series):
     clouds, truth = series
     rng = np.random.default_rng(1)
     shuffled = [rng.permutation(labels.max() + 1)[labels] * 7 - 3 for labels in truth]
-    named = consistent_labels(clouds, shuffled, [0] * len(clouds))
+    named = track_organs(clouds, shuffled, [0] * len(clouds))
     for labels, names in zip(truth, named, strict=True):
         for organ in np.unique(labels):
             assert len(np.unique(names[labels == organ])) == 1
@@ -57,7 +57,7 @@ def test_agreement_tells_names_from_numbers(series):
 def test_birth_and_loss_in_one_interval(series):
     clouds, truth = series
     keep = truth[1] != 1  # leaf 1 is gone in the second scan, leaf 2 is new in it
-    named = consistent_labels([clouds[0], clouds[1][keep]], [truth[0], truth[1][keep]], [0, 0])
+    named = track_organs([clouds[0], clouds[1][keep]], [truth[0], truth[1][keep]], [0, 0])
     lost = named[0][truth[0] == 1][0]
     assert lost not in named[1]
     assert named[1].max() == named[0].max() + 1
@@ -84,5 +84,5 @@ def test_whole_organs_are_never_merged(series):
     clouds, truth = series
     pieces = [labels.copy() for labels in truth]
     pieces[1][(truth[1] == 0) & (clouds[1][:, 2] > 7)] = 99
-    named = consistent_labels(clouds, pieces, [0] * len(clouds))
+    named = track_organs(clouds, pieces, [0] * len(clouds))
     assert len(np.unique(named[1])) == len(np.unique(pieces[1]))

@@ -144,3 +144,14 @@ def test_no_match_is_worth_it():
 def test_births_and_losses_in_one_interval():
     worth = {(0, 1): np.array([[2.0, -1.0, -1.0], [-1.0, -1.0, -1.0]])}
     assert [t.tolist() for t in follow([2, 3], worth)] == [[0, 1], [0, 2, 3]]
+
+
+def test_a_known_stem_orders_its_organs_however_they_hang():
+    """Two leaves on a stem, and two on each of those, as where leaves of a whorl touch."""
+    ends = [([0, 0, 0], [0, 0, 10]), ([0, 0, 5], [9, 0, 5]), ([0, 0, 9], [-9, 0, 9])]
+    ends += [([9, 0, 5], [9, y, 7]) for y in (-6, 6)] + [([-9, 0, 9], [-9, y, 9]) for y in (-6, 6)]
+    cloud = np.concatenate([np.linspace(a, b, 50) for a, b in ends])
+    names = np.repeat(np.arange(len(ends)), 50)
+    unsure, sure = (shapes_of(cloud, names, 0, stem) for stem in (False, True))
+    assert not unsure.below.any()
+    assert sure.below[2] > sure.below[1]
