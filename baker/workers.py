@@ -13,7 +13,10 @@ Result = TypeVar("Result")
 
 def worker_count(asked: int) -> int:
     """`asked` threads, or where that is 0 as many as this process may use cores."""
-    return asked or len(os.sched_getaffinity(0))
+    if asked:
+        return asked
+    # Not every system can tie a process to some of its cores.
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def in_parallel(
