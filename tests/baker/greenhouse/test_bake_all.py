@@ -118,7 +118,7 @@ def test_a_changed_option_a_changed_time_a_missing_report_bake_again(greenhouse,
 
 def test_images_are_known_again(tmp_path):
     folder = tmp_path / "komatsuna"
-    words = "--days 1 --per-day 2 --size 96x72 -q".split()
+    words = ["--days", "1", "--per-day", "2", "--size", "96x72", "-q"]
     assert grow(["komatsuna", str(folder), *words]) == 0
     job = Job("k", folder, tmp_path / "k.gclip", Options())
     assert [bake_plant(job).state for _ in range(2)] == ["baked", "unchanged"]
