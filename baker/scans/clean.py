@@ -39,8 +39,8 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
         return cloud
     if not finite.any():
         raise InputError(
-            f"'{path}': none of its {len(cloud)} points has coordinates from {-FARTHEST:g} to "
-            f"{FARTHEST:g}."
+            f"'{path}': none of its {len(cloud)} points has finite coordinates (up to "
+            f"{FARTHEST:g})."
         )
     why = f"with coordinates NaN, infinite or beyond {FARTHEST:g}"
     return _keep(cloud, np.flatnonzero(finite), why)

@@ -50,7 +50,7 @@ def test_non_finite_points_are_dropped_and_counted():
 
 
 def test_nothing_left_names_the_file():
-    with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has coordinates"):
+    with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has finite"):
         clean.drop_non_finite(numbered([[np.nan] * 3] * 2), HERE)
     with pytest.raises(InputError, match=r"scan\.ply' holds no points"):
         clean.drop_non_finite(numbered(np.empty((0, 3))), HERE)
