@@ -37,14 +37,7 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
             f"({_last(reasons)}); start it on a desktop, or {EXPORT_INSTEAD}."
         )
     try:
-        glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 3)
-        glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
-        glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
-        glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
-        glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
-        glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
-        glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
-        handle = glfw.create_window(*size, title, None, None) or _software_window(size, title)
+        handle = _created(size, title) or _created_without_gpu(size, title)
         if not handle:
             raise PlayerError(
                 f"this display offers no OpenGL 3.3 ({_last(reasons)}); install a newer graphics "
@@ -61,12 +54,27 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
         glfw.terminate()
 
 
-def _software_window(size: tuple[int, int], title: str) -> Any:
-    """A window that Mesa draws without the GPU, slower; None where there is no Mesa either."""
+def _created(size: tuple[int, int], title: str) -> Any:
+    """A window with OpenGL 3.3, or nothing."""
     import glfw
 
-    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"  # read anew for each window
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 3)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+    glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
+    glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
+    glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
+    glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
     return glfw.create_window(*size, title, None, None)
+
+
+def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
+    """The same where Mesa draws it on the CPU, slower: a GPU's driver may be broken."""
+    import glfw
+
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
+    return _created(size, title) if glfw.init() else None
 
 
 def events_to(
