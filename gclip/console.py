@@ -1,14 +1,19 @@
 """What the commands `bake`, `play` and `grow` share: exit codes and one-sentence errors.
 
-Exit codes: 0 done, 1 our own fault, 2 wrong usage or bad input, 130 stopped with Ctrl-C.
+Exit codes: 0 done, 1 our own fault, 2 wrong usage or bad input, 130 stopped with Ctrl-C, 143 by
+SIGTERM, 129 by SIGHUP.
 """
 
 from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
@@ -29,11 +34,13 @@ def run(command: str, work: Callable[[], int | None]) -> int:
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # where the terminal can't show a name's letters
+    signals: list[int] = []
     try:
-        return work() or DONE
+        with _stopped_by(signals):
+            return work() or DONE
     except KeyboardInterrupt:
         _say(command, "stopped; nothing half-written is left behind.")
-        return INTERRUPTED
+        return 128 + signals[0] if signals else INTERRUPTED
     except BrokenPipeError:
         # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -44,6 +51,34 @@ def run(command: str, work: Callable[[], int | None]) -> int:
             raise
         _say(command, sentence)
         return code
+
+
+@contextmanager
+def _stopped_by(signals: list[int]) -> Iterator[None]:
+    """Being asked to end is a KeyboardInterrupt, as Ctrl-C is; `signals` tells by which.
+
+    Once is enough: what comes while things are put away is ignored.
+    """
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        signals.append(number)
+        if len(signals) == 1:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    usual = (signal.SIG_DFL, signal.default_int_handler)  # not those that are ignored, as by nohup
+    stops = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in stops}
+    before = {number: handler for number, handler in before.items() if handler in usual}
+    try:
+        for number in before:
+            signal.signal(number, stop)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def verdict(error: Exception) -> tuple[int, str]:
@@ -82,7 +117,13 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
             raise KeyboardInterrupt
         return code if isinstance(code, int) else None
 
-    return run(command, work)
+    code = run(command, work)
+    if code > 128 and argv is None:
+        # All is put away that has to be; threads deep in numbers would still be waited for.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    return code
 
 
 def _say(command: str, sentence: str) -> None:

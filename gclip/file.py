@@ -6,7 +6,6 @@ Nothing but numbers is stored, and no code runs on opening. See docs/format.md.
 from __future__ import annotations
 
 import os
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from gclip.clip import Clip, HeldOutScan, Interval
 from gclip.container import KEY, Container, open_container
 from gclip.document import IntervalHeader, checksum, from_json, to_json
+from gclip.draft import draft_file
 from gclip.errors import ClipError
 from gclip.fields import LARGEST
 from gclip.text import printable
@@ -38,14 +38,8 @@ def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
     except ClipError as error:
         raise ClipError(printable(f"{target} can't be written: {error}.")) from None
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-        os.close(handle)
-        try:
-            save_file(tensors, temporary, {KEY: document})
-            _finish(temporary, target)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with draft_file(target) as part:
+            save_file(tensors, part, {KEY: document})
     except Exception as error:
         if isinstance(error, OSError) or type(error).__name__ == "SafetensorError":
             reason = getattr(error, "strerror", None) or str(error)
@@ -61,15 +55,6 @@ def _tensors(clip: Clip) -> dict[str, NDArray[Any]]:
     for index, scan in enumerate(clip.held_out):
         buffers[_held_out_name(index)] = np.asarray(scan.positions, np.float32)
     return {name: np.ascontiguousarray(buffer) for name, buffer in buffers.items()}
-
-
-def _finish(temporary: str, target: Path) -> None:
-    umask = os.umask(0)
-    os.umask(umask)
-    os.chmod(temporary, 0o666 & ~umask)
-    with open(temporary, "rb") as written:
-        os.fsync(written.fileno())
-    os.replace(temporary, target)
 
 
 def open_clip(path: str | os.PathLike[str]) -> Clip:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from baker.errors import InputError
+from gclip.draft import draft_folder
 
 TRUTH = "truth"
 
@@ -29,12 +29,12 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
         )
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as draft:
-            yield Path(draft)
+        with draft_folder(folder) as draft:
+            yield draft
             for path in earlier:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
             folder.mkdir(exist_ok=True)
-            for path in sorted(Path(draft).iterdir()):
+            for path in sorted(draft.iterdir()):
                 path.replace(folder / path.name)
     except OSError as error:
         raise InputError(f"'{folder}' can't be written: {error.strerror or error}.") from error

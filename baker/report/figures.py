@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,8 +133,12 @@ def take_all(
     scale: Scale | None,
     workers: int,
     tell: Callable[[int, int], None],
+    folder: Path | None = None,
 ) -> Pictures:
-    """All pictures from one camera. Raises NoPicture where the player can't draw."""
+    """All pictures from one camera. Raises NoPicture where the player can't draw.
+
+    folder: for temporary files; None leaves that to the system.
+    """
     palette = clip.palette[:, :3]
     plates = [
         Plate(frame.positions, palette[scan.points])
@@ -160,6 +165,7 @@ def take_all(
         workers,
         lambda done: tell(done, len(plates)),
         PIXELS if len(plates) < MANY else PIXELS // 2,
+        folder,
     )
     scans, halfway = len(organs), len(between)
     rest = taken[scans + halfway :]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import os
 import re
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from baker.record import BakeRecord
 from baker.verify import HoldoutError, both_ways, overall, verify
 from baker.workers import worker_count
 from gclip.clip import Clip
+from gclip.draft import draft_file, draft_folder
 
 if TYPE_CHECKING:
     from baker.report.pictures import Picture
@@ -47,8 +47,13 @@ def write_report(
     """
     tell: Progress = progress or (lambda stage, done, total: None)
     found = verify(clip, record, tell) if errors is None else errors
-    page = render_page(clip, record, title, found, seconds, workers, tell)
-    write_whole(Path(path), page)
+    target = Path(path)
+    try:
+        with draft_folder(target) as folder:
+            page = render_page(clip, record, title, found, seconds, workers, tell, folder)
+    except OSError as error:
+        raise InputError(f"{target} can't be written: {error.strerror or error}.") from None
+    write_whole(target, page)
     tell("report", 1, 1)
 
 
@@ -60,8 +65,9 @@ def render_page(
     seconds: Mapping[str, float] | None,
     workers: int,
     tell: Progress,
+    folder: Path | None = None,
 ) -> str:
-    """The page's HTML."""
+    """The page's HTML. Pictures are drawn in `folder`, else where the system keeps such files."""
     from baker.report.errormap import common_scale
     from baker.report.figures import (
         Pictures,
@@ -86,6 +92,7 @@ def render_page(
             scale,
             worker_count(workers),
             lambda done, total: tell("pictures", done, total),
+            folder,
         )
     except NoPicture as error:
         no_pictures = str(error)
@@ -199,18 +206,7 @@ def write_whole(path: Path, text: str) -> None:
 def write_chunks(path: Path, chunks: Iterable[bytes]) -> None:
     """The same for what is too much to hold at once."""
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with open(handle, "wb") as file:
-                file.writelines(chunks)
-                file.flush()
-                os.fsync(file.fileno())
-            umask = os.umask(0)
-            os.umask(umask)
-            os.chmod(temporary, 0o666 & ~umask)
-            os.replace(temporary, path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with draft_file(path) as part, part.open("wb") as file:
+            file.writelines(chunks)
     except OSError as error:
         raise InputError(f"{path} can't be written: {error.strerror or error}.") from None

@@ -96,17 +96,19 @@ def take_pictures(
     workers: int,
     done: Callable[[int], None] = lambda count: None,
     pixels: int = PIXELS,
+    folder: Path | None = None,
 ) -> list[Picture]:
     """One picture a plate, all from the camera that shows everything on any of them.
 
-    like: the clip whose up axis and point spacing the plates share.
+    like:   the clip whose up axis and point spacing the plates share.
+    folder: for temporary files; None leaves that to the system.
 
     Raises NoPicture where the player can't draw, for example without EGL.
     """
     if not plates:
         return []
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "storyboard.gclip"
+    with TemporaryDirectory(dir=folder) as drafts:
+        path = Path(drafts) / "storyboard.gclip"
         storyboard = _storyboard(plates, like)
         storyboard.save(path)
         size = _size(storyboard, pixels)

@@ -37,7 +37,7 @@ def encode(
         *(_ffmpeg(), "-hide_banner", "-loglevel", "error", "-y"),
         *(*source, "-i", "pipe:0", *arguments, *REPRODUCIBLE, str(output.absolute())),
     ]
-    with tempfile.TemporaryFile() as words:
+    with tempfile.TemporaryFile(dir=output.parent) as words:
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=words, stderr=words)
         assert process.stdin is not None
         try:

@@ -3,77 +3,76 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from gclip.draft import draft_file, draft_folder, replace_folder, sync
 from player.errors import PlayerError
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A temporary file beside `path`, renamed to it when the work is done, else removed."""
-    with whole_folder(path) as folder:
-        part = folder / path.name
-        yield part
-        os.replace(part, path)
+    """A temporary file, which takes the place of `path` when the work is done, else is removed.
 
-
-@contextmanager
-def made_folder(folder: Path) -> Iterator[None]:
-    """`folder`, made where only itself is missing, and removed again if the work in it fails."""
-    missing = not folder.exists()
-    if missing and folder.parent.is_dir():
-        try:
-            folder.mkdir()
-        except OSError as error:
-            raise PlayerError(f"{folder} can't be made: {error.strerror or error}.") from None
-    try:
-        yield
-    except BaseException:
-        if missing and folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()
-        raise
-
-
-@contextmanager
-def whole_folder(path: Path) -> Iterator[Path]:
-    """A temporary folder beside `path`, removed in the end with what is left in it.
-
-    Raises PlayerError where that folder can't be written to.
+    Raises PlayerError where it can't be written.
     """
     check_folder(path)
-    try:
-        folder = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
-        try:
-            yield folder
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-    except OSError as error:
-        raise PlayerError(f"{path} can't be written: {error.strerror or error}.") from None
+    with _said(path), draft_file(path) as part:
+        yield part
 
 
 @contextmanager
 def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
-    """Where to write the numbered files of `path`, like %04d.png: all appear once all are done.
+    """Where to write the numbered files of `path`, like %04d.png: all appear at once.
 
-    The folder they go to is made if only itself is missing.
+    The folder they go to is made if only itself is missing. What else is in it stays. Raises
+    PlayerError where nothing can be written there.
     """
-    with made_folder(path.parent), whole_folder(path) as folder:
-        names: list[str] = []
+    home = path.parent
+    if not home.parent.is_dir():
+        raise PlayerError(f"{path}: the folder {home} does not exist.")
+    names: list[str] = []
 
-        def file(number: int) -> Path:
-            names.append(path.name % number)
-            return folder / names[-1]
+    def file(number: int) -> Path:
+        names.append(path.name % number)
+        return draft / names[-1]
 
+    if home.exists() and not home.is_dir():
+        raise PlayerError(f"{path}: {home} is a file, not a folder.")
+    at_once = _replaceable(home)
+    with _said(path), draft_folder(home.resolve() if at_once else path) as draft:
         yield file
         for name in names:
-            os.replace(folder / name, path.parent / name)
+            sync(draft / name)
+        if at_once and _replaceable(home) and replace_folder(draft, home.resolve()):
+            return
+        home.mkdir(exist_ok=True)
+        for name in names:
+            os.replace(draft / name, home / name)
+
+
+def _replaceable(folder: Path) -> bool:
+    """Whether a folder can be replaced as a whole: nobody stands in it, and all in it are files."""
+    if not os.access(folder.parent, os.W_OK):
+        return False
+    if not folder.exists():
+        return True
+    inside = Path.cwd().resolve().is_relative_to(folder.resolve())
+    return not (inside or os.path.ismount(folder)) and all(
+        entry.is_file(follow_symlinks=False) for entry in os.scandir(folder)
+    )
 
 
 def check_folder(path: Path) -> None:
     """Raise PlayerError where the folder of `path` is missing."""
     if not path.parent.is_dir():
         raise PlayerError(f"{path}: the folder {path.parent} does not exist.")
+
+
+@contextmanager
+def _said(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise PlayerError(f"{path} can't be written: {error.strerror or error}.") from None
