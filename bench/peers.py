@@ -58,7 +58,7 @@ class Plant:
 
 
 def ours(plant: Plant, plain: bool) -> Draw:
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
     from player.style import Style
 
     offscreen = Offscreen(plant.clip, plant.size, supersample=1)

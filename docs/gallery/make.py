@@ -26,7 +26,7 @@ from gclip import Clip
 from player.camera import Camera
 from player.export import Film, export
 from player.export.stamp import Stamps
-from player.render import Offscreen
+from player.offscreen import Offscreen
 from player.style import Style
 
 HERE = Path(__file__).parent

@@ -12,7 +12,7 @@ from gclip.color import linear_to_srgb, srgb_to_linear
 
 if TYPE_CHECKING:
     from player.camera import Camera
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
     from player.style import Style
 
 CLEAR, DENSE = 0.02, 0.98  # opacities so near to none or full are eight bits' rounding

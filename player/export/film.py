@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from gclip import Clip
     from player.camera import Camera
     from player.camera_path import CameraPath
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
 
 SECONDS_AN_INTERVAL = 1.5
 SHORTEST, LONGEST = 4.0, 30.0  # seconds of a film whose length was not asked for

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gclip import Clip
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 
@@ -140,7 +140,7 @@ def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def _offscreen(clip: Clip, film: Film) -> Offscreen:
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
 
     return Offscreen(clip, film.size)
 

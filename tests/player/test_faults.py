@@ -18,7 +18,7 @@ from player.cli import main
 from player.dots import Dots, Way
 from player.errors import PlayerError
 from player.faults import ContextLost, OutOfGpuMemory, check_context, samples_within
-from player.render import Offscreen, render
+from player.offscreen import Offscreen, render
 from player.renderer import Renderer
 from tests.player.conftest import ClipMaker
 from tests.player.shown import Shown, small_clip

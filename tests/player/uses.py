@@ -111,7 +111,7 @@ USES: dict[str, Callable[[Clip, Path], None]] = {
 
 def drawn(clip: Clip, path: Path) -> None:
     """A small picture, without an error that OpenGL would report."""
-    from player.render import Offscreen
+    from player.offscreen import Offscreen
 
     with Offscreen(clip, (48, 36), supersample=1) as offscreen:
         for day in (clip.times[0], clip.times[-1]):

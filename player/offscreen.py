@@ -1,4 +1,4 @@
-"""One picture of a clip, without a screen."""
+"""Pictures of a clip, without a screen."""
 
 from __future__ import annotations
 
