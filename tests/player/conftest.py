@@ -18,6 +18,21 @@ ClipMaker = Callable[..., Clip]
 STEM, LEAF = (140, 170, 70), (60, 130, 220)
 
 
+@pytest.fixture(autouse=True)
+def no_gl_errors(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """OpenGL goes on after an error. So each context is asked for one before it is given back."""
+    errors: list[str] = []
+    release = moderngl.Context.release
+
+    def asked(context: moderngl.Context) -> None:
+        errors.append(context.mglo.error)  # what a test may have put before it counts not
+        release(context)
+
+    monkeypatch.setattr(moderngl.Context, "release", asked)
+    yield
+    assert set(errors) <= {"GL_NO_ERROR"}
+
+
 @pytest.fixture
 def context() -> Iterator[moderngl.Context]:
     """A context of its own for each test, as each player has one; it costs a few milliseconds."""
