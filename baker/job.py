@@ -35,7 +35,8 @@ class IntervalJob:
     bases:    (3,) each, where the plant leaves the ground.
     transport: `workers` in it does not count.
     decay:    how lost organs leave.
-    curved:   whether organs bend and stay attached, or go straight.
+    curved:   whether organs bend, or go straight.
+    attached: whether organs are kept on what bears them.
     spacing:  the point spacing of the two scans, which says what gaps and bows matter.
     series_spacing: that of all scans, which says how fine the clip's positions have to be.
     even, precision: as in the options.
@@ -55,6 +56,7 @@ class IntervalJob:
     transport: TransportOptions
     decay: Motion
     curved: bool
+    attached: bool
     even: float
     precision: str
 
@@ -107,7 +109,9 @@ def move_interval(
 
 
 def packed_interval(job: IntervalJob, solved: list[Moved]) -> Interval:
-    """The interval's movers made even and packed for the clip."""
+    """The interval's movers kept attached, made even and packed for the clip."""
+    if job.attached:
+        solved = attached(solved, job.match, job.organs, job.spacing, bend=job.curved)
     return pack_interval(
         *job.times,
         with_even_density(solved, job.even),
@@ -123,8 +127,7 @@ def _on_curves(
     clouds = (job.start.positions, job.end.positions)
     matches, organs = [job.match], [job.organs]
     motions = organ_motions(clouds, matches, job.bases, job.spacing, workers, pool)
-    bent = curved([solved], clouds, matches, organs, motions)
-    return attached(bent, matches, organs, job.spacing)[0]
+    return curved([solved], clouds, matches, organs, motions)[0]
 
 
 def _size(task: Task) -> int:

@@ -267,6 +267,7 @@ def _interval_jobs(
             transport=recipe.transport,
             decay=Motion(options.decay),
             curved=recipe.paths != Paths.straight,
+            attached=not options.paper or recipe.paths != Paths.straight,
             even=recipe.even,
             precision=options.precision,
         )

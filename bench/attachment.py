@@ -4,7 +4,7 @@ A series is a folder of dayNN.txt (x y z label) or a grown plant and its seed, a
 baked with default options, in the frame that it is in. An organ's gap is the smallest distance
 between its points and its parent's, of which the clip's table of tracks tells. Asked at 50 instants
 of every interval, it should exceed the larger of the gaps at the two scans by no more than a point
-spacing.
+spacing. What is lost and falls is no longer attached.
 
 Each organ is a line: the interval and the instant at which it exceeds that gap most, and by how
 much, in point spacings. `--brief` prints the worst of each series only.
@@ -53,7 +53,8 @@ def gaps(clip: Clip) -> Iterator[Gap]:
             organ_gaps(clip, clip.at(interval.start + share * (interval.end - interval.start)))
             for share in shares
         ]
-        for organ in set(found[0]) & set(found[-1]):
+        lost = {pair.track for pair in interval.segments if pair.event == "loss"}
+        for organ in (set(found[0]) & set(found[-1])) - lost:
             course = np.array([instant.get(organ, 0.0) for instant in found])
             worst = int(np.argmax(course[1:-1])) + 1
             excess = float(course[worst] - max(course[0], course[-1])) / clip.spacing

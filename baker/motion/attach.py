@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,42 +33,25 @@ GENTLE = 0.375  # of a shift half-way, at least, is what an instant may ask for:
 SAMPLED = 200  # points of an organ that are searched without a bound
 REACH = 0.5  # of an organ, in its root mean square radii, that follows its base
 
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 Points = NDArray[np.floating]
 Curve = tuple[Points, ...]
 
 
 def attached(
-    solved: Sequence[Sequence[Moved]],
-    matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
+    tasks: Sequence[Moved],
+    match: Match,
+    organs: IntervalOrgans,
     spacing: float,
     bend: bool = True,
-) -> list[list[Moved]]:
-    """The solved tasks of each interval, organs' bases kept by what bears them.
+) -> list[Moved]:
+    """The solved tasks of an interval, organs' bases kept by what bears them.
 
     spacing: the point spacing, which no gap may widen by.
     bend:    whether paths may be bent for it; straight ones are only tied.
     """
-    return [
-        _interval(tasks, _bearers(match, named), spacing, bend)
-        for tasks, match, named in zip(solved, matches, organs, strict=True)
-    ]
-
-
-def _bearers(match: Match, organs: IntervalOrgans) -> dict[int, list[int]]:
-    """What each organ grows from, parents first: in the second scan, and when it was seen first."""
-    bearers = {}
-    for segment in match.second.from_the_root():
-        organ, parent = organs.second[segment], match.second.parents[segment]
-        found = [organs.second[parent]] if parent != NO_PARENT else []
-        first = organs.bearers.get(organ)
-        bearers[organ] = found + [first] * (first is not None and first not in found)
-    return bearers
-
-
-def _interval(
-    tasks: Sequence[Moved], bearers: dict[int, list[int]], spacing: float, bend: bool
-) -> list[Moved]:
     done = list(tasks)
     place = {
         int(moved.movers.tracks[0]): index
@@ -77,7 +60,7 @@ def _interval(
     }
     meetings = [
         (place[organ], place[bearer])
-        for organ, found in bearers.items()
+        for organ, found in _bearers(match, organs).items()
         for bearer in found
         if organ in place and bearer in place and organ != bearer
     ]
@@ -102,6 +85,19 @@ def _interval(
     return done
 
 
+def _bearers(match: Match, organs: IntervalOrgans) -> dict[int, list[int]]:
+    """What each organ grows from, parents first: in the second scan, and when it was seen first."""
+    bearers: dict[int, list[int]] = {}
+    for segment in match.second.from_the_root():
+        organ, parent = organs.second[segment], match.second.parents[segment]
+        found = [organs.second[parent]] if parent != NO_PARENT else []
+        first = organs.bearers.get(organ)
+        if first is not None and first not in found:
+            found.append(first)
+        bearers[organ] = found
+    return bearers
+
+
 @dataclass(frozen=True)
 class _Bearer:
     """What bears organs, as it moves."""
@@ -109,7 +105,7 @@ class _Bearer:
     moved: Moved
 
     @cached_property
-    def trees(self) -> list:  # type: ignore[type-arg]
+    def trees(self) -> list[cKDTree]:
         """Of all its points at the key instants."""
         from scipy.spatial import cKDTree
 
@@ -153,7 +149,7 @@ class _Base:
     spacing: float
 
     @cached_property
-    def trees(self) -> list:  # type: ignore[type-arg]
+    def trees(self) -> list[cKDTree]:
         from scipy.spatial import cKDTree
 
         near = _of(self.bearer.movers.curve, self.theirs)
@@ -217,7 +213,7 @@ def _at(curve: Curve, u: float) -> Points:
     return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
 
 
-def _of(curve: Curve, movers: NDArray[np.intp]) -> Curve:
+def _of(curve: Curve, movers: NDArray[np.intp] | list[int]) -> Curve:
     return tuple(points[movers] for points in curve)
 
 

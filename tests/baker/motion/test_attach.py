@@ -61,7 +61,7 @@ def test_a_base_that_would_leave_its_stem_stays() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
     solved, match, organs = tasks_of(leaf)
     assert widening(solved) > 5
-    (after,) = attached([solved], [match], [organs], 1.0)
+    after = attached(solved, match, organs, 1.0)
     assert widening(after) < 1.0
     for u in (0.0, 1.0):
         np.testing.assert_array_equal(
@@ -86,13 +86,13 @@ def test_no_path_parts_an_organ_from_its_stem(degree: int, bend: bool) -> None:
     }[degree]
     solved, match, organs = tasks_of(leaf, swinging())
     assert widening(solved) > 2
-    (after,) = attached([solved], [match], [organs], 1.0, bend=bend)
+    after = attached(solved, match, organs, 1.0, bend=bend)
     assert widening(after) < 1.0
 
 
 def test_straight_paths_stay_straight() -> None:
     solved, match, organs = tasks_of((blade(), blade()[::-1]))
-    (after,) = attached([solved], [match], [organs], 1.0, bend=False)
+    after = attached(solved, match, organs, 1.0, bend=False)
     assert widening(after) < 1.0
     assert all(len(moved.movers.curve) == 2 for moved in after)
 
@@ -101,7 +101,7 @@ def test_what_is_born_unfolds_from_its_stem() -> None:
     bud = np.tile([0.0, 0.0, 25.0], (COUNT, 1))
     solved, match, organs = tasks_of((bud, (bud + blade()) / 2, blade()), swinging(), born=True)
     assert widening(solved) > 3
-    (after,) = attached([solved], [match], [organs], 1.0)
+    after = attached(solved, match, organs, 1.0)
     assert widening(after) < 1.0
 
 
@@ -111,16 +111,16 @@ def test_an_organ_stays_on_what_bore_it_first() -> None:
     solved, match, organs = tasks_of(leaf)
     lone = replace(match.second, parents=(NO_PARENT, NO_PARENT))
     match = replace(match, second=lone)
-    (apart,) = attached([solved], [match], [organs], 1.0)
+    apart = attached(solved, match, organs, 1.0)
     assert widening(apart) > 5
-    (after,) = attached([solved], [match], [replace(organs, bearers={1: 0})], 1.0)
+    after = attached(solved, match, replace(organs, bearers={1: 0}), 1.0)
     assert widening(after) < 1.0
 
 
 def test_the_tip_hardly_follows() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
     solved, match, organs = tasks_of(leaf)
-    (after,) = attached([solved], [match], [organs], 1.0)
+    after = attached(solved, match, organs, 1.0)
     moved = np.linalg.norm(at(after[1], 0.5)[:COUNT] - at(solved[1], 0.5), axis=1)
     assert moved[0] > 4
     assert moved[-1] < 0.01
@@ -128,5 +128,5 @@ def test_the_tip_hardly_follows() -> None:
 
 def test_what_is_attached_is_left_alone() -> None:
     solved, match, organs = tasks_of((blade(), blade()))
-    (after,) = attached([solved], [match], [organs], 1.0)
+    after = attached(solved, match, organs, 1.0)
     assert after[1] is solved[1]
