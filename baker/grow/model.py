@@ -43,7 +43,8 @@ class Organ:
     """One organ at one moment, mm and mm².
 
     parent:    the label of the organ that bears it, -1 for the stem or trunk.
-    length:    along the main axis; of a compound leaf along its stalk, without the leaflets.
+    length:    along the main axis, from the base to the tip: of a leaf with a stalk along that and
+               on through the blade at its end, the leaflets beside it left out.
     area:      of all surfaces, each counted once.
     base, tip: ends of the main axis; the base lies on the parent's surface.
     """
@@ -121,20 +122,34 @@ class Plant:
         body, pose = self._body, self._body.pose(day)
         area = np.bincount(body.label, areas(body, pose).sum((1, 2)))
         main = np.unique(body.label, return_index=True)[1]
+        axes = [self._main_axis(index) for index in main.tolist()]
         return [
             Organ(
                 label,
-                body.parts[index].kind,
-                int(body.label[body.parent[index]]) if body.parent[index] >= 0 else -1,
-                body.parts[index].birth,
-                float(pose.length[index]),
+                body.parts[first].kind,
+                int(body.label[body.parent[first]]) if body.parent[first] >= 0 else -1,
+                body.parts[first].birth,
+                float(pose.length[[first, *others]].sum()),
                 float(area[label]),
-                tuple(pose.axis[index, 0].tolist()),
-                tuple(pose.axis[index, -1].tolist()),
+                tuple(pose.axis[first, 0].tolist()),
+                tuple(pose.axis[[first, *others][-1], -1].tolist()),
             )
-            for label, index in enumerate(main.tolist())
-            if body.parts[index].birth < day
+            for label, (first, *others) in enumerate(axes)
+            if body.parts[first].birth < day
         ]
+
+    def _main_axis(self, first: int) -> list[int]:
+        """An organ's parts from its base to its tip, each at the end of the one before."""
+        chain, parts = [first], self._body.parts
+        while True:
+            after = [
+                index
+                for index, part in enumerate(parts)
+                if part.parent == chain[-1] and part.at == 1.0 and part.label == parts[first].label
+            ]
+            if not after:
+                return chain
+            chain.append(after[0])
 
     def default_points(self, day: float) -> int:
         """Points of the usual scan at `day`: first and last as given, between them by surface."""
