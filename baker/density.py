@@ -91,7 +91,8 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
         return 0.0
     # If the first n are filled up, `density * held[n - 1] - n` movers are added.
     candidates = (growth * len(surface) + np.arange(1, len(surface) + 1)) / held
-    filled = int(np.flatnonzero(candidates * descending >= 1)[-1])
+    # The first is always filled, though (1 / 49) * 49 is less than 1.
+    filled = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
     return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
 
 

@@ -1,0 +1,215 @@
+"""Numbers at the edge: ties, no size, no overlap, 1 point to 10,000; every stage on its own."""
+
+import itertools
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from hostile_series import ROUGH, SHAPES, Scan
+
+from baker.align import align
+from baker.birth import Birth
+from baker.density import half_way, point_surface, surface_half_way, with_even_density
+from baker.interval import Moved
+from baker.match.pieces import agreement
+from baker.match.tracks import track_organs
+from baker.missing import missing_part
+from baker.motion.bend import bend
+from baker.motion.coherent import draw
+from baker.motion.organ import fit_motion
+from baker.motion.shape import FEWEST, OrganShape
+from baker.motion.spine import fit_spine, path_lengths
+from baker.spacing import lowest_point, point_spacing, without_outliers
+from baker.transport.distance import Moments, gaussian_distance, wasserstein
+from baker.transport.movers import movers
+from baker.transport.plan import TransportOptions
+from baker.transport.solve import solve
+from gclip.clip import Motion
+from gclip.pack import Movers
+
+SOUND = [name for name in SHAPES if name not in ROUGH]
+SCALES = [1.0, 2.0**-29, 2.0**39]
+EXACT = (TransportOptions(), TransportOptions(power=1))
+SINKHORN = (
+    TransportOptions("sinkhorn", iterations=200),
+    TransportOptions("sinkhorn", power=1, feasible=False, iterations=200),  # the paper's
+    TransportOptions("sinkhorn", gamma=1e-6, iterations=100),  # exp(-cost / gamma) is 0
+)
+
+
+@pytest.fixture(autouse=True)
+def warnings_are_errors():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        yield
+
+
+def cloud(shape: str, count: int = 60, scale: float = 1.0, seed: int = 0) -> np.ndarray:
+    return Scan(shape, count, seed, scale=scale).points()
+
+
+def check_plan(start: np.ndarray, end: np.ndarray, options: TransportOptions) -> None:
+    """Every point of both sides moves, and what is told of the plan is finite and true."""
+    plan = solve(start, end, options)
+    assert np.isfinite(plan.mass).all()
+    assert (plan.mass >= 0).all()
+    assert np.isfinite([plan.cost, plan.distance, plan.marginal_error]).all()
+    rows, columns, weights = movers(plan, len(start), len(end))
+    assert set(rows) == set(range(len(start)))
+    assert set(columns) == set(range(len(end)))
+    assert set(weights) <= {0.5, 1.0}
+    if options in EXACT:
+        assert plan.marginal_error < 1e-9
+        assert plan.feasible
+    elif not plan.feasible:
+        assert "of the mass can flow" in plan.notes[0]
+
+
+@pytest.mark.parametrize("shape", SOUND)
+@pytest.mark.parametrize("options", EXACT + SINKHORN, ids=["2", "1", "sinkhorn", "paper", "gamma"])
+def test_transport_between_any_shapes(shape, options):
+    for scale, (n, m) in itertools.product(SCALES, ((40, 60), (1, 30))):
+        start, end = cloud(shape, n, scale), cloud("plant", m, scale)
+        check_plan(start, end, options)
+        check_plan(end, start, options)
+        check_plan(start, start, options)
+
+
+@pytest.mark.parametrize("options", [*EXACT, *SINKHORN[:2]], ids=["2", "1", "sinkhorn", "paper"])
+@pytest.mark.parametrize(("n", "m"), [(1, 10_000), (10_000, 1), (3, 10_000), (10_000, 2)])
+def test_transport_from_one_point_to_thousands(n, m, options):
+    check_plan(cloud("plant", n)[:n], cloud("cloud", m), options)
+    check_plan(cloud("same point", n), cloud("same point", m), options)
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_distances_between_any_shapes(shape):
+    for scale in SCALES:
+        start, end = cloud(shape, 50, scale), cloud("plant", 400, scale)
+        there, back = wasserstein(start, end), wasserstein(end, start)
+        assert 0 <= there < np.inf
+        assert there == pytest.approx(back, rel=0.1)
+        bound = gaussian_distance(Moments.of(start), Moments.of(end))
+        assert 0 <= bound <= 1.001 * there
+        assert wasserstein(start, start) <= 1e-6 * scale
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_alignment_of_any_shapes_is_rigid(shape):
+    plant = cloud("plant", 64).astype(np.float32)
+    for method, count in (("auto", 1), ("auto", 3), ("auto", 40), ("icp", 2), ("icp", 40)):
+        other = cloud(shape, count).astype(np.float32)
+        found = align([plant, other, plant], method)
+        for transform in found.transforms:
+            turn = transform[:3, :3]
+            assert np.isfinite(transform).all()
+            np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-6)
+            assert np.linalg.det(turn) == pytest.approx(1.0)
+        assert len(found.drift) == 2
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_surfaces_and_spacings_are_finite(shape):
+    for scale, count in itertools.product(SCALES, (1, 2, 3, 60)):
+        points = cloud(shape, count, scale)
+        surface = point_surface(points)
+        assert surface.shape == (len(points),)
+        assert np.isfinite(surface).all()
+        assert (surface >= 0).all()
+        assert 0 <= point_spacing(points) < np.inf
+        assert without_outliers(points).any()
+        assert 0 <= lowest_point(points, points[:, 2]) < len(points)
+
+
+@pytest.mark.parametrize(("start", "end"), itertools.product(["same point", "plant"], repeat=2))
+@pytest.mark.parametrize("count", [1, 2, 9, 60])
+def test_even_density_of_organs_without_surface(start, end, count):
+    here, there = cloud(start, count), cloud(end, count)
+    points = np.arange(min(len(here), len(there)))
+    curve = (here[points].astype(np.float32), there[points].astype(np.float32))
+    movers = Movers(Motion.MOVE, curve, np.zeros(len(points), int))
+    surface = surface_half_way(point_surface(here), points, np.zeros(len(there)), points)
+    for known, growth in itertools.product((surface, np.zeros(len(points))), (0.0, 1.0, 10.0)):
+        (filled,) = with_even_density([Moved(movers, None, known, points, points)], growth)
+        assert len(points) <= len(filled) <= (1 + growth) * len(points) + 1
+        assert np.isfinite(half_way(filled.curve)).all()
+        assert known is surface or len(filled) == len(points)
+
+
+def test_no_surface_is_too_odd_to_be_even():
+    """(1 / 49) * 49 is not 1 in floating point."""
+    at = np.zeros((1, 3), np.float32)
+    movers = Movers(Motion.MOVE, (at, at), np.zeros(1, int))
+    only = np.zeros(1, int)
+    for surface in (49.0, 1e-300, 1e300, 0.0):
+        moved = Moved(movers, None, np.array([surface]), only, only)
+        assert len(with_even_density([moved], 0.0)[0]) == 1
+
+
+def organ(points: np.ndarray) -> OrganShape:
+    lengths = path_lengths(points, np.array([0]), np.zeros(1))
+    return OrganShape(points, fit_spine(points, lengths), lengths)
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_spines_and_warps_of_any_shapes_are_finite(shape):
+    plant = organ(cloud("plant", 80))
+    for count in (1, 2, 64):
+        other = organ(cloud(shape, count))
+        spine = other.spine
+        assert np.isfinite(spine.nodes).all()
+        np.testing.assert_allclose(np.linalg.norm(spine.tangents, axis=1), 1.0)
+        assert (spine.along >= 0).all()
+        assert (spine.along <= 1).all()
+        for first, second in ((plant, other), (other, plant), (other, other)):
+            laid = bend(first.points, second.points, first.spine, second.spine)
+            assert np.isfinite(draw(laid, second.points)).all()
+            few = min(len(first.points), len(second.points)) < FEWEST
+            motion = None if few else fit_motion(first, second)
+            if motion is not None:
+                assert np.isfinite(motion.halfway(first.points, laid)).all()
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_parts_missing_from_any_shapes(shape):
+    before = cloud("plant", 200)
+    for after in (cloud(shape, 60), cloud(shape, 60, 1e-9), before[:50]):
+        rest = missing_part(
+            before,
+            after,
+            point_surface(before),
+            np.zeros(len(after)),
+            lambda after=after: (before[0], after[0]),
+        )
+        if rest is not None:
+            assert 0 < rest.missing.sum() <= len(before)
+            np.testing.assert_allclose(rest.rotation @ rest.rotation.T, np.eye(3), atol=1e-6)
+            assert np.isfinite(rest.shift).all()
+
+
+@pytest.mark.parametrize("shape", SOUND)
+def test_organs_of_any_shapes_get_one_name_each(shape):
+    """One organ of one point, organs all alike, organs in one place."""
+    points = cloud(shape, 60).astype(np.float32)
+    for labels in (
+        np.zeros(len(points), np.int64),
+        np.arange(len(points)),
+        (np.arange(len(points)) == 0).astype(np.int64),
+        np.arange(len(points)) % 3,
+    ):
+        first, second = track_organs([points, points], [labels, labels], [0, 0])
+        for names in (first, second):
+            pairs = set(zip(labels.tolist(), names.tolist(), strict=True))
+            assert len({own for own, _ in pairs}) == len(pairs)
+        assert 0 <= agreement([points, points], [labels, labels], [0, 0]) <= 1
+
+
+def test_births_from_and_to_one_point_are_finite():
+    at = np.zeros((5, 3), np.float32)
+    for size in (0.45, 0.5):
+        assert np.isfinite(Birth(np.zeros(3), size).control(at, at)).all()
