@@ -15,6 +15,8 @@ from measure.surface import area, smoothed
 if TYPE_CHECKING:
     from gclip import Clip
 
+HALVES = 4  # samples of half of an organ's points that tell what its hull still lacks
+LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
 MOST = 2500  # points of an organ that are measured; a fair sample of them where there are more
 
 
@@ -26,7 +28,7 @@ class Measurement:
     height: of the highest point above the plant's lowest.
     length: along the axis, from the attachment to the tip.
     area:   of the scanned surface: of a leaf one side, where both were scanned both.
-    hull:   volume of the convex hull.
+    hull:   volume of the convex hull of the surface, not of its points alone.
     angle:  degrees between the vertical and the first quarter of the axis.
     """
 
@@ -152,9 +154,18 @@ def _up(up: str) -> NDArray[np.float64]:
 
 
 def _hull(points: NDArray[np.float64]) -> float | None:
+    """The convex hull's volume of what (N, 3) points were scattered on; None where they lie in one
+    plane or are too few.
+
+    The hull of points falls short of the hull of what they lie on: at faces by count^-1, at borders
+    by count^-0.5. How short, the hulls of halves of them tell (Richardson's extrapolation).
+    """
     from scipy.spatial import ConvexHull, QhullError
 
+    rng, half = np.random.default_rng(0), len(points) // 2
+    parts = [points[rng.permutation(len(points))[:half]] for _ in range(HALVES)]
     try:
-        return float(ConvexHull(points).volume)
-    except (QhullError, ValueError):  # too few points, or all in one plane
+        whole = float(ConvexHull(points).volume)
+        return whole + LACKING * (whole - float(np.mean([ConvexHull(p).volume for p in parts])))
+    except (QhullError, ValueError):
         return None

@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from baker import Options, bake
 from baker.grow import plant
@@ -18,6 +20,7 @@ from measure import measure, measure_days, write_table
 from measure.axis import axis_of
 from measure.surface import area, smoothed
 from measure.table import COLUMNS, Namer
+from measure.traits import _hull
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -92,6 +95,38 @@ def test_traits_of_a_grown_maize_are_true(grown: Clip) -> None:
     assert np.quantile(lengths, 0.9) < 0.05
     assert np.median(areas) < 0.05
     assert areas.max() < 0.15
+
+
+def test_compound_leaves_are_as_long_as_they_are(tmp_path: Path) -> None:
+    plan = Plan("tomato", seed=0, scans=2, points=(3000, 9000))
+    write_series(plan, tmp_path / "scans")
+    straight = Options(align="none", up="z", paths="straight", unit="mm", workers=1)
+    clip = bake([tmp_path / "scans"], straight)
+    known, errors = plant("tomato", 0), []
+    for day in clip.times:
+        truth = {f"label {organ.label}": organ for organ in known.organs(day)}
+        cloud = known.cloud(day, 60_000, noise=0)
+        for organ in measure(clip, day)[1:]:
+            true = truth[clip.track_table[organ.track].name]
+            hull = ConvexHull(cloud.points[cloud.labels == true.label]).volume
+            if organ.points >= 500:
+                errors.append(
+                    [organ.length / true.length, organ.area / true.area, organ.hull / hull]
+                )
+    length, area_, hull = np.abs(np.array(errors) - 1.0).T
+    assert len(errors) > 6
+    assert length.max() < 0.05
+    assert np.median(area_) < 0.03
+    assert np.quantile(area_, 0.9) < 0.05
+    assert np.median(hull) < 0.05
+
+
+@pytest.mark.parametrize("count", [60, 400, 2500])
+def test_a_hull_is_that_of_the_surface(count: int) -> None:
+    turn = np.random.default_rng(count).normal(size=(count, 3))
+    ball = 7.0 * turn / np.linalg.norm(turn, axis=1, keepdims=True)
+    assert _hull(ball) == pytest.approx(4 / 3 * np.pi * 343.0, rel=0.05)
+    assert _hull(ball * [1, 1, 0]) is None
 
 
 def test_organs_are_measured_from_birth_to_loss(grown: Clip) -> None:
