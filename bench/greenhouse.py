@@ -110,11 +110,13 @@ def main() -> None:
         wall = time.perf_counter() - began
         if bake.wait():
             raise SystemExit("the bake failed")
-        spent = sum(processor(pid) for name, pid in pids.items() if name.startswith("worker"))
+        spent = {name: processor(pid) for name, pid in pids.items() if name != "bake"}
         whole = [gclip.open(path) for path in sorted(clips.iterdir())]
+        each = {name: seconds / len(whole) for name, seconds in spent.items()}
         print(
-            f"{len(whole)} of {asked.plants} plants in {wall:.1f} s: "
-            f"{len(whole) / wall:.2f} a second, {spent / len(whole):.3f} s of processor each"
+            f"{len(whole)} of {asked.plants} plants in {wall:.1f} s: {len(whole) / wall:.2f} a "
+            f"second; of processor each {sum(each.values()) - each['scheduler']:.3f} s by workers, "
+            f"{each['scheduler']:.4f} s by the scheduler"
         )
         if len(whole) != asked.plants:
             raise SystemExit("plants were lost")
