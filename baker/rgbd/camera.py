@@ -34,14 +34,16 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.rgbd.repair import RepairOptions
 
 CAMERA_FILES = ("camera.toml", "camera.json")
+
+LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
+WIDEST = 100  # pixels along a border
 
 _MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
 
@@ -117,28 +119,34 @@ class _Table:
         for name in self.values:
             if name not in names:
                 raise InputError(
-                    f"'{self.path}' has an unknown field '{self.name}{name}'; known are "
+                    f"'{self.path}' has an unknown field '{self.name}{excerpt(name)}'; known are "
                     f"{', '.join(names)}."
                 )
 
     def number(self, name: str, above: float | None = None, default: float | None = None) -> float:
         value = self._get(name, default)
-        sound = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-        if not sound or (above is not None and value <= above):
+        sound = isinstance(value, int | float) and not isinstance(value, bool)
+        if not sound or value != value or (above is not None and value <= above):
             limit = "" if above is None else f" above {above:g}"
             raise self.wrong(name, f"a number{limit}")
+        if abs(value) > LARGEST or (above is not None and value < SMALLEST):
+            raise self.wrong(name, f"a number from {SMALLEST:g} to {LARGEST:g}")
         return float(value)
 
-    def whole(self, name: str, least: int, default: int | None = None) -> int:
+    def whole(
+        self, name: str, least: int, default: int | None = None, most: int | None = None
+    ) -> int:
         value = self._get(name, default)
-        if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise self.wrong(name, f"a whole number, {least} or more")
-        return value
+        sound = isinstance(value, int) and not isinstance(value, bool)
+        if not sound or not least <= value <= (most or LARGEST):
+            limit = f"{least} to {most}" if most else f"{least} or more"
+            raise self.wrong(name, f"a whole number, {limit}")
+        return int(value)
 
     def pixel(self, name: str) -> tuple[int, int]:
         value = self._get(name)
         is_pair = isinstance(value, list) and len(value) == 2
-        if not is_pair or not all(isinstance(v, int) and v >= 0 for v in value):
+        if not is_pair or not all(type(v) is int and 0 <= v <= LARGEST for v in value):
             raise self.wrong(name, "two whole numbers, [left, top]")
         return value[0], value[1]
 
@@ -153,7 +161,10 @@ class _Table:
 
     def wrong(self, name: str, allowed: str) -> InputError:
         value = self.values.get(name)
-        return InputError(f"'{self.path}': {self.name}{name} is {value!r}, but must be {allowed}.")
+        found = "too large" if type(value) is int and value > LARGEST else repr(value)
+        return InputError(
+            f"'{self.path}': {self.name}{excerpt(name)} is {excerpt(found)}, but must be {allowed}."
+        )
 
     def _get(self, name: str, default: Any = None) -> Any:
         value = self.values.get(name, default)
@@ -171,7 +182,7 @@ def _parse(path: Path) -> Mapping[str, Any]:
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except OSError as error:
         raise InputError(f"'{path}' can't be read: {error.strerror}.") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         kind = path.suffix[1:].upper()
         raise InputError(f"'{path}' is no sound {kind} file: {error}.") from error
     if not isinstance(content, dict):
@@ -188,16 +199,17 @@ def _depth_unit(table: _Table) -> float:
         count = float(match[1] or 1) if match else 0.0
     except ValueError:
         count = 0.0
-    if match is None or match[2] not in _MILLIMETRES or not count > 0:
+    scale = _MILLIMETRES.get(match[2]) if match else None
+    if scale is None or not SMALLEST <= count * scale <= LARGEST:
         raise table.wrong("depth_unit", 'a number of mm or, like "m" or "0.125 mm", a length')
-    return count * _MILLIMETRES[match[2]]
+    return count * scale
 
 
 def _background(table: _Table) -> int:
     value = table.values.get("background", 0)
     if isinstance(value, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", value):
         return int(value[1:], 16)
-    if not isinstance(value, int) or isinstance(value, bool):
+    if type(value) is not int or abs(value) > LARGEST:
         raise table.wrong("background", 'a whole number or a colour such as "#000000"')
     return value
 
@@ -219,7 +231,7 @@ def _repair(table: _Table) -> RepairOptions:
     usual = RepairOptions()
     table.require_known([field.name for field in fields(RepairOptions)])
     return RepairOptions(
-        ring=table.whole("ring", 0, default=usual.ring),
-        band=table.whole("band", 0, default=usual.band),
+        ring=table.whole("ring", 0, default=usual.ring, most=WIDEST),
+        band=table.whole("band", 0, default=usual.band, most=WIDEST),
         jump=table.number("jump", above=0, default=usual.jump),
     )

@@ -53,7 +53,7 @@ def choose_fields(
     if label_name is not None:
         finite = np.asarray(np.isfinite(points).all(axis=1))
         labels = _to_labels(columns.values[label_name], finite, label_name, path)
-        notes.append(f"labels from '{label_name}'")
+        notes.append(f"labels from '{excerpt(label_name)}'")
 
     colors = None
     if names := _color_names(by_name):
@@ -111,12 +111,12 @@ def _to_labels(values: NDArray, finite: NDArray, name: str, path: Path) -> NDArr
     bad = values[finite & ~is_label]
     if len(bad):
         raise InputError(
-            f"'{path}': the field '{name}' holds {bad[0]:g}, but labels must be whole numbers; "
-            "choose another field with --label-field, or read the scans without labels "
+            f"'{path}': the field '{excerpt(name)}' holds {bad[0]:g}, but labels must be whole "
+            "numbers; choose another field with --label-field, or read the scans without labels "
             "(--labels ignore)."
         )
     return np.where(is_label, values, 0).astype(np.int64)
 
 
 def _quoted(names: Sequence[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)
+    return ", ".join(f"'{excerpt(name)}'" for name in names)

@@ -13,9 +13,10 @@ from hypothesis import HealthCheck, given, settings
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from hostile_files import SOUND, File, all_files, check_file
+from hostile_files import CAMERA, SOUND, File, all_files, check_file
 
 from baker.errors import InputError
+from baker.rgbd.camera import read_camera
 from baker.rgbd.images import read_color
 from baker.scans.formats import read_columns
 from baker.scans.times import FoundScans, schedule_scans
@@ -156,3 +157,27 @@ def test_what_a_file_says_cannot_command_the_terminal(tmp_path):
         ("d.pcd", "FIELDS \x1b[2J\nSIZE 3\nTYPE \x9b\nPOINTS 1\nDATA ascii\n"),
     ):
         assert refused(tmp_path / name, text.encode()).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("camera.toml", lambda text: text + "deep = " + "[" * 100_000),
+        ("camera.json", lambda text: "[" * 100_000),
+        ("camera.json", lambda text: '{"fx": NaN, "fy": 1, "cx": 1, "cy": 1}'),
+        ("camera.json", lambda text: '{"fx": 1e-320, "fy": 1, "cx": 1, "cy": 1}'),
+        ("camera.toml", lambda text: text.replace("100.0", "9" * 400)),
+        ("camera.toml", lambda text: text.replace("100.0", "9" * 6000)),
+        ("camera.toml", lambda text: text.replace("1 mm", "1e999 mm")),
+        ("camera.toml", lambda text: text.replace("[0, 0]", "[true, 0]")),
+        ("camera.toml", lambda text: text.replace("[0, 0]", f"[{10**30}, 0]")),
+        ("camera.toml", lambda text: text.replace("ring = 1", "ring = 100000000")),
+        ("camera.toml", lambda text: text.replace("background = 0", f"background = {2**70}")),
+        ("camera.toml", lambda text: text.replace("cx = 8", "cx = -1e300")),
+    ],
+)
+def test_no_camera_sees_so(name, change, tmp_path):
+    path = tmp_path / name
+    path.write_text(change(CAMERA.decode()))
+    with pytest.raises(InputError, match=re.escape(f"'{path}'")):
+        read_camera(path)

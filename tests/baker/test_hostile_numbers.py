@@ -126,7 +126,9 @@ def test_surfaces_and_spacings_are_finite(shape):
         assert 0 <= lowest_point(points, points[:, 2]) < len(points)
 
 
-@pytest.mark.parametrize(("start", "end"), itertools.product(["same point", "plant"], repeat=2))
+@pytest.mark.parametrize(
+    ("start", "end"), list(itertools.product(["same point", "plant"], repeat=2))
+)
 @pytest.mark.parametrize("count", [1, 2, 9, 60])
 def test_even_density_of_organs_without_surface(start, end, count):
     here, there = cloud(start, count), cloud(end, count)
