@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
+from unicodedata import normalize
 
 from gclip.dates import date_at
+from gclip.text import printable
 from measure.traits import Measurement, measure
 
 if TYPE_CHECKING:
@@ -144,11 +146,17 @@ def _safe(row: list) -> list:
     """Names come from files: a cell that a spreadsheet would take for a formula becomes text
     (OWASP, CSV injection). Our own numbers may begin with a minus sign.
     """
-    return [f"'{cell}" if isinstance(cell, str) and _is_formula(cell) else cell for cell in row]
+    return [_text(cell) if isinstance(cell, str) else cell for cell in row]
+
+
+def _text(cell: str) -> str:
+    cell = printable(cell)
+    return f"'{cell}" if _is_formula(cell) else cell
 
 
 def _is_formula(cell: str) -> bool:
-    if not cell.startswith(("=", "+", "-", "@", "\t", "\r", "\n", "\0")):
+    # Spreadsheets pass over blanks, and take wide forms of characters for the narrow ones.
+    if not normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
         return False
     try:
         float(cell)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gclip.console import run_app
+from gclip.text import printable
 from player.errors import PlayerError
 from player.keys import help_text
 from player.style import Style
@@ -180,10 +181,10 @@ def play_command(
 
         film = Film(
             *(_size(size or SIZE), fps, seconds, turning, style, days, every),
-            title=title,
+            title=printable(title),
             stamps=Stamps(date, scale_bar, legend),
             cut_out=transparent,
-            name=clip.stem,
+            name=printable(clip.stem),
         )
         _export(clip, film, Path(export), quiet, path)
     elif info:
