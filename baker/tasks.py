@@ -61,9 +61,11 @@ def interval_tasks(
     ]
     # A stem that meets a virtual, empty root has nothing to become, or to come from.
     emptied = [a for a, b in match.pairs if not len(second.segments[b])]
-    filled = [b for a, b in match.pairs if len(second.segments[b]) > len(first.segments[a]) == 0]
+    filled = [b for a, b in match.pairs if not len(first.segments[a])]
     buds: dict[tuple[int | None, int], NDArray[np.intp]] = {}
     for segment in (*match.births, *filled):
+        if not len(second.segments[segment]):
+            continue
         place = _bud_place(match, segment)
         if place not in buds:
             buds[place] = _bud(points, match, *place, bud_points)

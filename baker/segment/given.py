@@ -93,10 +93,11 @@ def _near_others(
     """
     if threshold == 0:
         return np.ones(len(points), bool)
-    cells = np.floor((points - points.min(axis=0)) / (1.001 * threshold)).astype(np.int64) + 1
-    size = cells.max(axis=0) + 2
-    if np.prod(size.astype(float)) > 2.0**62:
+    places = np.floor((points - points.min(axis=0)) / (1.001 * threshold)) + 1
+    if np.prod(places.max(axis=0).astype(float) + 2) > 2.0**62:
         return np.ones(len(points), bool)
+    cells = places.astype(np.int64)
+    size = cells.max(axis=0) + 2
     keys = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
     order = np.argsort(keys, kind="stable")
     occupied, first = np.unique(keys[order], return_index=True)

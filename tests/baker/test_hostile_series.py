@@ -44,6 +44,12 @@ def test_few_points_bake(shape, count, tmp_path):
         (Series((Scan("plant", 3), Scan("plant", 3000))), "baked"),
         (Series((Scan("plant", 3000), Scan("plant", 3)), {"transport": "sinkhorn"}), "baked"),
         (Series((Scan("plant", 200), Scan("upside down", 200))), "baked"),
+        # An empty root that meets a stem, that meets another one, that comes after a stem.
+        (Series((Scan("same point", 5), Scan("upside down", 5)), {"root": "virtual"}), "baked"),
+        (Series((Scan("line", 5), Scan("plant", 31)), {"root": "virtual"}), "baked"),
+        (Series((Scan("ring", 400, 3), Scan("parts", 400, 2)), {"missing": "shrink"}), "baked"),
+        # Cells of the point spacing by the billion billion.
+        (Series((Scan("all sizes", 10, 3), Scan("cloud", 31, 1)), {"segment": "thin"}), "baked"),
         (Series((Scan("plant", 200),)), "only one scan"),
         (Series((Scan("plant", 9), Scan("nothing", 0), Scan("plant", 9))), "'.*day01.pcd' holds"),
         (Series((Scan("plant", 9), Scan("all NaN", 9))), "'.*day01.pcd': none of its 9 points"),
