@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from baker.executor import Executor
 
+LOGS = ("distributed", "distributed.client", "distributed.nanny", "distributed.worker", "asyncio")
 PATIENCE = 5  # seconds that a scheduler has to answer
 WINDOW = 64  # plants under way at least, so that a cluster that grows with its load does grow
 LEAN = {"distributed.worker.profile.enabled": False}  # its records grow for an hour
@@ -91,7 +92,7 @@ def connected(address: str) -> Iterator[Client]:
                 distributed.LocalCluster(
                     n_workers=_local_workers(address),
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    dashboard_address=":0",
                     silence_logs=logging.CRITICAL,
                 )
             )
@@ -195,10 +196,10 @@ def _outcome(future: Future, job: Job, address: str) -> Outcome:
 def _require_fit(client: Client, need: Need) -> None:
     """Ask every worker there is; those that come later are asked with each plant."""
     for worker, missing in client.run(need.missing, on_error="return").items():
-        if isinstance(missing, ImportError):
-            missing = f"can't load the program ({missing}); install it there, too"
-        elif isinstance(missing, Exception):
-            missing = f"can't take part ({type(missing).__name__}: {missing})"
+        if isinstance(missing, Exception):
+            lacks = "ModuleNotFoundError" in repr(missing)
+            advice = "; install the program there, too" if lacks else ""
+            missing = f"can't take part ({missing}){advice}"
         if missing:
             raise InputError(_unfit(worker, missing))
 
@@ -259,13 +260,15 @@ def _local_workers(address: str) -> int:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """What goes wrong is told in our own words."""
-    log = logging.getLogger("distributed")
-    level = log.level
-    log.setLevel(logging.CRITICAL)
+    logs = [logging.getLogger(name) for name in LOGS]
+    levels = [log.level for log in logs]
+    for log in logs:
+        log.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        log.setLevel(level)
+        for log, level in zip(logs, levels, strict=True):
+            log.setLevel(level)
 
 
 def _first_line(error: Exception) -> str:

@@ -1,5 +1,6 @@
 """`--cluster`: a real scheduler and two worker processes, one of which is killed in the middle."""
 
+import concurrent.futures
 import os
 import signal
 import socket
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from baker.cli import main
+from baker.errors import InputError
 from baker.greenhouse import cluster as cluster_module
 from baker.greenhouse.work import Job, bake_plant
 from baker.options import Options
@@ -171,3 +173,25 @@ def test_folders_that_a_worker_does_not_see_are_told(tmp_path):
     need = cluster_module.Need(cluster_module._software(), (tmp_path, tmp_path / "elsewhere"))
     assert "elsewhere" in need.missing()
     assert not cluster_module.Need(cluster_module._software(), (tmp_path,)).missing()
+
+
+def test_what_ends_a_task_is_told_in_a_sentence(tmp_path):
+    job = Job("p", tmp_path, tmp_path / "p.gclip", Options())
+
+    class Ended:
+        def __init__(self, error: Exception) -> None:
+            self.error = error
+
+        def result(self) -> None:
+            raise self.error
+
+    died = distributed.KilledWorker("task", None, 3)
+    outcome = cluster_module._outcome(Ended(died), job, "there")
+    assert (outcome.name, outcome.state, outcome.code) == ("p", "failed", 2)
+    assert "died 4 times" in outcome.error
+    for error, words in (
+        (concurrent.futures.CancelledError(), "there: the scheduler is gone"),
+        (ModuleNotFoundError("No module named 'baker'"), "lacks the program"),
+    ):
+        with pytest.raises(InputError, match=words):
+            cluster_module._outcome(Ended(error), job, "there")
