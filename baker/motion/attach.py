@@ -26,8 +26,9 @@ from gclip.pack import raised
 DRAWN, TIED = 0.5, 0.25  # point spacings from which a gap that widens is narrowed, and spanned
 LEFT = 0.2  # point spacings that a gap is drawn to
 KEY_INSTANTS = (0.0, 0.5, 1.0)  # at which all points are looked at
-INSTANTS = np.linspace(0.0, 1.0, 17)  # at which those are that come near at the ones above
+INSTANTS = np.linspace(0.0, 1.0, 17)  # at which those are that are nearest at the ones above
 MARGIN = 6.0  # point spacings beyond the gap that are near
+NEAREST, PARTNERS = 48, 8  # movers of an organ, and of its bearer to each, looked at in between
 ROUNDS = 6  # of drawing, one instant at a time
 GENTLE = 0.375  # of a shift half-way, at least, is what an instant may ask for: 2 u (1 - u)
 SAMPLED = 200  # points of an organ that are searched without a bound
@@ -120,15 +121,14 @@ class _Bearer:
             some = points[:: max(1, len(points) // SAMPLED)]
             reach = float(tree.query(some)[0].min()) + MARGIN * spacing
             apart = tree.query(points, distance_upper_bound=reach)[0]
-            near = np.isfinite(apart)
-            low, high = points[near].min(axis=0) - reach, points[near].max(axis=0) + reach
+            near = np.argsort(apart, kind="stable")[: min(NEAREST, int((apart < reach).sum()) or 1)]
             mine.append(near)
-            theirs.append(((tree.data >= low) & (tree.data <= high)).all(axis=1))
-            gaps.append(float(apart.min()))
+            theirs.append(tree.query(points[near], k=np.arange(1, min(PARTNERS, tree.n) + 1))[1])
+            gaps.append(float(apart[near[0]]))
         return _Base(
             bearer=self.moved,
-            mine=np.flatnonzero(np.any(mine, axis=0)),
-            theirs=np.flatnonzero(np.any(theirs, axis=0)),
+            mine=np.unique(np.concatenate(mine)),
+            theirs=np.unique(np.concatenate([partners.ravel() for partners in theirs])),
             gap=max(gaps[0], gaps[-1]),
             spacing=spacing,
         )
@@ -138,7 +138,8 @@ class _Bearer:
 class _Base:
     """Where an organ and its bearer are near each other in an interval.
 
-    mine, theirs: the movers of either that are near the other at some key instant.
+    mine, theirs: the movers of either that are nearest to the other at some key instant. All
+                  others are left out, which can make a gap between seem wider, never narrower.
     gap:          the larger one of those at the scans.
     """
 
@@ -149,21 +150,18 @@ class _Base:
     spacing: float
 
     @cached_property
-    def trees(self) -> list[cKDTree]:
-        from scipy.spatial import cKDTree
-
-        near = _of(self.bearer.movers.curve, self.theirs)
-        return [cKDTree(_at(near, u)) for u in INSTANTS]
+    def beside(self) -> Points:
+        """(instants, n, 3) where the bearer's movers are."""
+        return _along(_of(self.bearer.movers.curve, self.theirs))
 
     def gaps(self, curve: Curve) -> list[tuple[float, int, int]]:
         """At each instant the gap, and the movers that are nearest to each other there."""
-        near = _of(curve, self.mine)
-        found = []
-        for u, tree in zip(INSTANTS, self.trees, strict=True):
-            apart, touched = tree.query(_at(near, u))
-            first = int(np.argmin(apart))
-            found.append((float(apart[first]), self.mine[first], self.theirs[touched[first]]))
-        return found
+        from baker.motion.closest import closest
+
+        found = closest(_along(_of(curve, self.mine)), self.beside)
+        return [
+            (float(gap), self.mine[a], self.theirs[b]) for gap, a, b in zip(*found, strict=True)
+        ]
 
     def widens(self, moved: Moved) -> bool:
         """Whether it may part from its bearer by more than it does at the scans."""
@@ -211,6 +209,12 @@ class _Base:
 def _at(curve: Curve, u: float) -> Points:
     """(N, 3) positions on Bézier curves."""
     return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
+
+
+def _along(curve: Curve) -> Points:
+    """(instants, N, 3) positions on Bézier curves, in double precision."""
+    weights = np.array([bernstein(len(curve) - 1, u) for u in INSTANTS])
+    return np.tensordot(weights, np.stack(curve).astype(float), axes=1)
 
 
 def _of(curve: Curve, movers: NDArray[np.intp] | list[int]) -> Curve:
