@@ -58,3 +58,31 @@ def test_track_ids_widen_when_they_must(count):
     movers = Movers(Motion.MOVE, (points, points), np.arange(count + 1))
     interval = pack_interval(0.0, 1.0, [movers], spacing=1.0)
     assert interval.tracks.dtype == (np.uint16 if count == 0xFFFF else np.uint32)
+
+
+def test_raising_the_degree_changes_no_curve():
+    from gclip.evaluate import bernstein
+    from gclip.pack import raised
+
+    curve = tuple(np.random.default_rng(0).random((3, 5, 3)))
+    for low in (1, 2):
+        for high in (2, 3):
+            for share in (0.0, 0.3, 1.0):
+                before, after = curve[: low + 1], raised(curve[: low + 1], max(high, low))
+                assert len(after) == max(high, low) + 1
+                expected = np.tensordot(bernstein(low, share), before, 1)
+                found = np.tensordot(bernstein(len(after) - 1, share), after, 1)
+                assert np.allclose(found, expected)
+
+
+def test_movers_of_lower_degree_are_raised_to_the_highest():
+    straight = Movers(Motion.MOVE, (np.zeros((2, 3)), np.ones((2, 3))), np.zeros(2, int))
+    bent = Movers(Motion.FALL, tuple(np.ones((3, 1, 3))), np.ones(1, int))
+    interval = pack_interval(0.0, 1.0, [bent, straight], spacing=1.0)
+    assert interval.degree == 2
+    assert [(g.first, g.count, g.motion) for g in interval.groups] == [
+        (0, 2, Motion.MOVE),
+        (2, 1, Motion.FALL),
+    ]
+    middle = interval.box.low + interval.box.step * interval.control_positions[0][:2]
+    assert np.allclose(middle, 0.5, atol=1e-4)

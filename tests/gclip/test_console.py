@@ -1,0 +1,99 @@
+"""How commands end: an exit code, and one sentence on stderr."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+import typer
+
+from gclip.console import run, run_app
+from gclip.errors import ClipError, UserError
+
+
+def raising(error: BaseException) -> Callable[[], None]:
+    def work() -> None:
+        raise error
+
+    return work
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (UserError("this is wrong."), 2, "bake: this is wrong.\n"),
+        (ClipError("a\nb\x1b[2Jc."), 2, "bake: a b\ufffd[2Jc.\n"),
+        (MemoryError(), 2, "out of memory; try fewer points"),
+        (KeyboardInterrupt(), 130, "stopped; nothing half-written"),
+        (ZeroDivisionError("one\ntwo"), 1, "internal error (ZeroDivisionError: one two)"),
+    ],
+)
+def test_outcomes(
+    error: BaseException, code: int, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("bake", raising(error)) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+    assert (err.startswith("bake: "), err.count("\n")) == (True, 1)
+
+
+def test_what_is_done_is_done(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("bake", lambda: None) == 0
+    assert run("bake", lambda: 2) == 2
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_fault_of_our_own_can_be_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GCLIP_TRACEBACK", "1")
+    with pytest.raises(ZeroDivisionError):
+        run("bake", raising(ZeroDivisionError()))
+    assert run("bake", raising(UserError("this is wrong."))) == 2
+
+
+def test_a_reader_that_goes_away_is_no_fault() -> None:
+    """As `play plant.gclip --info | head -1` has it."""
+    code = (
+        "import sys; from gclip.console import run\n"
+        "def work():\n"
+        "    while True: print('x' * 1000, flush=True)\n"
+        "sys.exit(run('play', work))"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 0
+
+
+def test_letters_that_a_terminal_lacks_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    written = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding="ascii"))
+    assert run("play", lambda: print("10 × 20 – ½")) == 0
+    sys.stdout.flush()
+    assert written.getvalue() == b"10 ? 20 ? ?\n"
+
+
+def test_words_that_typer_refuses_are_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    app = typer.Typer(add_completion=False)
+
+    @app.command()
+    def work(count: int = 1, code: int = 0, stop: bool = False) -> None:
+        if stop:
+            raise typer.Abort
+        raise typer.Exit(code)
+
+    assert run_app(app, "play", ["--count", "many"]) == 2
+    assert "see `play --help`." in capsys.readouterr().err
+    assert run_app(app, "play", ["--code", "0"]) == 0
+    assert run_app(app, "play", ["--code", "2"]) == 2
+    assert run_app(app, "play", ["--code", "130"]) == 130
+    assert run_app(app, "play", ["--stop"]) == 130
+    assert capsys.readouterr().err.count("stopped;") == 2

@@ -1,0 +1,54 @@
+"""What moments between two scans are called."""
+
+from __future__ import annotations
+
+import pytest
+
+from gclip.clip import ScanMark
+from gclip.dates import date_at
+
+SCANS = (
+    ScanMark("a", 0.0, "2020-03-08", 1),
+    ScanMark("b", 2.0, "2020-03-10", 1),
+    ScanMark("c", 4.0, "day 4", 1),
+    ScanMark("d", 8.0, "day 8", 1),
+    ScanMark("e", 9.0, "2020-03-08T10:00", 1),
+    ScanMark("f", 10.0, "2020-03-08T12:00", 1),
+)
+
+
+@pytest.mark.parametrize(
+    ("day", "date"),
+    [
+        (-1.0, "2020-03-08"),
+        (0.0, "2020-03-08"),
+        (1.0, "2020-03-09"),
+        (1.999, "2020-03-09"),
+        (2.0, "2020-03-10"),
+        (3.0, "3.0"),  # from a date to "day 4": no rule
+        (5.0, "day 5.0"),
+        (8.5, "8.5"),
+        (9.5, "2020-03-08 11:00"),
+        (10.0, "2020-03-08T12:00"),
+        (11.0, "2020-03-08T12:00"),
+    ],
+)
+def test_dates(day: float, date: str) -> None:
+    assert date_at(SCANS, day) == date
+
+
+@pytest.mark.parametrize(
+    "dates",
+    [
+        ("", ""),
+        ("x", "y"),
+        ("day 1", "tag 2"),
+        ("9999-12-31", "9999-12-31T25:00"),
+        ("2020-01-01T00:00+00:00", "2020-01-02"),  # only one of them names its time zone
+        ("a" * 900, "1" * 900),
+    ],
+)
+def test_dates_without_a_rule_are_times(dates: tuple[str, str]) -> None:
+    scans = (ScanMark("a", 0.0, dates[0], 1), ScanMark("b", 1.0, dates[1], 1))
+    assert date_at(scans, 0.5) == "0.5"
+    assert date_at(scans, 1.0) == dates[1]
