@@ -26,7 +26,7 @@ _NEIGHBORS = 6  # neighbours whose partners are tried
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
 _FEW = 4_000  # pairs up to which that is all that is done
 _WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL = 1_000  # points of both sides in a cell above that: its data stay in the cache; then double
+_CELL = 500  # points of both sides in a cell above that: its data stay in the cache; then double
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
 
