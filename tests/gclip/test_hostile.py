@@ -230,6 +230,36 @@ def test_intervals_that_are_none_are_named(change: dict, words: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("place", "field", "value", "words"),
+    [
+        ((), "intervals", [], "do not span"),
+        (("intervals", 0), "start", 0.5, "do not span"),
+        (("intervals", 2), "end", 7.0, "do not span"),
+        (("intervals", 1), "start", 2.5, "without a gap"),
+        (("scans", 1), "time", 2.5, "inside an interval"),
+        (("scans", 1), "time", 0.0, "do not ascend"),
+        (("scans", 1), "time", 5.0, "do not ascend"),
+        (("tracks", 0), "color", [0, 0, 255.5], "whole numbers from 0 to 255"),
+        (("tracks", 0), "color", [0, -1, 0], "whole numbers from 0 to 255"),
+        (("tracks", 0), "color", [256, 0, 0], "whole numbers from 0 to 255"),
+        (("intervals", 0, "box"), "low", [0, 1e9, 0], "low corner lies above"),
+        (("intervals", 0, "groups", 0), "count", 2**48, "a whole number from 0"),
+    ],
+)
+def test_documents_that_contradict_themselves(
+    place: tuple, field: str, value: object, words: str
+) -> None:
+    document = json.loads(good_clips()[0][0])
+    assert from_json(json.dumps(document), 1 << 20)
+    holder = document
+    for step in place:
+        holder = holder[step]
+    holder[field] = value
+    with pytest.raises(gclip.ClipError, match=words):
+        from_json(json.dumps(document), 1 << 20)
+
+
+@pytest.mark.parametrize(
     ("index", "parent", "fine"),
     [(1, 0, True), (1, None, True), (0, 1, True), (1, 1, False), (1, 2, False), (1, -1, False)],
 )
