@@ -6,11 +6,11 @@
     --workers W    processes that work side by side (2)
     --keep FOLDER  keep the files that show a failure
 
-A file is drawn, opened, and if it is no clip it must be refused by a ClipError of one sentence that
+A file is drawn and opened. If it is no clip it must be refused by a ClipError of one sentence that
 names the file. If it is one, `gclip check` and one of the player's uses of it follow: evaluation,
-`--info`, all that the window loads, an export, a small picture. None may fail otherwise than by a
-sentence. Opening, checking and loading may take up twice the file's size and 64 MB more, no page
-beyond the file, and at most 20 seconds. Exit code 1 where anything failed.
+`--info`, all that the window loads and writes, an export, a small picture. None may fail otherwise
+than by a sentence. Opening, checking and loading may take up twice the file's size and 64 MB more,
+no page beyond the file, and at most 20 seconds. Exit code 1 where anything failed.
 """
 
 from __future__ import annotations
@@ -235,10 +235,10 @@ def _uses() -> dict[str, Callable]:
     """By name; loads what they need, so that no case is charged with it."""
     from scipy.spatial import cKDTree
 
-    from tests.player.uses import USES, drawn
+    from tests.player.uses import USES, drawn, overlaid
 
     assert cKDTree is not None
-    return {**USES, "drawn": drawn}
+    return {**USES, "drawn": drawn, "overlaid": overlaid}
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from player.cli import main
 from player.export import Film, export
 from tests.gclip.hostile import INJECTIONS, hostile
 from tests.player.conftest import ClipMaker
-from tests.player.uses import USES, told
+from tests.player.uses import USES, overlaid, told
 
 # Lone surrogates get into no clip that is opened: see tests/gclip/test_hostile.py.
 TEXTS = [text[:120] for text in INJECTIONS if text not in ("", "\ud800")]
@@ -181,6 +181,10 @@ def test_pictures_with_nasty_titles_are_drawn(
     )
     export(clip, film, tmp_path / "still.png")
     assert (tmp_path / "still.png").stat().st_size > 500
+
+
+def test_the_window_writes_any_name(make_clip: ClipMaker, nasty: str) -> None:
+    overlaid(poisoned(make_clip(), nasty), Path(nasty[:50]))
 
 
 def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> None:

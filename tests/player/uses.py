@@ -117,3 +117,32 @@ def drawn(clip: Clip, path: Path) -> None:
         for day in (clip.times[0], clip.times[-1]):
             offscreen.picture(day)
         assert offscreen.context.error == "GL_NO_ERROR"
+
+
+def overlaid(clip: Clip, path: Path) -> None:
+    """What lies over the plant in the window: names and dates as a clip has them."""
+    from player.camera import Camera
+    from player.context import headless
+    from player.overlay import Facts, Overlay
+    from player.scene import Scene
+    from player.style import Style
+    from player.timeline import Timeline
+
+    context = headless()
+    framebuffer = context.simple_framebuffer((900, 500))
+    framebuffer.use()
+    overlay = Overlay(context, clip, path.name)
+    camera, timeline = Camera.home(clip), Timeline.of(clip.times)
+    style = Style(color_by="track", picked=0)
+    name = clip.track_table[0].name
+    for day, notice in ((clip.times[0], name), (clip.times[-1], "")):
+        scene = Scene(timeline.at(day), camera, camera, style, False, len(clip.track_table))
+        scene = scene.told(notice)
+        for panel in (True, False):
+            shown = scene if not panel else scene.switched("panel")
+            facts = Facts(organ=((name, name),))
+            overlay.draw(framebuffer, shown, (900.0, 500.0), 1.0, (450.0, 470.0), None, facts)
+    assert context.error == "GL_NO_ERROR"
+    overlay.release()
+    framebuffer.release()
+    context.release()
