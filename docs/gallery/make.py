@@ -145,7 +145,8 @@ def page(work: Path) -> None:
         for width, share in ((800, 0.75), (340, 1.0)):
             view = browser.new_page(viewport={"width": width, "height": 600}, has_touch=True)
             view.goto(file.as_uri())
-            view.wait_for_function("window.viewer !== undefined")
+            while not view.evaluate("window.viewer !== undefined"):
+                view.wait_for_timeout(100)
             view.evaluate(f"viewer.seek({share * clip.times[-1]})")
             view.wait_for_timeout(2000)
             view.screenshot(path=work / "page.png")

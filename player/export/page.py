@@ -133,6 +133,7 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
             "pitch": home.pitch,
             "fieldOfView": home.field_of_view,
         },
+        "scale": _scale(clip, film),
         "look": {
             "light": film.style.ground == "light",
             "byTrack": film.style.color_by == "track",
@@ -143,6 +144,22 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
             "floor": 1.0 if film.style.show_ground else 0.0,
         },
         "grounds": {name: _ground(asdict(ground)) for name, ground in GROUNDS.items()},
+    }
+
+
+def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
+    """What the movers' own colours mean, where they are those of a value: errors."""
+    from player.colors import Colors, chosen
+
+    scale = Colors(clip).scale(film.style) if chosen(clip, film.style) == "error" else None
+    if scale is None:
+        return None
+    steps = scale.colors()[:: len(scale.colors()) // 16].tolist()
+    return {
+        "title": scale.title,
+        "low": f"{scale.low:g}",
+        "high": f"{scale.high:.3g} {scale.unit}",
+        "colors": [f"rgb({red},{green},{blue})" for red, green, blue in steps],
     }
 
 

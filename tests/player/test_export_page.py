@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion, Track
+from gclip.clip import Clip, HeldOutScan, Motion, Track
 from player.export import Film, export
 from player.export.packing import pack
+from player.style import Style
 
 NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
@@ -97,6 +98,7 @@ def test_the_browser_interpolates_as_the_clip_does(
 
 def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+    assert not tab.is_visible("#scale"), "these colours mean nothing"
     first = picture(tab)
     plant = first[100:240, 140:340]
     assert (plant[..., 0] > plant[..., 2] + 60).mean() > 0.05, "the red plant is seen"
@@ -145,6 +147,36 @@ def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     assert picture(tab)[5, 5].min() > 150, "light ground"
     tab.keyboard.press("c")
     assert tab.evaluate("viewer.look.byTrack") is True
+
+
+def test_fewer_movers_leave_no_gaps(opened: Any, make_clip: Any) -> None:
+    clip = make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255)))
+    tab = opened(clip)
+    covered = """([every, quick]) => {
+        const { renderer, camera, look } = viewer, { canvas, gl } = renderer;
+        const { width, height } = canvas, bytes = new Uint8Array(4 * width * height);
+        renderer.draw(0, camera, look, [width, height], every, quick);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+        let red = 0;
+        for (let i = 0; i < bytes.length; i += 4) red += bytes[i] > bytes[i + 2] + 60;
+        return red;
+    }"""
+    tab.evaluate("viewer.seek(0)")
+    whole = tab.evaluate(covered, [1, False])
+    assert whole > 2000
+    for every in (1, 2, 8):
+        assert tab.evaluate(covered, [every, True]) == pytest.approx(whole, rel=0.25)
+
+
+def test_the_page_explains_the_colors_of_errors(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    real = HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local + np.float32(2.0))
+    tab = opened(replace(clip, held_out=(real,)), Film(style=Style(color_by="error")))
+    assert tab.is_visible("#scale")
+    assert "error against a scan left out" in tab.text_content("#scale")
+    assert "mm" in tab.text_content("#scale small")
+    tab.keyboard.press("c")
+    assert not tab.is_visible("#scale"), "organs' colours mean something else"
 
 
 def test_names_from_the_clip_are_text_and_nothing_else(

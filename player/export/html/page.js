@@ -1,6 +1,9 @@
 // The page: puts clip, clock, camera and renderer together and lets people touch them.
 
-const LEVELS = [[1, 1], [0.8, 1], [0.62, 0.7], [0.5, 0.45], [0.4, 0.25]];  // pixels, movers
+// What is drawn while things move: share of the picture's width and height, one of so many movers
+// as long as FEWEST are left, passes over them.
+const LEVELS = [[1, 1, 2], [1, 1, 1], [0.8, 2, 1], [0.62, 4, 1], [0.5, 8, 1], [0.4, 16, 1]];
+const FEWEST = 60000;
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 
 const byId = (id) => document.getElementById(id);
@@ -46,7 +49,7 @@ function start(about, shaders) {
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
         help: () => byId("help").toggleAttribute("hidden"),
-        picture: () => { draw(1, [1, 1]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
+        picture: () => { draw(1, LEVELS[0]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
         leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
     };
     const act = (name) => { actions[name](); refresh(); show(); };
@@ -70,14 +73,16 @@ function start(about, shaders) {
         if (canvas.width !== width || canvas.height !== height) {
             Object.assign(canvas, { width, height });
         }
-        renderer.draw(clock.day, camera, look, [width, height], level[1]);
+        const every = Math.min(level[1], renderer.thinned(clock.day, FEWEST));
+        renderer.draw(clock.day, camera, look, [width, height], every, level[2] === 1);
     }
 
     // Fewer pixels and movers while things move on a slow machine; all of them at rest.
     function paced(milliseconds) {
         state.pace += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
-        if (state.pace > 3 && state.level < LEVELS.length - 1) {
-            state.level += 1;
+        if (state.pace > 2 && state.level < LEVELS.length - 1) {
+            const steps = Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1);
+            state.level = Math.min(state.level + steps, LEVELS.length - 1);
             state.pace = 0;
         } else if (state.pace < -3) {
             state.level = Math.max(state.level - 1, 0);
@@ -119,7 +124,7 @@ function start(about, shaders) {
 
     // For tests and for scripts in the browser's console.
     window.viewer = {
-        clip, clock, camera, look, act,
+        clip, clock, camera, look, act, renderer, state, levels: LEVELS,
         async seek(day) {
             clock.playing = false;
             act("leave");
@@ -127,7 +132,7 @@ function start(about, shaders) {
             const [index] = clip.locate(day);
             for (const k of [index, index - 1]) if (k >= 0) await renderer.wait(k);
             refresh();
-            draw(1, [1, 1]);
+            draw(1, LEVELS[0]);
             page.move();
         },
         positions: (day) => renderer.positions(day),
@@ -140,6 +145,12 @@ function arrange(clip, clock, go) {
     byId("title").textContent = clip.title;
     byId("facts").textContent = `${clip.times.length} scans, ${clip.tracks.length} organs`;
     document.querySelector('[data-do="color"]').hidden = !clip.colored;
+    if (clip.scale) {
+        const [title, ramp, ends] = byId("scale").children;
+        title.textContent = clip.scale.title;
+        ramp.style.background = `linear-gradient(to right, ${clip.scale.colors.join()})`;
+        ends.textContent = `${clip.scale.low} to ${clip.scale.high}`;
+    }
     const labels = clip.shortDates, room = Math.max(...labels.map((text) => text.length)) * 7 + 16;
     clip.times.forEach((time, i) => {
         const mark = document.createElement("div");
@@ -151,12 +162,13 @@ function arrange(clip, clock, go) {
         track.append(mark);
     });
 
-    // Leave out labels that would run into the one before.
+    // Leave out labels that would run into the one before, or into the last.
     const spaced = () => {
         let free = -Infinity;
         track.querySelectorAll(".mark span").forEach((label, i) => {
             const at = (track.clientWidth * (clip.times[i] - clip.first)) / span;
-            label.hidden = at < free;
+            const last = i === clip.times.length - 1;
+            label.hidden = !last && (at < free || at > track.clientWidth - room);
             if (!label.hidden) free = at + room;
         });
     };
@@ -193,6 +205,7 @@ function arrange(clip, clock, go) {
             document.body.classList.toggle("playing", clock.playing);
             document.querySelector('[data-do="turn"]').classList.toggle("on", turning);
             document.querySelector('[data-do="color"]').classList.toggle("on", look.byTrack);
+            byId("scale").hidden = !clip.scale || look.byTrack;
             byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
             document.querySelectorAll("#organs button").forEach((button) =>
                 button.classList.toggle("on", Number(button.dataset.track) === look.chosen));

@@ -1,9 +1,11 @@
 // Draws a clip at a time: the depth of the nearest surface; the movers on it summed as soft discs;
-// the distances smoothed; the shadow on the floor; light and background. Two passes over the movers.
+// the distances smoothed; the shadow on the floor; light and background. Two passes over the movers,
+// or while things move on a slow machine one, in which the nearest disc alone counts.
 
 const DISC = 2.3;       // natural disc radius in closing distances
 const THICKNESS = 1.6;  // depth, in disc radii, over which discs count as one surface
-const SHADOW_SIDE = 192;
+const SHADOW_SIDE = 192, SHADOWING = 30000;  // texels a side; movers that are enough for it
+const SHADOW_EVERY = 4;  // pictures, while things move on a slow machine
 const BUDGET = 384 << 20;  // bytes of movers kept on the GPU
 
 class Renderer {
@@ -25,6 +27,7 @@ class Renderer {
         this.empty = gl.createVertexArray();
         this.targets = null;
         this.shadowDay = null;
+        this.shadowAge = Infinity;  // in pictures
         this.palette = this.makePalette();
         this.shadows = [0, 1].map(() => this.target(
             SHADOW_SIDE, SHADOW_SIDE, [gl.RG16F], gl.LINEAR));
@@ -51,39 +54,58 @@ class Renderer {
 
     upload(index, { points, tracks, colors }) {
         const gl = this.gl, { degree } = this.clip.intervals[index];
-        const array = gl.createVertexArray(), stored = [];
+        const stored = [];
         let bytes = 0;
-        gl.bindVertexArray(array);
-        const attribute = (location, data, point) => {
+        const store = (location, data, size, point) => {
             const buffer = gl.createBuffer();
             gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
             gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-            gl.enableVertexAttribArray(location);
-            point(location);
-            stored.push(buffer);
+            stored.push({ location, buffer, size, point });
             bytes += data.byteLength;
         };
-        points.forEach((data, i) => attribute(i, data, (at) =>
-            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, false, 0, 0)));
-        const kind = tracks.BYTES_PER_ELEMENT === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
-        attribute(4, tracks, (at) => gl.vertexAttribIPointer(at, 1, kind, 0, 0));
-        colors.forEach((data, i) => attribute(5 + i, data, (at) =>
-            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_BYTE, true, 0, 0)));
-        gl.bindVertexArray(null);
-        this.buffers.set(index, { array, stored, bytes, degree, colored: colors.length > 0 });
+        points.forEach((data, i) => store(i, data, 6, (at, stride) =>
+            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, false, stride, 0)));
+        const wide = tracks.BYTES_PER_ELEMENT, kind = wide === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+        store(4, tracks, wide, (at, stride) => gl.vertexAttribIPointer(at, 1, kind, stride, 0));
+        colors.forEach((data, i) => store(5 + i, data, 3, (at, stride) =>
+            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_BYTE, true, stride, 0)));
+        const colored = colors.length > 0, arrays = new Map();
+        this.buffers.set(index, { arrays, stored, bytes, degree, colored });
         this.used += bytes;
-        for (const [old, { array, stored, bytes }] of this.buffers) {
+        for (const [old, { arrays, stored, bytes }] of this.buffers) {
             if (this.used <= BUDGET || this.buffers.size <= 3) break;
-            gl.deleteVertexArray(array);
-            stored.forEach((buffer) => gl.deleteBuffer(buffer));
+            arrays.forEach((array) => gl.deleteVertexArray(array));
+            stored.forEach(({ buffer }) => gl.deleteBuffer(buffer));
             this.buffers.delete(old);
             this.used -= bytes;
         }
     }
 
+    // The interval's movers as the shaders' inputs, one of so many. Neighbours in the buffers are
+    // neighbours on the plant, so what is left out leaves no gaps.
+    array(index, every) {
+        const gl = this.gl, { arrays, stored } = this.buffers.get(index);
+        if (!arrays.has(every)) {
+            arrays.set(every, gl.createVertexArray());
+            gl.bindVertexArray(arrays.get(every));
+            for (const { location, buffer, size, point } of stored) {
+                gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+                gl.enableVertexAttribArray(location);
+                point(location, every * size);
+            }
+        }
+        return arrays.get(every);
+    }
+
+    // Of how many movers one may be left at a time when `wanted` are enough: 1, 2, 4, ... 32.
+    thinned(day, wanted) {
+        const { count } = this.clip.intervals[this.clip.locate(day)[0]];
+        return 2 ** Math.min(Math.max(Math.floor(Math.log2(count / wanted)), 0), 5);
+    }
+
     // look: { light, byTrack, chosen, pointSize, eyeDome, depthCue, floor };
-    // share: of the movers to draw, 1 for all.
-    draw(day, camera, look, size, share) {
+    // every: of so many movers one is drawn; quick: in one pass, without soft rims.
+    draw(day, camera, look, size, every = 1, quick = false) {
         const gl = this.gl, [width, height] = size;
         if (!this.targets || this.targets.width !== width || this.targets.height !== height) {
             this.release(this.targets);
@@ -91,19 +113,19 @@ class Renderer {
         }
         const layers = this.clip.layersAt(day).filter((layer) => this.buffers.has(layer.interval));
         const disc = {
-            radius: (DISC * look.pointSize * this.clip.closingAt(day)) / Math.sqrt(share),
+            radius: (DISC * look.pointSize * this.clip.closingAt(day)) * Math.sqrt(every),
             magnification: height / (2 * Math.tan(camera.fieldOfView / 2)),
             smallest: 1.5,
             scale: camera.radius,
             middle: camera.distance,
         };
-        this.drawSurface(layers, camera, look, disc, share);
+        this.drawSurface(layers, camera, look, disc, every, quick);
         this.smooth(disc);
-        this.castShadow(day, layers);
+        this.castShadow(day, layers, quick ? SHADOW_EVERY : 1);
         this.compose(camera, look, disc);
     }
 
-    drawSurface(layers, camera, look, disc, share) {
+    drawSurface(layers, camera, look, disc, every, quick) {
         const gl = this.gl, { surface, width, height } = this.targets;
         const seen = {
             ...disc, view: camera.view(), projection: camera.projection(width / height),
@@ -116,16 +138,21 @@ class Renderer {
         gl.clearBufferfv(gl.COLOR, 1, [0, 0, 0, 0]);
         gl.clearBufferfv(gl.DEPTH, 0, [1]);
         gl.depthFunc(gl.LESS);
+        const paint = {
+            ...seen, palette: [this.palette, 0], by_track: look.byTrack, chosen: look.chosen,
+        };
+        if (quick) {
+            this.drawMovers("splat", "nearest", layers, paint, every);
+            gl.disable(gl.DEPTH_TEST);
+            return;
+        }
         gl.colorMask(false, false, false, false);
-        this.drawMovers("surface", "surface", layers, { ...seen, thickness: THICKNESS }, share);
+        this.drawMovers("surface", "surface", layers, { ...seen, thickness: THICKNESS }, every);
         gl.colorMask(true, true, true, true);
         gl.depthMask(false);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        const paint = {
-            palette: [this.palette, 0], by_track: look.byTrack, chosen: look.chosen,
-        };
-        this.drawMovers("splat", "splat", layers, { ...seen, ...paint }, share);
+        this.drawMovers("splat", "splat", layers, paint, every);
         gl.disable(gl.BLEND);
         gl.disable(gl.DEPTH_TEST);
     }
@@ -143,12 +170,14 @@ class Renderer {
         }
     }
 
-    castShadow(day, layers) {
+    // patience: pictures that may pass before a shadow follows its plant.
+    castShadow(day, layers, patience) {
         const ready = layers.map((layer) => layer.interval).join();
-        if (this.shadowDay === `${day} ${ready}`) return;
+        if (this.shadowDay === `${day} ${ready}` || ++this.shadowAge < patience) return;
         this.shadowDay = `${day} ${ready}`;
+        this.shadowAge = 0;
         const gl = this.gl, clip = this.clip, [first, second] = this.shadows;
-        const share = Math.min(1, 60000 / clip.intervals[clip.locate(day)[0]].count);
+        const every = this.thinned(day, SHADOWING);
         const texel = (2 * clip.floorSide) / SHADOW_SIDE;
         const area = 4 * clip.closingAt(day) ** 2 * clip.pointsAMover(day);
         this.into(first);
@@ -157,8 +186,8 @@ class Renderer {
         gl.blendFunc(gl.ONE, gl.ONE);
         this.drawMovers("shadow", "shadow", layers, {
             from_above: this.fromAbove(), reach: 0.12 * clip.floorSide,
-            cover: area / texel ** 2 / share,
-        }, share);
+            cover: (area / texel ** 2) * every,
+        }, every);
         gl.disable(gl.BLEND);
         for (const [source, target, direction] of [[first, second, [1, 0]], [second, first, [0, 1]]]) {
             this.into(target);
@@ -217,19 +246,21 @@ class Renderer {
         return found;
     }
 
-    drawMovers(vertex, fragment, layers, uniforms, share, feedback = false) {
+    drawMovers(vertex, fragment, layers, uniforms, every, feedback = false) {
         const gl = this.gl;
         for (const layer of layers) {
-            const { array, degree, colored } = this.buffers.get(layer.interval);
+            const { degree, colored } = this.buffers.get(layer.interval), { group } = layer;
             const { low, step } = this.clip.intervals[layer.interval];
             const program = this.program(vertex, fragment, { DEGREE: degree, SCAN_COLORS: +colored });
             this.use(program, {
                 ...uniforms, box_low: low, box_step: step, alpha: layer.alpha, blend: layer.blend,
                 weights: bernstein(degree, layer.parameter),
             });
-            gl.bindVertexArray(array);
+            gl.bindVertexArray(this.array(layer.interval, every));
+            const first = Math.ceil(group.first / every);
+            const stop = Math.ceil((group.first + group.count) / every);
             if (feedback) gl.beginTransformFeedback(gl.POINTS);
-            gl.drawArrays(gl.POINTS, layer.group.first, Math.ceil(layer.group.count * share));
+            gl.drawArrays(gl.POINTS, first, stop - first);
             if (feedback) gl.endTransformFeedback();
         }
         gl.bindVertexArray(null);

@@ -3,7 +3,9 @@
 #include "curve.glsl"
 
 layout(location = 0) in vec3 in_point0;
+#if DEGREE > 0
 layout(location = 1) in vec3 in_point1;
+#endif
 #if DEGREE > 1
 layout(location = 2) in vec3 in_point2;
 #endif
@@ -14,7 +16,9 @@ layout(location = 3) in vec3 in_point3;
 uniform float alpha;  // share of the movers that are there: organs that fade dissolve
 
 vec3 mover_position() {
-#if DEGREE == 1
+#if DEGREE == 0
+    return on_curve(vec3[](in_point0));
+#elif DEGREE == 1
     return on_curve(vec3[](in_point0, in_point1));
 #elif DEGREE == 2
     return on_curve(vec3[](in_point0, in_point1, in_point2));
