@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 from baker.align import Alignment
@@ -60,9 +58,7 @@ def describe_provenance(
     return {
         **software(),
         "options": options.provenance(),
-        "inputs": [
-            {"name": scan.name, "sha256": digest((scan.path, *scan.beside))} for scan in found.scans
-        ],
+        "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
         "decisions": [series.rule, *alignment.notes, labels.sentence],
         "notes": notes,
@@ -75,11 +71,3 @@ def software() -> dict[str, dict[str, str]]:
         "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
         "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
     }
-
-
-def digest(paths: Sequence[Path]) -> str:
-    """SHA-256 over the bytes of all files a scan was read from, one after the other."""
-    found = hashlib.sha256()
-    for path in paths:
-        found.update(path.read_bytes())
-    return found.hexdigest()

@@ -6,6 +6,7 @@ Nothing but numbers is stored, and no code runs on opening. See docs/format.md.
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,7 @@ def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
     except Exception as error:
         if isinstance(error, OSError) or type(error).__name__ == "SafetensorError":
             reason = getattr(error, "strerror", None) or str(error)
+            reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", reason)
             raise ClipError(f"{target} can't be written: {reason}.") from None
         raise
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -77,6 +78,7 @@ def read_series(
     """
     from baker.scans import clean, place
     from baker.scans.denoise import denoised
+    from baker.scans.unchanged import read_unchanged
 
     options = options or ReadOptions()
     listing = list_series(inputs, options)
@@ -86,10 +88,8 @@ def read_series(
     for done, entry in enumerate(schedule.entries):
         if progress:
             progress(done, len(schedule.entries), entry.name)
-        if images:
-            cloud = images.read(entry.path, options.use_labels)
-        else:
-            cloud = _load(entry.path, options)
+        read = partial(_read, entry.path, images, options)
+        cloud, sha256 = read_unchanged(listing.files(entry), read)
         cloud = clean.drop_non_finite(cloud, entry.path)
         if origin is None:
             origin = place.shared_origin(cloud.points)
@@ -115,6 +115,7 @@ def read_series(
                 date=entry.moment.date,
                 notes=cloud.notes,
                 beside=listing.files(entry)[1:],
+                sha256=sha256,
             )
         )
     if progress:
@@ -188,6 +189,10 @@ def _thin_out(schedule: Schedule, every: int) -> Schedule:
         )
     rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {every}."
     return replace(schedule, entries=kept, rule=rule)
+
+
+def _read(path: Path, images: ImageSeries | None, options: ReadOptions) -> Cloud:
+    return images.read(path, options.use_labels) if images else _load(path, options)
 
 
 def _load(path: Path, options: ReadOptions) -> Cloud:

@@ -25,6 +25,7 @@ class Scan:
     date:    how the time is written for people: "2020-03-08", "day 5", "2".
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
     beside:  further files the scan was made from (the depth and label images of a colour image).
+    sha256:  digest of the bytes of all these files as they were read.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Scan:
     date: str = ""
     notes: tuple[str, ...] = field(default=())
     beside: tuple[Path, ...] = field(default=())
+    sha256: str = ""
 
     def __len__(self) -> int:
         return len(self.points)

@@ -1,0 +1,228 @@
+"""Bakes and exports killed at random moments: is the old output intact, or the new one whole?
+
+    python -m bench.kill [--kills 200] [--seed 0] [--only bake,mp4,...]
+
+Every way out is started as a process of its own and killed (SIGKILL), half of the time at any
+moment of its run, half of the time within 50 ms after its draft appears, which is when it writes.
+What is then at the output must be what was there before, or what a run that is left alone writes;
+nothing else. Now and then a run is left alone: nothing but the output may be beside it afterwards.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+DRAFT = re.compile(r"\..+\.\w{8}\.part")
+SOON = 0.05  # seconds after a draft appears
+EVERY = 10  # kills, after which a run is left alone
+PATIENCE = 300.0
+Files = dict[str, bytes]
+
+
+@dataclass(frozen=True)
+class WayOut:
+    """Something that writes.
+
+    arguments: of Python, for an old output and for a new one.
+    outputs:   relative paths; a folder's name stands for all files in it.
+    varying:   those that tell how long things took: they are whole if they end as they should.
+    """
+
+    name: str
+    old: Sequence[str]
+    new: Sequence[str]
+    outputs: Sequence[str]
+    varying: Sequence[str] = ()
+
+
+def ways_out(series: Path, clip: Path) -> list[WayOut]:
+    """Ways out that write into the folder that they are started in."""
+    scans = [str(path) for path in sorted(series.glob("*.ply"))]
+    bake, play = ["-m", "baker", "-q"], ["-m", "player", str(clip), "-q"]
+    also = ["--report", "report.html", "--traits", "traits.csv"]
+    small = ["--size", "96x96", "--fps", "8"]
+    found = [
+        WayOut(
+            "bake",
+            [*bake, *scans[:2], "-o", "plant.gclip", *also],
+            [*bake, *scans, "-o", "plant.gclip", *also],
+            ["plant.gclip", "report.html", "traits.csv"],
+            ["report.html"],
+        ),
+        WayOut(
+            "cache",
+            [*bake, *scans[:2], "-o", "plant.gclip"],
+            [*bake, *scans, "-o", "plant.gclip", "--cache", "cache"],
+            ["plant.gclip", "cache"],
+            ["cache"],
+        ),
+    ]
+    for name, output in (
+        ("mp4", "film.mp4"),
+        ("png", "frames/%04d.png"),
+        ("html", "page.html"),
+        ("ply", "clouds/%04d.ply"),
+        ("glb", "plant.glb"),
+    ):
+        export = [*play, "--export", output]
+        export += small if name in ("mp4", "png") else []
+        seconds = [["--seconds", s] if name in ("mp4", "png", "ply") else [] for s in ("1", "2")]
+        other = ["--title", "old"] if name == "html" else []
+        place = output.partition("/")[0]
+        old = [*export, *seconds[0], *other]
+        found.append(WayOut(name, old, [*export, *seconds[1]], [place]))
+    return found
+
+
+def killed(way: WayOut, folder: Path, duration: float, chance: random.Random) -> bool:
+    """Start the way out and kill it; whether it was still running then."""
+    before = set(folder.iterdir())
+    at_draft, due = chance.random() < 0.5, chance.uniform(0, duration)
+    process = _started(way.new, folder)
+    began = time.monotonic()
+    while process.poll() is None:
+        late = time.monotonic() - began
+        if at_draft and any(DRAFT.fullmatch(path.name) for path in {*folder.iterdir()} - before):
+            at_draft, due = False, late + chance.uniform(0, SOON)
+        if not at_draft and late >= due:
+            break
+        time.sleep(0.001)
+    running = process.poll() is None
+    process.kill()
+    process.communicate()
+    return running
+
+
+def contents(folder: Path, output: str) -> Files:
+    """All files of an output, by their paths."""
+    place = folder / output
+    paths = [place] if place.is_file() else sorted(p for p in place.rglob("*") if p.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
+
+
+def varied(way: WayOut, output: str, files: Files) -> bool:
+    """Whether an output is one that varies, and is all there."""
+    if output not in way.varying:
+        return False
+    if output == "cache":
+        return True  # what is broken in a cache is done again: that the clip is right tells
+    return all(text.rstrip().endswith(b"</html>") for text in files.values())
+
+
+def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
+    """Kill it so many times. Counts what was left: old, new or broken outputs, and litter."""
+    chance = random.Random(f"{seed} {way.name}")
+    left: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        folder, olds, news = (Path(name) / part for part in ("here", "old", "new"))
+        for place, arguments in ((olds, way.old), (news, way.new)):
+            place.mkdir()
+            began = time.monotonic()
+            _finished(arguments, place)
+            duration = time.monotonic() - began
+        shutil.copytree(olds, folder)
+        for number in range(kills):
+            running = killed(way, folder, duration, chance)
+            left["killed" if running else "too late"] += 1
+            for output in way.outputs:
+                found = contents(folder, output)
+                if found == contents(olds, output):
+                    left["old"] += 1
+                elif found == contents(news, output) or varied(way, output, found):
+                    left["new"] += 1
+                else:
+                    left["broken"] += 1
+                    print(f"{way.name}: {output} is broken after kill {number}", flush=True)
+            if number % EVERY == EVERY - 1 or number == kills - 1:
+                left["litter"] += _litter(way, folder, news)
+            for output in way.outputs:
+                _restore(folder, olds, output)
+    return left
+
+
+def _litter(way: WayOut, folder: Path, news: Path) -> int:
+    """How much is beside the outputs after a run that was left alone; checks that it is right."""
+    _finished(way.new, folder)
+    for output in way.outputs:
+        if output not in way.varying and contents(folder, output) != contents(news, output):
+            raise SystemExit(f"{way.name}: {output} is wrong after a run that was left alone")
+    strange = [path.name for path in folder.iterdir() if path.name not in way.outputs]
+    strange += [path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)]
+    if strange:
+        print(f"{way.name}: litter: {', '.join(sorted(set(strange)))}", flush=True)
+    return len(set(strange))
+
+
+def _restore(folder: Path, olds: Path, output: str) -> None:
+    place, old = folder / output, olds / output
+    if output == "cache":
+        return  # the next run is to go on with it
+    if place.is_dir():
+        shutil.rmtree(place)
+    place.unlink(missing_ok=True)
+    if old.is_dir():
+        shutil.copytree(old, place)
+    elif old.exists():
+        shutil.copy(old, place)
+
+
+def _started(arguments: Sequence[str], folder: Path) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, *arguments],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+def _finished(arguments: Sequence[str], folder: Path) -> None:
+    subprocess.run([sys.executable, *arguments], cwd=folder, check=True, timeout=PATIENCE)
+
+
+def make_series(folder: Path) -> tuple[Path, Path]:
+    """A small plant's scans, and its clip."""
+    series, clip = folder / "scans", folder / "plant.gclip"
+    grown = ["-m", "baker.grow", "maize", str(series), "--scans", "4", "--points", "800", "-q"]
+    _finished(grown, folder)
+    _finished(["-m", "baker", "-q", str(series), "-o", str(clip)], folder)
+    return series, clip
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", default="", help="names, with commas between")
+    asked = parser.parse_args(argv)
+    with tempfile.TemporaryDirectory() as name:
+        ways = ways_out(*make_series(Path(name)))
+        if asked.only:
+            ways = [way for way in ways if way.name in asked.only.split(",")]
+        total: Counter[str] = Counter()
+        for number, way in enumerate(ways):
+            kills = asked.kills * (number + 1) // len(ways) - asked.kills * number // len(ways)
+            left = try_out(way, kills, asked.seed)
+            print(f"{way.name}: {_told(left)}", flush=True)
+            total += left
+    print(f"all: {_told(total)}")
+    return 1 if total["broken"] or total["litter"] else 0
+
+
+def _told(left: Counter[str]) -> str:
+    names = ("killed", "too late", "old", "new", "broken", "litter")
+    return ", ".join(f"{left[name]} {name}" for name in names)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,225 @@
+"""What a disk, a user or another program does to a bake: one sentence, nothing lost, no litter."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from baker import InputError, Options
+from baker.cli import main
+from baker.pipeline import bake_recorded
+
+LIGHT = ("--paths", "straight")  # a clip that is smaller than its report
+PLAIN = Options(align="none", up="z", workers=1)
+LIMITED = """
+import os, resource, sys
+from baker.cli import main
+import baker.pipeline, safetensors.numpy, rich.console
+import {modules}
+{limit}
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def one_sentence(text: str, *words: str) -> bool:
+    lines = text.strip().splitlines()
+    return len(lines) == 1 and lines[0].startswith("bake: ") and all(w in lines[0] for w in words)
+
+
+def listing(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else b"folder"
+        for path in sorted(folder.rglob("*"))
+    }
+
+
+@pytest.fixture
+def output(tmp_path) -> Path:
+    """A clip's name in a folder that holds an older file of that name."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    for name in ("plant.gclip", "report.html", "traits.csv"):
+        (folder / name).write_text("old")
+    return folder / "plant.gclip"
+
+
+def limited(limit: str, *arguments: object) -> subprocess.CompletedProcess:
+    """`bake` in a process that has limited itself."""
+    code = LIMITED.format(limit=limit, modules="baker.report, baker.traits, measure.table")
+    command = [sys.executable, "-c", code, *map(str, arguments), "-q", "--align", "none"]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+def test_a_scan_that_vanishes_is_named(write_scans):
+    folder = write_scans()
+
+    def take_away(stage: str, done: int, total: int) -> None:
+        if stage == "reading" and done == 1:
+            (folder / "day01.txt").unlink(missing_ok=True)
+
+    with pytest.raises(InputError, match=r"day01\.txt' can't be read: No such file"):
+        bake_recorded([folder], PLAIN, take_away)
+
+
+@pytest.mark.parametrize("harm", ["grows", "is cut", "breaks", "goes"])
+def test_a_scan_that_changes_while_it_is_read_is_named(write_scans, monkeypatch, harm):
+    from baker.scans import read
+
+    load = read._load
+
+    def load_and_change(path, options):
+        if path.name != "day01.txt":
+            return load(path, options)
+        if harm == "breaks":
+            path.write_text("1 2 3 0\n4 5")
+            return load(path, options)
+        cloud = load(path, options)
+        text = path.read_text()
+        if harm == "goes":
+            path.unlink()
+        else:
+            path.write_text(text + "0 0 0 0\n" if harm == "grows" else text[:-9])
+        return cloud
+
+    monkeypatch.setattr(read, "_load", load_and_change)
+    said = "can't be read" if harm == "goes" else "changed while it was read"
+    with pytest.raises(InputError, match=rf"day01\.txt' {said}"):
+        bake_recorded([write_scans()], PLAIN)
+
+
+@pytest.mark.parametrize("also", [[], ["report"], ["traits"]], ids=["clip", "report", "traits"])
+def test_an_output_folder_that_goes_is_said(write_scans, output, monkeypatch, capsys, also):
+    import baker.pipeline
+
+    solve = baker.pipeline.solve_intervals
+
+    def solve_and_remove(*arguments, **named):
+        found = solve(*arguments, **named)
+        shutil.rmtree(output.parent)
+        return found
+
+    monkeypatch.setattr(baker.pipeline, "solve_intervals", solve_and_remove)
+    options = {"report": ["--report", output.parent / "r.html"]}
+    options["traits"] = ["--traits", output.parent / "t.csv"]
+    arguments = [write_scans(), "-o", output, "-q", *[x for name in also for x in options[name]]]
+    assert main([str(argument) for argument in arguments]) == 2
+    assert one_sentence(capsys.readouterr().err, "can't be written", "No such file")
+    assert not output.parent.exists()
+
+
+@pytest.mark.parametrize(
+    ("size", "failing"), [(2_000, "plant.gclip"), (60_000, "report.html")], ids=["clip", "report"]
+)
+def test_a_full_disk_is_said_and_the_old_file_stays(write_scans, output, size, failing):
+    """A process may be held to files of some size: to it, the disk is full."""
+    limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
+    report = output.with_name("report.html")
+    done = limited(limit, write_scans(), "-o", output, "--report", report, *LIGHT)
+    assert done.returncode == 2, done.stderr
+    assert one_sentence(done.stderr, failing, "can't be written", "too large")
+    left = listing(output.parent)
+    assert set(left) == {"plant.gclip", "report.html", "traits.csv"}
+    assert left[failing] == b"old"
+
+
+def test_a_disk_that_is_really_full(write_scans, tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("a disk of 64 kB can't be mounted here")
+    try:
+        (disk / "plant.gclip").write_text("old")
+        kept = [write_scans(), "-o", disk / "plant.gclip", "--cache", disk / "cache"]
+        done = limited("", *kept, "--precision", "float32")
+        assert done.returncode == 2
+        assert one_sentence(done.stderr, "plant.gclip can't be written", "No space left on device")
+        assert (disk / "plant.gclip").read_text() == "old"
+        assert not list(disk.glob(".*"))
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+@pytest.fixture
+def read_only(output):
+    """The output's folder, which takes no new file: not even root's."""
+    folder = output.parent
+    if os.getuid():
+        folder.chmod(0o555)
+        yield folder
+        folder.chmod(0o755)
+        return
+    if shutil.which("chattr") is None or subprocess.run(["chattr", "+i", folder]).returncode:
+        pytest.skip("to root, no folder can be made read-only here")
+    yield folder
+    subprocess.run(["chattr", "-i", folder], check=True)
+
+
+def test_a_read_only_folder_is_said(write_scans, read_only, tmp_path, capsys):
+    folder, cache = write_scans(), read_only / "cache"
+    for place in (
+        ["-o", read_only / "plant.gclip"],
+        ["-o", tmp_path / "p.gclip", "--cache", cache],
+    ):
+        assert main([str(argument) for argument in (folder, *place, "-q")]) == 2
+        assert one_sentence(capsys.readouterr().err, "ermi")  # permission denied, or not permitted
+    left = listing(read_only)
+    assert set(left) == {"plant.gclip", "report.html", "traits.csv"}
+    assert set(left.values()) == {b"old"}
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_stopping_is_one_sentence_and_leaves_nothing(write_scans, output, number):
+    command = [sys.executable, "-m", "baker", str(write_scans(days=range(8))), "-o", str(output)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    first = process.stderr.readline()
+    process.send_signal(number)
+    said = process.communicate(timeout=60)[1]
+    assert first.startswith("reading")
+    assert process.returncode == 128 + number
+    assert said.splitlines()[-1] == "bake: stopped; nothing half-written is left behind."
+    assert "Traceback" not in said
+    assert set(listing(output.parent)) == {"plant.gclip", "report.html", "traits.csv"}
+    assert output.read_text() == "old"
+
+
+def test_nothing_is_written_outside_the_output_and_the_cache(write_scans, tmp_path):
+    """But compiled code, which Python and numba keep (docs/cache.md)."""
+    scans = write_scans(days=(0, 1))
+    places = {name: tmp_path / name for name in ("home", "temporary", "here", "out", "cache")}
+    for place in places.values():
+        place.mkdir()
+    before = listing(scans)
+    inherited = {key: value for key, value in os.environ.items() if not key.startswith("XDG_")}
+    environment = {
+        **inherited,
+        "HOME": str(places["home"]),
+        "TMPDIR": str(places["temporary"]),
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+    }
+    out = places["out"]
+    command = [sys.executable, "-m", "baker", scans, "-o", out / "plant.gclip", "-q"]
+    also = ["--report", out / "report.html", "--traits", out / "traits.csv"]
+    began = time.time()
+    subprocess.run(
+        [*map(str, command), *map(str, also), "--cache", str(places["cache"])],
+        cwd=places["here"],
+        env=environment,
+        check=True,
+        timeout=120,
+    )
+    assert listing(scans) == before
+    assert listing(places["temporary"]) == listing(places["here"]) == {}
+    compiled = (".cache/numba", ".cache/mesa")
+    left = [name for name in listing(places["home"]) if not name.startswith(compiled)]
+    assert set(left) <= {".cache"}
+    assert set(listing(out)) == {"plant.gclip", "report.html", "traits.csv"}
+    assert len([name for name in listing(places["cache"]) if name.endswith(".gclip")]) == 1
+    project = Path(__file__).parents[2] / "baker"
+    new = [path for path in project.rglob("*") if path.is_file() and path.stat().st_ctime >= began]
+    assert not [path for path in new if path.parent.name != "__pycache__" and path.suffix != ".py"]
