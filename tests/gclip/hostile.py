@@ -126,8 +126,8 @@ def _clip(
 def hostile(random: Random) -> bytes:
     """One file."""
     few = good_clips()[:-1]
-    text, content, listed = random.choice(few) if random.random() < 0.995 else good_clips()[-1]
-    if random.random() < 0.003:
+    text, content, listed = random.choice(few) if random.random() < 0.9995 else good_clips()[-1]
+    if random.random() < 0.001:
         return _contained(random.choice(BOMBS)(random), content, listed)
     if random.random() < 0.1:
         text = _extreme(text, random)
