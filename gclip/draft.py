@@ -91,9 +91,18 @@ def sync(part: Path) -> None:
 
 def sweep(path: Path) -> None:
     """Remove the drafts of `path` whose processes are dead. What can't be removed stays."""
-    ours = re.compile(re.escape(f".{path.name}.") + r"\w{8}" + re.escape(SUFFIX))
+    _sweep(path.parent, re.escape(path.name))
+
+
+def sweep_all(folder: Path, suffix: str) -> None:
+    """The same for all outputs in a folder whose names end in `suffix`."""
+    _sweep(folder, ".*" + re.escape(suffix))
+
+
+def _sweep(folder: Path, names: str) -> None:
+    ours = re.compile(r"\." + names + r"\.\w{8}" + re.escape(SUFFIX), re.DOTALL)
     with suppress(OSError):
-        for entry in os.scandir(path.parent):
+        for entry in os.scandir(folder):
             if ours.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False):
                 _remove_if_dead(Path(entry.path))
 

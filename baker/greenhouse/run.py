@@ -19,6 +19,7 @@ from baker.greenhouse.traits import TraitsTable
 from baker.greenhouse.work import Job, Outcome
 from baker.options import Options
 from baker.workers import worker_count
+from gclip.draft import sweep_all
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ def bake_all(plants: Sequence[Plant], options: Options, order: Order) -> int:
         outcomes.sort(key=lambda one: place[one.name])
         if table:
             table.save(one.name for one in outcomes if one.state != "failed")
+    sweep_all(order.clips, ".gclip")  # what killed processes had not yet put away
     _tell(outcomes, order, time.perf_counter() - began)
     return exit_code(outcomes)
 
