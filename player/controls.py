@@ -37,6 +37,7 @@ class Controls:
         self.touched = 0
         self._button = ""
         self._pressed_at = (0.0, 0.0)
+        self._unseen = self._let_go = False  # of a press on the panel
 
     @property
     def scrubbing(self) -> bool:
@@ -64,8 +65,18 @@ class Controls:
         self.held, self._button = place or keys.drag_for(button, shift), button
         self._pressed_at = self.cursor
         self.touched += place == PANEL
+        self._unseen = place == PANEL
         if self.scrubbing:
             self._scrub()
+
+    def drawn(self) -> None:
+        """The panel has seen what is held. A click may be shorter than a picture takes to draw:
+        until then a button that went up again counts as held.
+        """
+        self._unseen = False
+        if self._let_go:
+            self._let_go, self.held = False, None
+            self.touched += 1
 
     def move(self, x: float, y: float) -> None:
         """The cursor came to (x, y), in units."""
@@ -85,6 +96,10 @@ class Controls:
     def release(self, button: str) -> None:
         """A mouse button went up; a button on the screen acts if the cursor is still on it."""
         if button != self._button:
+            return
+        if self._unseen:
+            self._let_go, self._button = True, ""
+            self.touched += 1
             return
         held, self.held, self._button = self.held, None, ""
         if not (self.cursor and self.layout):

@@ -360,6 +360,7 @@ class Window:
         if self._overlay.chosen is not scene and self._overlay.chosen is not None:
             controls.scene = self._overlay.chosen
         controls.popup = self._overlay.popup
+        controls.drawn()
         if moves:
             self._pace.took(self._glfw.get_time() - began)
         self._drawn, self._view = wanted, view

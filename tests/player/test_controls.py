@@ -6,7 +6,7 @@ import pytest
 
 from player.camera import Camera
 from player.controls import Controls
-from player.layout import arrange
+from player.layout import PANEL, arrange
 from player.scene import Scene
 from player.style import Style
 from player.timeline import Timeline
@@ -166,3 +166,19 @@ def test_nothing_happens_before_the_first_picture() -> None:
     controls.release("left")
     controls.leave()
     assert controls.cursor is None
+
+
+def test_a_click_on_the_panel_is_held_until_it_was_drawn(controls: Controls) -> None:
+    controls.move(1100.0, 100.0)
+    controls.press("left")
+    controls.release("left")
+    assert controls.held == PANEL, "no picture has shown it yet"
+    touched = controls.touched
+    controls.drawn()
+    assert controls.held is None
+    assert controls.touched > touched, "the panel is drawn again, and sees the button up"
+    controls.press("left")
+    controls.drawn()
+    assert controls.held == PANEL
+    controls.release("left")
+    assert controls.held is None
