@@ -1,0 +1,131 @@
+"""An export that is killed, stopped or finds no room: what was there stays, and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SMALL = ["--size", "64x48", "--fps", "10", "-q"]
+LIMITED = """
+import resource, sys
+from player.cli import main
+import player.export, PIL.Image, imageio_ffmpeg
+resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.fixture
+def clip(make_clip: Any, tmp_path: Path) -> Path:
+    path = tmp_path / "plant.gclip"
+    make_clip().save(path)
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder that holds older outputs."""
+    folder = tmp_path / "out"
+    (folder / "frames").mkdir(parents=True)
+    for name in ("film.mp4", "page.html", "plant.glb", "frames/0000.png"):
+        (folder / name).write_text("old")
+    return folder
+
+
+def intact(folder: Path) -> bool:
+    files = {str(p.relative_to(folder)): p for p in folder.rglob("*") if p.is_file()}
+    names = {"film.mp4", "page.html", "plant.glb", "frames/0000.png"}
+    drafts = list(folder.rglob(".*"))
+    return set(files) == names and not drafts and {p.read_text() for p in files.values()} == {"old"}
+
+
+def test_killed_exports_break_nothing_and_leave_no_litter() -> None:
+    command = [sys.executable, "-m", "bench.kill", "--kills", "3", "--only", "png"]
+    root = Path(__file__).parents[2]
+    done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 broken, 0 litter" in done.stdout.splitlines()[-1]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stopped_export_says_so_and_leaves_nothing(
+    clip: Path, folder: Path, number: signal.Signals
+) -> None:
+    command = [sys.executable, "-m", "player", str(clip), "--export", str(folder / "film.mp4")]
+    process = subprocess.Popen(
+        [*command, *SMALL, "--seconds", "600"], stderr=subprocess.PIPE, text=True
+    )
+    while not any(path.name.startswith(".film") for path in folder.iterdir()):
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(number)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 128 + number
+    assert said == "play: stopped; nothing half-written is left behind.\n"
+    assert intact(folder)
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "page.html", "plant.glb", "frames/%04d.png"])
+def test_a_full_disk_is_one_sentence(clip: Path, folder: Path, name: str) -> None:
+    """The process may write files of 600 bytes only: to it, the disk is full."""
+    arguments = [str(clip), "--export", str(folder / name), *SMALL]
+    if name != "plant.glb":
+        arguments += ["--seconds", "1"] if "%" in name or "mp4" in name else []
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, *arguments], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith("play: ")
+    assert "too large" in done.stderr or "encoded" in done.stderr
+    assert intact(folder)
+
+
+def test_a_sequence_appears_at_once_and_spares_what_else_is_there(clip: Path, folder: Path) -> None:
+    from player.cli import main
+
+    (folder / "frames" / "notes.txt").write_text("mine")
+    arguments = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL, "--seconds", "0.5"]
+    assert main(arguments) == 0
+    names = {path.name for path in (folder / "frames").iterdir()}
+    assert names == {"notes.txt", *(f"{number:04d}.png" for number in range(len(names) - 1))}
+    assert len(names) > 4
+    assert (folder / "frames" / "notes.txt").read_text() == "mine"
+    assert (folder / "frames" / "0000.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize("place", ["stood in", "with folders", "linked to"])
+def test_a_sequence_goes_where_a_folder_cannot_be_replaced(
+    clip: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    from player.cli import main
+
+    frames = folder / "frames"
+    if place == "stood in":
+        monkeypatch.chdir(frames)
+        frames = Path()
+    elif place == "with folders":
+        (frames / "more").mkdir()
+    else:
+        shutil.move(frames, folder / "elsewhere")
+        frames.symlink_to("elsewhere")
+    arguments = [str(clip), "--export", str(frames / "%04d.png"), *SMALL, "--seconds", "0.5"]
+    assert main(arguments) == 0
+    assert (folder / "frames").is_symlink() == (place == "linked to")
+    assert (frames / "0000.png").read_bytes()[:4] == b"\x89PNG"
+    assert not list(folder.rglob(".*"))
+
+
+def test_a_sequence_into_a_file_is_refused(clip: Path, folder: Path, capsys: Any) -> None:
+    from player.cli import main
+
+    assert main([str(clip), "--export", str(folder / "film.mp4" / "%04d.png"), *SMALL]) == 2
+    assert "film.mp4 is a file, not a folder" in capsys.readouterr().err
+    assert intact(folder)
