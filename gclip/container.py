@@ -19,9 +19,7 @@ from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
-LONGEST_HEADER = (
-    8 << 20
-)  # bytes, and a quarter of the file: a clip is movers, not their description
+LONGEST_HEADER = 8 << 20  # bytes, and a quarter of the file: a clip is movers before all
 ATTEMPTS = 5  # at a file that is replaced while it is opened
 
 
@@ -79,6 +77,8 @@ def check_whole(buffer: NDArray[Any]) -> None:
 
 def open_container(path: Path) -> Container:
     """Map a file. Raises ClipError, without the file's name, where it is no whole container."""
+    if "\0" in os.fspath(path):
+        raise ClipError("no such file")
     try:
         for _ in range(ATTEMPTS):
             found = _mapped(path)
