@@ -8,7 +8,7 @@ errors stand in the clip's own colours, in a copy of it (against.py).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from gclip.color import srgb_to_linear
 from player.against import Errors
+from player.errors import PlayerError
 from player.style import Style
 
 if TYPE_CHECKING:
@@ -116,6 +117,22 @@ class Colors:
         """
         scale = self.scale(style) if chosen(self._clip, style) == "error" else None
         return self._clip if scale is None else self._errors.painted(scale.colors(), scale.high)
+
+    def baked(self, style: Style) -> Clip:
+        """The clip to write into files that hold one colour a mover: as `worn`, and without the
+        scans' colours where a style shows the organs'. Raises PlayerError for other values, which
+        change while the plant grows.
+        """
+        name = chosen(self._clip, style)
+        if self.value(style) is not Value.NONE or name == "age":
+            raise PlayerError(
+                f"--color {name} changes while the plant grows: it is for pictures and films; "
+                "point files take scan, track or error."
+            )
+        if name != "track":
+            return self.worn(style)
+        bare = [replace(i, start_colors=None, end_colors=None) for i in self._clip.intervals]
+        return replace(self._clip, intervals=tuple(bare))
 
     def value(self, style: Style) -> Value:
         return {"height": Value.HEIGHT, "speed": Value.SPEED}.get(

@@ -36,6 +36,7 @@ class Format:
     check:    raises PlayerError, before any work, for a film that it can't hold.
     sequence: numbered files, one a moment: the name has a place for a number.
     picture:  drawn, so that size, colours and stamps count.
+    points:   one colour for each of the movers is all that it holds of colours.
     days:     how many --day it takes: 0, 1, or 2 for any number.
     also:     other suffixes that ask for it.
     """
@@ -46,6 +47,7 @@ class Format:
     check: Check = lambda film: None
     sequence: bool = False
     picture: bool = False
+    points: bool = False
     days: int = 0
     also: tuple[str, ...] = ()
 
@@ -68,7 +70,9 @@ def export(
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
     if chosen.picture:
         stamp.check(film.stamps, clip, film)
-    chosen.write(Colors(clip).worn(film.style), film, path, progress)
+    colors = Colors(clip)
+    worn = colors.baked(film.style) if chosen.points else colors.worn(film.style)
+    chosen.write(worn, film, path, progress)
 
 
 def format_of(path: Path, film: Film) -> Format:
@@ -171,15 +175,18 @@ FORMATS: tuple[Format, ...] = (
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
     ),
     Format("plant.html", "one page to turn and play in any browser, offline", _from("page")),
-    Format("cloud.ply", "one point cloud, for any program", _from("ply"), days=1),
+    Format("cloud.ply", "one point cloud, for any program", _from("ply"), points=True, days=1),
     Format(
         "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
-        _from("ply", "write_sequence"), sequence=True, days=2,
+        _from("ply", "write_sequence"), sequence=True, points=True, days=2,
     ),
-    Format("plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb")),
+    Format(
+        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb"),
+        points=True,
+    ),
     Format(
         "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", _from("usd"),
-        usd.check, also=(".usda", ".usdc"),
+        usd.check, points=True, also=(".usda", ".usdc"),
     ),
     Format(
         "traits.csv", "height, length, area, volume, angle, growth of each organ", _from("table"),

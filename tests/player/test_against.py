@@ -96,6 +96,20 @@ def test_files_carry_the_errors_as_colors(clip: Clip, tmp_path: Path) -> None:
     assert np.array_equal(found, Colors(clip).worn(ERROR).at(DAY).colors)
 
 
+def test_point_files_take_the_organs_colors_and_refuse_what_changes(
+    clip: Clip, tmp_path: Path
+) -> None:
+    film = Film(at=(DAY,), style=Style(color_by="track"))
+    export(clip, film, tmp_path / "cloud.ply")
+    vertices = PlyData.read(tmp_path / "cloud.ply")["vertex"]
+    found = np.column_stack([vertices[name] for name in ("red", "green", "blue", "alpha")])
+    assert np.array_equal(found, clip.palette[vertices["scalar_label"].astype(int)])
+    for name in ("age", "speed", "height"):
+        with pytest.raises(PlayerError, match=f"--color {name} changes"):
+            export(clip, Film(style=Style(color_by=name)), tmp_path / "plant.glb")
+    assert not (tmp_path / "plant.glb").exists()
+
+
 def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     make_clip: Any, tmp_path: Path, capsys: Any
 ) -> None:
