@@ -44,6 +44,7 @@ CAMERA_FILES = ("camera.toml", "camera.json")
 
 LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
 WIDEST = 100  # pixels along a border
+LONGEST_FILE = 1 << 16  # bytes; parsers of nested text take many times as much
 
 _MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
 
@@ -178,6 +179,11 @@ class _Table:
 
 def _parse(path: Path) -> Mapping[str, Any]:
     try:
+        if path.stat().st_size > LONGEST_FILE:
+            raise InputError(
+                f"'{path}' has {path.stat().st_size} bytes; a camera is told in at most "
+                f"{LONGEST_FILE}."
+            )
         text = path.read_text(encoding="utf-8-sig")
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except OSError as error:

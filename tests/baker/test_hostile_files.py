@@ -162,8 +162,9 @@ def test_what_a_file_says_cannot_command_the_terminal(tmp_path):
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("camera.toml", lambda text: text + "deep = " + "[" * 100_000),
-        ("camera.json", lambda text: "[" * 100_000),
+        ("camera.toml", lambda text: text + "deep = " + "[" * 50_000),
+        ("camera.json", lambda text: "[" * 50_000),
+        ("camera.toml", lambda text: text + "#" * 100_000),
         ("camera.json", lambda text: '{"fx": NaN, "fy": 1, "cx": 1, "cy": 1}'),
         ("camera.json", lambda text: '{"fx": 1e-320, "fy": 1, "cx": 1, "cy": 1}'),
         ("camera.toml", lambda text: text.replace("100.0", "9" * 400)),
