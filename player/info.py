@@ -43,6 +43,15 @@ def print_info(console: Console, clip: Clip, path: Path) -> None:
         lambda s: (s.name, s.date, f"{s.time - first.time:g}", f"{s.points:,}"),
         numbers=2,
     )
+    if clip.held_out:
+        _table(
+            console,
+            "Scans left out, to compare with",
+            ("scan", "date", clip.time_unit, "points"),
+            clip.held_out,
+            lambda s: (s.name, s.date, f"{s.time - first.time:g}", f"{len(s.positions):,}"),
+            numbers=2,
+        )
     _table(
         console,
         "Intervals",

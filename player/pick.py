@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,11 +12,33 @@ from player.camera import Camera
 
 if TYPE_CHECKING:
     from gclip import Clip
+    from player.compare import Pane
     from player.style import Style
 
 MOST = 400_000  # movers that are looked at; a fair sample of them where there are more
 REACH = 10.0  # units from the cursor within which an organ counts as hit
 LAYER = 0.04  # of the scene's radius: how far behind the nearest a mover is still beside it
+
+
+def organ_under(
+    clip: Clip,
+    panes: Sequence[Pane],
+    style: Style,
+    at: tuple[float, float],
+    size: tuple[float, float],
+) -> tuple[bool, int | None]:
+    """Whether a place in a window is over a pane of its first clip, and the organ seen there.
+
+    at, size: the place from the top left corner, and the window's (width, height), in units.
+    """
+    width, height = size
+    for pane in panes:
+        left, right = pane.left * width, pane.right * width
+        if pane.clip == 0 and left <= at[0] < right:
+            whole = (right - left, height) if pane.own else size
+            inside = (at[0] - (left if pane.own else 0.0), at[1])
+            return True, organ_at(clip, pane.day, pane.camera, style, inside, whole)
+    return False, None
 
 
 def organ_at(

@@ -19,6 +19,7 @@ LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
 BUBBLE_ABOVE, BUBBLE_HEIGHT, PADDING, SPACE = 40.0, 32.0, 12.0, 9.0
 DOT, HANDLE = 5.0, 8.0
 EVENT = 13.0  # from the line to the marks of births and losses
+LEFT_OUT = 6.0  # half of the stroke where a scan was left out
 BRACKET = 9.0  # half the height of the brackets about the part that is played
 
 
@@ -88,7 +89,12 @@ def _draw_range(
 
 
 def _draw_events(canvas: Canvas, theme: Theme, layout: Layout, clip: Clip) -> None:
-    """Births above the line, losses below it, at the scans that first show them."""
+    """Births above the line, losses below it, at the scans that first show them; and strokes
+    across it where scans were left out.
+    """
+    for held in clip.held_out:
+        x = layout.x_of(held.time)
+        canvas.line((x, layout.line - LEFT_OUT), (x, layout.line + LEFT_OUT), theme.muted, 2.0)
     for scan, (born, lost) in zip(clip.scans, events(clip), strict=True):
         x = layout.x_of(scan.time)
         for count, side, paint in ((born, -1.0, theme.accent), (lost, 1.0, theme.loss)):

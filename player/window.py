@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from gclip.errors import ClipError
 from player import keys
-from player.camera_path import CameraPath, load_path
+from player.camera_path import load_path
 from player.choices import Compare
 from player.compare import Pair, Pane, panes_of
 from player.controls import Controls
@@ -28,6 +28,7 @@ from player.scene import Scene
 from player.screen import events_to, hide_cursor, opened, shortest_frame, switch_fullscreen
 from player.show import FileWatch, Shown
 from player.style import Style
+from player.suited import reopened, suited
 from player.timeline import Timeline
 from player.wishes import granted
 
@@ -115,7 +116,7 @@ class Window:
         camera = home_camera(shown[0].clip, (16.0, 9.0))
         timeline = Timeline.of(shown[0].clip.times).played()
         scene = Scene(timeline, camera, camera, style, False)
-        self._controls = Controls(prepare(self._fitting(scene)))
+        self._controls = Controls(prepare(suited(scene, shown)))
         self._fit()
         self._fitted()
         events_to(handle, self._controls, self._to_units, self._draw_again, self._dropped.extend)
@@ -183,26 +184,6 @@ class Window:
         self._pair: Pair | None = None
         self._drawn = self._view = self._shape = None
 
-    def _fitting(self, scene: Scene) -> Scene:
-        """A scene as these clips allow it."""
-        clip, style = self._shown[0].clip, scene.style
-        organs = len(clip.track_table)
-        if scene.organs != organs and style.marked:
-            scene = scene.styled(scene.notice, picked=None, alone=None, hidden=frozenset())
-        if style.color_by == "error" and not clip.held_out:
-            scene = scene.styled(scene.notice, color_by="auto")
-        compare = scene.compare
-        if len(self._shown) != scene.clips:
-            compare = Compare.BESIDE if len(self._shown) > 1 else Compare.OFF
-        return replace(
-            scene,
-            has_colors=clip.has_colors,
-            has_errors=bool(clip.held_out),
-            organs=organs,
-            clips=len(self._shown),
-            compare=compare,
-        )
-
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
@@ -247,19 +228,11 @@ class Window:
 
     def _take(self, shown: Sequence[Shown], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""
-        scene, times = self._controls.scene, tuple(shown[0].clip.times)
+        scene = self._controls.scene
         self._show(tuple(shown))
-        untouched = fresh or scene.camera == scene.home
-        timeline = replace(scene.timeline, times=times, begin=None, end=None)
-        timeline = timeline.at(times[0] if fresh else timeline.day)
-        path = CameraPath() if fresh else scene.path
-        scene = replace(
-            scene, timeline=timeline, path=path, following=bool(path and scene.following)
-        )
-        told = f"Opened {shown[0].name}" if fresh else "Baked anew: loaded again"
-        self._controls.scene = self._fitting(scene).told(told)
+        self._controls.scene = reopened(scene, shown, fresh)
         self._fit()
-        if untouched:
+        if fresh or scene.camera == scene.home:
             self._fitted()
 
     def _answer_click(self) -> None:
@@ -268,16 +241,12 @@ class Window:
         clicked, controls.clicked = controls.clicked, None
         if clicked is None or scene.kiosk or controls.layout is None:
             return
-        from player.pick import organ_at
+        from player.pick import organ_under
 
-        width, height = controls.layout.size
-        for pane in self._panes(scene):
-            left, right = pane.left * width, pane.right * width
-            if pane.clip == 0 and left <= clicked[0] < right:
-                size = (right - left, height) if pane.own else (width, height)
-                at = (clicked[0] - (left if pane.own else 0.0), clicked[1])
-                track = organ_at(self._shown[0].clip, pane.day, pane.camera, scene.style, at, size)
-                controls.scene = keys.picked(scene, track)
+        panes, clip = self._panes(scene), self._shown[0].clip
+        over, track = organ_under(clip, panes, scene.style, clicked, controls.layout.size)
+        if over:
+            controls.scene = keys.picked(scene, track)
 
     def _follow_window(self) -> None:
         """Take over the window's present size, and give it the state that the scene asks for."""
