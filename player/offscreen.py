@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -41,16 +42,22 @@ class Offscreen:
         self.clip = clip
         self.size = size
         self._supersample = supersample
+        self._made = ExitStack()
         self._begin()
 
     def _begin(self) -> None:
         from player.renderer import Renderer
 
-        self.context = headless()
-        self._supersample = samples_within(self.context, self.size, self._supersample)
-        self._renderer = Renderer(self.context, self.clip, self._supersample)
-        with pictures_of(self.size):
-            self._framebuffer = self.context.simple_framebuffer(self.size)
+        with ExitStack() as made:
+            self.context = headless()
+            made.callback(self.context.release)
+            self._supersample = samples_within(self.context, self.size, self._supersample)
+            self._renderer = Renderer(self.context, self.clip, self._supersample)
+            made.callback(self._renderer.release)
+            with pictures_of(self.size):
+                self._framebuffer = self.context.simple_framebuffer(self.size)
+            made.callback(self._framebuffer.release)
+            self._made = made.pop_all()
 
     @cached_property
     def home(self) -> Camera:
@@ -87,10 +94,8 @@ class Offscreen:
         return pixels.reshape(height, width, 4)[::-1]
 
     def release(self) -> None:
-        """Give the context back."""
-        self._renderer.release()
-        self._framebuffer.release()
-        self.context.release()
+        """Give the context back, if that has not been done."""
+        self._made.close()
 
     def __enter__(self) -> Offscreen:
         return self

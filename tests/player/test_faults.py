@@ -192,6 +192,20 @@ def test_a_reset_driver_is_begun_with_anew(
         render(clip, 1.0, SIZE)
 
 
+def test_a_driver_that_does_not_come_back_is_a_sentence(
+    make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Offscreen(make_clip(), SIZE) as offscreen:
+
+        def gone() -> None:
+            raise PlayerError("there is no driver any more.")
+
+        monkeypatch.setattr("player.offscreen.headless", gone)
+        report(monkeypatch, "GL_CONTEXT_LOST")
+        with pytest.raises(PlayerError, match="no driver any more"):
+            offscreen.picture(1.0)
+
+
 def test_movers_make_room_on_a_full_gpu(
     context: moderngl.Context, make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
