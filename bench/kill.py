@@ -2,8 +2,9 @@
 
     python -m bench.kill [--kills 200] [--seed 0] [--only bake,mp4,...]
 
-Every way out is started as a process of its own and killed (SIGKILL), half of the time at any
-moment of its run, half of the time within 50 ms after its draft appears, which is when it writes.
+Every way out runs in a process of its own, forked from one that has imported all it needs, and is
+killed (SIGKILL), half of the time at any moment, half of the time within 50 ms after its draft
+appears, which is when it writes.
 What is then at the output must be what was there before, or what a run that is left alone writes;
 nothing else. Now and then a run is left alone: nothing but the output may be beside it afterwards.
 """
@@ -11,22 +12,30 @@ nothing else. Now and then a run is left alone: nothing but the output may be be
 from __future__ import annotations
 
 import argparse
+import multiprocessing
+import os
 import random
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
+from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
 DRAFT = re.compile(r"\..+\.\w{8}\.part")
 SOON = 0.05  # seconds after a draft appears
 EVERY = 10  # kills, after which a run is left alone
 PATIENCE = 300.0
+PRELOADED = [
+    *("baker.cli", "baker.grow.cli", "baker.pipeline", "baker.report.page", "measure.traits"),
+    *("player.cli", "player.export", "scipy.spatial", "scipy.sparse.csgraph", "numba", "moderngl"),
+    *("PIL.Image", "imageio_ffmpeg", "rich.progress", "safetensors.numpy", "ot"),
+]
 Files = dict[str, bytes]
 
 
@@ -34,12 +43,14 @@ Files = dict[str, bytes]
 class WayOut:
     """Something that writes.
 
-    arguments: of Python, for an old output and for a new one.
-    outputs:   relative paths; a folder's name stands for all files in it.
-    varying:   those that tell how long things took: they are whole if they end as they should.
+    module:   whose `main` is called.
+    old, new: its arguments, for an old output and for a new one.
+    outputs:  relative paths; a folder's name stands for all files in it.
+    varying:  those that tell how long things took: they are whole if they end as they should.
     """
 
     name: str
+    module: str
     old: Sequence[str]
     new: Sequence[str]
     outputs: Sequence[str]
@@ -49,21 +60,22 @@ class WayOut:
 def ways_out(series: Path, clip: Path) -> list[WayOut]:
     """Ways out that write into the folder that they are started in."""
     scans = [str(path) for path in sorted(series.glob("*.ply"))]
-    bake, play = ["-m", "baker", "-q"], ["-m", "player", str(clip), "-q"]
     also = ["--report", "report.html", "--traits", "traits.csv"]
     small = ["--size", "96x96", "--fps", "8"]
     found = [
         WayOut(
             "bake",
-            [*bake, *scans[:2], "-o", "plant.gclip", *also],
-            [*bake, *scans, "-o", "plant.gclip", *also],
+            "baker.cli",
+            ["-q", *scans[:2], "-o", "plant.gclip", *also],
+            ["-q", *scans, "-o", "plant.gclip", *also],
             ["plant.gclip", "report.html", "traits.csv"],
             ["report.html"],
         ),
         WayOut(
             "cache",
-            [*bake, *scans[:2], "-o", "plant.gclip"],
-            [*bake, *scans, "-o", "plant.gclip", "--cache", "cache"],
+            "baker.cli",
+            ["-q", *scans[:2], "-o", "plant.gclip"],
+            ["-q", *scans, "-o", "plant.gclip", "--cache", "cache"],
             ["plant.gclip", "cache"],
             ["cache"],
         ),
@@ -75,13 +87,13 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
         ("ply", "clouds/%04d.ply"),
         ("glb", "plant.glb"),
     ):
-        export = [*play, "--export", output]
+        export = [str(clip), "-q", "--export", output]
         export += small if name in ("mp4", "png") else []
         seconds = [["--seconds", s] if name in ("mp4", "png", "ply") else [] for s in ("1", "2")]
         other = ["--title", "old"] if name == "html" else []
         place = output.partition("/")[0]
         old = [*export, *seconds[0], *other]
-        found.append(WayOut(name, old, [*export, *seconds[1]], [place]))
+        found.append(WayOut(name, "player.cli", old, [*export, *seconds[1]], [place]))
     return found
 
 
@@ -89,18 +101,18 @@ def killed(way: WayOut, folder: Path, duration: float, chance: random.Random) ->
     """Start the way out and kill it; whether it was still running then."""
     before = set(folder.iterdir())
     at_draft, due = chance.random() < 0.5, chance.uniform(0, duration)
-    process = _started(way.new, folder)
+    process = _started(way.module, way.new, folder)
     began = time.monotonic()
-    while process.poll() is None:
+    while process.is_alive():
         late = time.monotonic() - began
         if at_draft and any(DRAFT.fullmatch(path.name) for path in {*folder.iterdir()} - before):
             at_draft, due = False, late + chance.uniform(0, SOON)
         if not at_draft and late >= due:
             break
         time.sleep(0.001)
-    running = process.poll() is None
+    running = process.is_alive()
     process.kill()
-    process.communicate()
+    process.join()
     return running
 
 
@@ -129,7 +141,7 @@ def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
         for place, arguments in ((olds, way.old), (news, way.new)):
             place.mkdir()
             began = time.monotonic()
-            _finished(arguments, place)
+            _finished(way.module, arguments, place)
             duration = time.monotonic() - began
         shutil.copytree(olds, folder)
         for number in range(kills):
@@ -153,7 +165,7 @@ def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
 
 def _litter(way: WayOut, folder: Path, news: Path) -> int:
     """How much is beside the outputs after a run that was left alone; checks that it is right."""
-    _finished(way.new, folder)
+    _finished(way.module, way.new, folder)
     for output in way.outputs:
         if output not in way.varying and contents(folder, output) != contents(news, output):
             raise SystemExit(f"{way.name}: {output} is wrong after a run that was left alone")
@@ -177,25 +189,32 @@ def _restore(folder: Path, olds: Path, output: str) -> None:
         shutil.copy(old, place)
 
 
-def _started(arguments: Sequence[str], folder: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        [sys.executable, *arguments],
-        cwd=folder,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+def _started(module: str, arguments: Sequence[str], folder: Path) -> ForkServerProcess:
+    processes = multiprocessing.get_context("forkserver")
+    processes.set_forkserver_preload(PRELOADED)
+    process = processes.Process(target=_run, args=(module, list(arguments), folder))
+    process.start()
+    return process
 
 
-def _finished(arguments: Sequence[str], folder: Path) -> None:
-    subprocess.run([sys.executable, *arguments], cwd=folder, check=True, timeout=PATIENCE)
+def _run(module: str, arguments: list[str], folder: Path) -> None:
+    os.chdir(folder)
+    sys.exit(import_module(module).main(arguments))
+
+
+def _finished(module: str, arguments: Sequence[str], folder: Path) -> None:
+    process = _started(module, arguments, folder)
+    process.join(PATIENCE)
+    if process.exitcode != 0:
+        raise SystemExit(f"{module} {' '.join(arguments)}: exit code {process.exitcode}")
 
 
 def make_series(folder: Path) -> tuple[Path, Path]:
     """A small plant's scans, and its clip."""
     series, clip = folder / "scans", folder / "plant.gclip"
-    grown = ["-m", "baker.grow", "maize", str(series), "--scans", "4", "--points", "800", "-q"]
-    _finished(grown, folder)
-    _finished(["-m", "baker", "-q", str(series), "-o", str(clip)], folder)
+    grown = ["maize", str(series), "--scans", "4", "--points", "500", "-q"]
+    _finished("baker.grow.cli", grown, folder)
+    _finished("baker.cli", ["-q", str(series), "-o", str(clip)], folder)
     return series, clip
 
 
