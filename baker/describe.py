@@ -69,5 +69,5 @@ def software() -> dict[str, dict[str, str]]:
     """The program and the packages its numbers come from, with their versions."""
     return {
         "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
-        "packages": {name: version(name) for name in ("numpy", "scipy", "POT", "ortools")},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "numba", "ortools")},
     }

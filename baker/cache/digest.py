@@ -59,7 +59,6 @@ def program_digest() -> str:
     The code itself and not only its version: an old result must not outlive a change.
     """
     import platform
-    from importlib.metadata import version
 
     import baker
     import gclip
@@ -71,4 +70,4 @@ def program_digest() -> str:
         for root in [Path(str(package.__file__)).parent]
         for path in sorted(root.rglob("*.py"))
     }
-    return digest(software(), version("numba"), platform.machine(), sources)
+    return digest(software(), platform.machine(), sources)
