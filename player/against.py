@@ -59,6 +59,36 @@ class Errors:
         ]
         return replace(self._clip, intervals=tuple(intervals))
 
+    def scan_as_clip(self, number: int, ramp: NDArray[np.uint8] | None, highest: float) -> Clip:
+        """A scan that was left out, by its number, as a clip that stands still: to be seen beside
+        the state that was rebuilt. Each of its points has the organ and the colour of the nearest
+        mover, or with a ramp the colour of the distance to it: what the clip lacks.
+        """
+        from scipy.spatial import cKDTree
+
+        from gclip import Group, Interval
+
+        clip, scan = self._clip, self._clip.held_out[number]
+        frame = clip.at(scan.time)
+        missed, nearest = cKDTree(frame.local).query(scan.positions)
+        interval = Interval(
+            start=clip.times[0],
+            end=clip.times[-1],
+            box=None,
+            groups=(Group(0, len(scan.positions)),),
+            start_positions=scan.positions,
+            end_positions=scan.positions,
+            control_positions=(),
+            tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
+        )
+        if ramp is not None:
+            interval = _painted(interval, missed / highest, ramp)
+        elif clip.has_colors:
+            paint = frame.colors[nearest]
+            interval = replace(interval, start_colors=paint, end_colors=paint)
+        ends = tuple(replace(clip.scans[end], points=len(scan.positions)) for end in (0, -1))
+        return replace(clip, scans=ends, intervals=(interval,), held_out=())
+
     def _of(self, index: int) -> NDArray[np.float64]:
         from scipy.spatial import cKDTree
 

@@ -118,6 +118,12 @@ class Colors:
         scale = self.scale(style) if chosen(self._clip, style) == "error" else None
         return self._clip if scale is None else self._errors.painted(scale.colors(), scale.high)
 
+    def left_out(self, number: int, style: Style) -> Clip:
+        """A scan that was left out, as a clip that wears a style's colours."""
+        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
+        ramp, highest = (None, 1.0) if scale is None else (scale.colors(), scale.high)
+        return self._errors.scan_as_clip(number, ramp, highest)
+
     def baked(self, style: Style) -> Clip:
         """The clip to write into files that hold one colour a mover: as `worn`, and without the
         scans' colours where a style shows the organs'. Raises PlayerError for other values, which

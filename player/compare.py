@@ -29,6 +29,7 @@ class Pane:
     left, right: the part, in shares of the width.
     own:         the part holds a whole picture; else it is cut out of one as wide as all of them.
     caption:     what is seen there, "" where there is nothing to tell.
+    left_out:    number of the scan that is seen instead, of those left out of the clip.
     """
 
     clip: int
@@ -38,6 +39,7 @@ class Pane:
     right: float = 1.0
     own: bool = True
     caption: str = ""
+    left_out: int | None = None
 
 
 @dataclass(frozen=True)
@@ -94,12 +96,23 @@ def panes_of(
         other = matched_day(first, clips[1], day)
         right = Pane(1, other, pair.transferred(scene.camera), caption=names[1])
     else:
-        scan = min(first.scans, key=lambda scan: abs(scan.time - day))
-        left = Pane(0, scan.time, scene.camera, caption=f"Scan of {scan.date}")
+        left = _nearest_scan(first, day, scene.camera)
         right = Pane(0, day, scene.camera, caption=f"Now, {date_at(first.scans, day)}")
     cut = scene.wipe if scene.compare is Compare.WIPE else 0.5
     own = scene.compare is Compare.BESIDE
     return replace(left, right=cut, own=own), replace(right, left=cut, own=own)
+
+
+def _nearest_scan(clip: Clip, day: float, camera: Camera) -> Pane:
+    """The scan nearest in time, be it one that was left out."""
+    scan = min(clip.scans, key=lambda scan: abs(scan.time - day))
+    number, held = min(
+        enumerate(clip.held_out), key=lambda entry: abs(entry[1].time - day), default=(0, None)
+    )
+    if held is not None and abs(held.time - day) < abs(scan.time - day):
+        caption = f"Left out: scan of {held.date}"
+        return Pane(0, held.time, camera, caption=caption, left_out=number)
+    return Pane(0, scan.time, camera, caption=f"Scan of {scan.date}")
 
 
 def matched_day(first: Clip, second: Clip, day: float) -> float:

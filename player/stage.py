@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 class Stage:
-    """One renderer for each clip, in one context, and one for its errors where they are shown.
+    """One renderer for each clip, in one context; others, made when first wanted, for its errors
+    and for the last scan shown of those left out.
 
     whole:   whether the last picture showed every mover.
     loading: whether movers came to the GPU for it, or their size is not known yet.
@@ -26,7 +27,10 @@ class Stage:
     def __init__(self, context: Any, clips: Sequence[Clip]) -> None:
         self._context = context
         self._clips = clips
-        self._renderers = {(number, False): Renderer(context, c) for number, c in enumerate(clips)}
+        self._colors = [Colors(clip) for clip in clips]
+        self._renderers: dict[tuple[int, bool, int | None], Renderer] = {
+            (number, False, None): Renderer(context, clip) for number, clip in enumerate(clips)
+        }
         self._enlarger = Enlarger(context)
         self._pictures: dict[str, Any] = {}
         self._painted: object = None
@@ -63,7 +67,7 @@ class Stage:
                 picture.scissor = (left, 0, right - left, size[1])
                 self._enlarger.copy(into.color_attachments[0], picture, where)
                 picture.scissor = None
-        settled = all(self._renderer(pane.clip, style).settled(pane.day) for pane in panes)
+        settled = all(self._renderer(pane, style).settled(pane.day) for pane in panes)
         self.loading = patience is not None and (before != self._loaded or not settled)
         self._painted = wanted
 
@@ -87,13 +91,20 @@ class Stage:
     def _loaded(self) -> int:
         return sum(renderer.loaded for renderer in self._renderers.values())
 
-    def _renderer(self, number: int, style: Style) -> Renderer:
-        """Of a clip in a style: errors are the colours of a copy, made when first wanted."""
-        clip = self._clips[number]
-        errors = style.color_by == "error" and bool(clip.held_out)
-        if (number, errors) not in self._renderers:
-            self._renderers[number, errors] = Renderer(self._context, Colors(clip).worn(style))
-        return self._renderers[number, errors]
+    def _renderer(self, pane: Pane, style: Style) -> Renderer:
+        """Errors, and scans that were left out, are clips of their own."""
+        errors = style.color_by == "error" and bool(self._clips[pane.clip].held_out)
+        key = (pane.clip, errors, pane.left_out)
+        if key not in self._renderers:
+            colors = self._colors[pane.clip]
+            if pane.left_out is None:
+                clip = colors.worn(style)
+            else:
+                clip = colors.left_out(pane.left_out, style)
+                for other in [k for k in self._renderers if k[2] is not None]:
+                    self._renderers.pop(other).release()
+            self._renderers[key] = Renderer(self._context, clip)
+        return self._renderers[key]
 
     def _paint_pane(
         self,
@@ -105,7 +116,7 @@ class Stage:
         patience: float | None,
     ) -> None:
         def paint(framebuffer: Any, pixels: tuple[int, int]) -> None:
-            whole = self._renderer(pane.clip, style).draw(
+            whole = self._renderer(pane, style).draw(
                 *(framebuffer, pane.day, pane.camera, style, pixels),
                 every=detail.every,
                 patience=patience,

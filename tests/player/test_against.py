@@ -15,9 +15,10 @@ from scipy.spatial import cKDTree
 from gclip import Clip, HeldOutScan
 from player.against import UNKNOWN, Errors
 from player.camera import Camera
+from player.choices import Compare
 from player.cli import main as play
 from player.colors import Colors
-from player.compare import Pane
+from player.compare import Pane, panes_of
 from player.detail import Detail
 from player.errors import PlayerError
 from player.export import Film, export
@@ -87,6 +88,41 @@ def test_the_window_s_stage_shows_errors_and_goes_back(
     yellow = (errors[..., 0] > 150) & (errors[..., 1] > 150) & (errors[..., 2] < 120)
     assert yellow[60:].sum() > 100, "the upper half is wrong; rows go up"
     assert yellow[:45].sum() == 0
+
+
+def test_a_scan_left_out_is_compared_with_where_it_is_nearest(clip: Clip) -> None:
+    camera = Camera.home(clip, 4 / 3)
+    scene = Scene(Timeline.of(clip.times), camera, camera, Style(), True, compare=Compare.BESIDE)
+    seen = {}
+    for day in (0.2, 1.2, 1.8):
+        left, right = panes_of(scene.clock(lambda t, day=day: t.at(day)), [clip], ["p"])
+        assert (right.day, right.left_out) == (day, None)
+        seen[day] = (left.day, left.left_out, left.caption)
+    assert seen[0.2] == (0.0, None, "Scan of day 0")
+    assert seen[1.2] == (1.0, 0, "Left out: scan of day 1")
+    assert seen[1.8] == (2.0, None, "Scan of day 2")
+
+
+def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip) -> None:
+    plain, wrong = (Colors(clip).left_out(0, style) for style in (Style(), ERROR))
+    real = clip.held_out[0].positions
+    for shown in (plain, wrong):
+        assert np.array_equal(shown.at(2.5).local, real)
+    assert (plain.at(1.0).colors[:, :3] == 9).all()
+    assert set(np.unique(plain.at(1.0).tracks)) == {0, 1}
+    missed = cKDTree(clip.at(DAY).local).query(real)[0]
+    painted, ramp = wrong.at(1.0).colors[:, :3], Colors(clip).scale(ERROR).colors()
+    assert (painted[missed >= 3.0] == ramp[-1]).all()
+    assert np.abs(painted[missed < 0.005].astype(int) - ramp[0]).max() <= 2
+
+    stage, size, camera = Stage(context, [clip]), (160, 120), Camera.home(clip, 4 / 3)
+    pictures = []
+    for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, left_out=0)):
+        for style in (Style(), ERROR):
+            stage.paint(size, [pane], style, Detail(), None)
+            pictures.append(stage.pixels(size))
+    stage.release()
+    assert len(set(pictures)) == 4
 
 
 def test_files_carry_the_errors_as_colors(clip: Clip, tmp_path: Path) -> None:
