@@ -69,7 +69,8 @@ def _stopped_by(signals: list[int]) -> Iterator[None]:
         yield
         return
     usual = (signal.SIG_DFL, signal.default_int_handler)  # not those that are ignored, as by nohup
-    stops = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
+    stops = [getattr(signal, name) for name in names if hasattr(signal, name)]
     before = {number: signal.getsignal(number) for number in stops}
     before = {number: handler for number, handler in before.items() if handler in usual}
     try:

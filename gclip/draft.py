@@ -7,7 +7,6 @@ draft for as long as it lives, so that no living one's is taken for a dead one's
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import shutil
@@ -16,7 +15,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+try:
+    import fcntl
+except ImportError:  # Windows: drafts are whole or not at all there too, but nobody sweeps
+    fcntl = None  # type: ignore[assignment]
+
 SUFFIX = ".part"
+UNLOCKED = -1
 
 
 @contextmanager
@@ -31,7 +36,8 @@ def draft_folder(path: Path) -> Iterator[Path]:
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-        os.close(lock)
+        if lock != UNLOCKED:
+            os.close(lock)
 
 
 @contextmanager
@@ -85,7 +91,7 @@ def _umask() -> int:
 
 def sync(part: Path) -> None:
     """Have a file's bytes on the disk, so that a power cut can't come between them and its name."""
-    with part.open("rb") as written:
+    with part.open("r+b") as written:
         os.fsync(written.fileno())
 
 
@@ -108,6 +114,8 @@ def _sweep(folder: Path, names: str) -> None:
 
 
 def _remove_if_dead(folder: Path) -> None:
+    if fcntl is None:
+        return
     with suppress(OSError):
         lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
         try:
@@ -128,6 +136,8 @@ def _locked_folder(path: Path) -> tuple[Path, int]:
 
 def _lock(folder: Path) -> int | None:
     """None where another process was faster, and took a draft just made for a dead one's."""
+    if fcntl is None:
+        return UNLOCKED
     try:
         lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except FileNotFoundError:

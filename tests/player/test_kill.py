@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
 import subprocess
@@ -129,3 +130,31 @@ def test_a_sequence_into_a_file_is_refused(clip: Path, folder: Path, capsys: Any
     assert main([str(clip), "--export", str(folder / "film.mp4" / "%04d.png"), *SMALL]) == 2
     assert "film.mp4 is a file, not a folder" in capsys.readouterr().err
     assert intact(folder)
+
+
+def test_exports_write_nothing_elsewhere(clip: Path, tmp_path: Path) -> None:
+    """But what graphics drivers and compilers keep (docs/cache.md)."""
+    places = {name: tmp_path / name for name in ("home", "temporary", "here", "made")}
+    for place in places.values():
+        place.mkdir()
+    inherited = {key: value for key, value in os.environ.items() if not key.startswith("XDG_")}
+    environment = {
+        **inherited,
+        "HOME": str(places["home"]),
+        "TMPDIR": str(places["temporary"]),
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+    }
+    for output in ("film.mp4", "page.html"):
+        export = ["-m", "player", str(clip), "--export", str(places["made"] / output), *SMALL]
+        export += ["--seconds", "1"] if output == "film.mp4" else []
+        subprocess.run(
+            [sys.executable, *export], cwd=places["here"], env=environment, check=True, timeout=120
+        )
+    assert {path.name for path in places["made"].iterdir()} == {"film.mp4", "page.html"}
+    assert not [*places["temporary"].rglob("*"), *places["here"].rglob("*")]
+    kept = {path.relative_to(places["home"]).parts[:2] for path in places["home"].rglob("*")}
+    assert kept <= {(".cache",), (".cache", "numba"), *_shaders(kept)}
+
+
+def _shaders(places: set[tuple[str, ...]]) -> set[tuple[str, ...]]:
+    return {place for place in places if place[-1].startswith(("mesa", ".nv", "nvidia"))}
