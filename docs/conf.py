@@ -9,7 +9,7 @@ copyright = "the authors, MIT licence"
 
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
-exclude_patterns = ["gallery"]
+exclude_patterns = ["gallery", "examples"]
 
 html_theme = "furo"
 html_title = "Plant growth clips"

@@ -70,6 +70,7 @@ class Layout:
     labels:  the dates that fit under the timeline, from left to right.
     speed:   where the speed is written, None where there is no room.
     wipe:    where the wipe's line stands, None without one.
+    strokes: times between the scans that a click means exactly, too.
     """
 
     size: tuple[float, float]
@@ -81,6 +82,7 @@ class Layout:
     labels: tuple[DateLabel, ...]
     speed: tuple[float, float] | None
     wipe: float | None = None
+    strokes: tuple[float, ...] = ()
 
     @property
     def margin(self) -> float:
@@ -91,8 +93,8 @@ class Layout:
         return self.left + (self.right - self.left) * (day - first) / (last - first)
 
     def day_at(self, x: float) -> float:
-        """The day under the cursor; right at a scan's mark, the scan's own."""
-        nearest = min(self.times, key=lambda time: abs(self.x_of(time) - x))
+        """The day under the cursor; right at a scan's mark or a stroke, its own."""
+        nearest = min((*self.times, *self.strokes), key=lambda time: abs(self.x_of(time) - x))
         if abs(self.x_of(nearest) - x) <= SNAP:
             return nearest
         share = min(max((x - self.left) / (self.right - self.left), 0.0), 1.0)

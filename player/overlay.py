@@ -136,7 +136,9 @@ class Overlay:
         if self._layout is None or self._layout.size != size:
             dates = [scan.date for scan in self._clip.scans]
             times, short = self._clip.times, short_dates(dates)
-            self._layout = arrange(size, times, dates, short, self._canvas.width)
+            strokes = tuple(scan.time for scan in self._clip.held_out)
+            arranged = arrange(size, times, dates, short, self._canvas.width)
+            self._layout = replace(arranged, strokes=strokes)
         if self._layout.wipe != line:
             self._layout = replace(self._layout, wipe=line)
         return self._layout

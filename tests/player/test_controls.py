@@ -47,6 +47,15 @@ def test_a_click_near_a_mark_means_the_scan(controls: Controls) -> None:
     assert controls.scene.timeline.day == 2.0
 
 
+def test_a_click_near_a_stroke_means_the_scan_that_was_left_out(controls: Controls) -> None:
+    assert controls.layout is not None
+    controls.layout = replace(controls.layout, strokes=(1.3,))
+    x, y = point_at(controls, 1.3)
+    controls.move(x + 3.0, y)
+    controls.press("left")
+    assert controls.scene.timeline.day == 1.3
+
+
 @pytest.mark.parametrize(
     ("button", "shift", "turns"),
     [("left", False, True), ("left", True, False), ("right", False, False)],
