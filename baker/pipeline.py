@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.align import Alignment, align
+from baker.align import Alignment
 from baker.birth import Birth, births
 from baker.cache import IntervalCache
+from baker.cache.alignments import aligned
 from baker.complete import completed
 from baker.density import point_surface
 from baker.describe import describe_provenance, describe_tracks
@@ -76,7 +77,8 @@ def bake_recorded(
     )
     chosen = told_by(found, chosen)
     recipe = recipe_for(chosen)
-    alignment = align(
+    alignment = aligned(
+        cache,
         [scan.points for scan in found.scans],
         method=recipe.align,
         up=chosen.up,
