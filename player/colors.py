@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.color import srgb_to_linear
+from gclip.container import check_whole
 from player.against import Errors
 from player.errors import PlayerError
 from player.style import Style
@@ -213,6 +214,7 @@ class Colors:
             moving = [group for group in interval.groups if group.motion == "move"]
             count = sum(group.count for group in moving)
             some = slice(0, count, max(count // SAMPLE, 1))
+            check_whole(interval.tracks)
             start, end = (
                 np.asarray(points[some], float)
                 for points in (interval.start_positions, interval.end_positions)

@@ -124,9 +124,11 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
     import pygltflib as gltf
 
     from gclip import Motion
+    from gclip.container import check_whole
     from gclip.evaluate import bernstein
 
     interval = clip.intervals[part.interval]
+    check_whole(interval.tracks)
     step = np.ones(3) if interval.box is None else interval.box.step
     low = np.zeros(3) if interval.box is None else np.asarray(interval.box.low)
     start, *others = (p[part.movers].astype(np.float64) for p in interval.curve)

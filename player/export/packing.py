@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip.container import check_whole
+
 if TYPE_CHECKING:
     from gclip import Interval
 
@@ -36,7 +38,9 @@ def pack(interval: Interval, spacing: float) -> Packed:
 
     spacing: the clip's point spacing. Positions move by 1/64 of it at most along each axis, or by
              1/131070 of the interval's side where that is more.
+    Raises ClipError where the clip's file was cut short after it was opened.
     """
+    check_whole(interval.tracks)
     points, low, step = _quantised(interval, spacing)
     start, *controls, end = points
     planes = [_differences(start), _differences(end - start)]

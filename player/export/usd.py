@@ -69,11 +69,13 @@ def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length:
     from pxr import Sdf, UsdGeom, Vt
 
     from gclip import Motion
+    from gclip.container import check_whole
     from gclip.evaluate import positions_on_curve
 
     if group.motion is Motion.REMOVE or not group.count:
         return
     interval, movers = clip.intervals[index], slice(group.first, group.stop)
+    check_whole(interval.tracks)
     prim = UsdGeom.Points.Define(stage, f"/plant/interval_{index:04d}_{group.motion.value}")
     straight = interval.degree == 1 and group.motion is not Motion.FALL
     places, extents = prim.CreatePointsAttr(), prim.CreateExtentAttr()

@@ -327,3 +327,25 @@ def test_a_clip_cut_short_under_the_window_is_told(display: dict[str, str], tmp_
     shutil.copy(whole, path)  # in place, as nobody should
     shown.until(lambda state: "Baked anew" in state["notice"])
     shown.end()
+
+
+@pytest.mark.parametrize("suffix", [".html", ".glb", ".usda", ".ply", ".csv", ".png"])
+def test_a_clip_cut_short_under_an_export_is_told(
+    make_clip: ClipMaker, tmp_path: Path, suffix: str
+) -> None:
+    """In a process that may die of it."""
+    path = tmp_path / "plant.gclip"
+    make_clip().save(path)
+    code = (
+        "import os, sys, gclip; from pathlib import Path; from player.export import Film, export\n"
+        "clip = gclip.open(sys.argv[1]); os.truncate(sys.argv[1], 0)\n"
+        "try: export(clip, Film((64, 48)), Path(sys.argv[2]))\n"
+        "except gclip.ClipError as error: sys.exit(str(error))"
+    )
+    output = tmp_path / f"out{suffix}"
+    done = subprocess.run(
+        [sys.executable, "-c", code, path, output], capture_output=True, text=True
+    )
+    assert done.returncode == 1, "a sentence, not a signal"
+    assert done.stderr.strip().endswith("cut short while it was open.")
+    assert os.listdir(tmp_path) == ["plant.gclip"]
