@@ -79,11 +79,11 @@ def verify(
 
 
 def unit_length(record: BakeRecord) -> float:
-    """The longest side of the box around all aligned scans, in their own unit."""
+    """The longest side of the box around all aligned scans, in their own unit; 1 if that is 0."""
     frames = [*record.keyframes, *(held.keyframe for held in record.held_out)]
     lows = [frame.positions.min(axis=0) for frame in frames]
     highs = [frame.positions.max(axis=0) for frame in frames]
-    return float((np.max(highs, axis=0) - np.min(lows, axis=0)).max())
+    return float((np.max(highs, axis=0) - np.min(lows, axis=0)).max()) or 1.0
 
 
 def _compare(clip: Clip, held: HeldOut, side: float) -> HoldoutError:

@@ -109,3 +109,31 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
             expected, found = usual.at(day), other.at(day)
             np.testing.assert_array_equal(found.local / scale, expected.local)
             np.testing.assert_array_equal(found.tracks, expected.tracks)
+
+
+def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
+    from baker import Options
+    from baker.pipeline import bake_recorded
+    from baker.report import write_report
+    from baker.traits import write_traits
+    from baker.verify import verify
+
+    point = Scan("same point", 1)
+    clip, record = bake_recorded(
+        Series((point, point, point)).write(tmp_path), Options(holdout=2, workers=1)
+    )
+    errors = verify(clip, record)
+    assert [error.rebuilt_to_real.maximum for error in errors] == [0.0]
+    write_traits(tmp_path / "traits.csv", clip, "plant", lambda stage, done, total: None)
+    write_report(
+        tmp_path / "report.html",
+        clip,
+        record,
+        title="plant",
+        errors=errors,
+        seconds={},
+        workers=1,
+        progress=lambda stage, done, total: None,
+    )
+    assert (tmp_path / "traits.csv").stat().st_size
+    assert (tmp_path / "report.html").stat().st_size
