@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -68,10 +69,15 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_examples_run(
-    page: str, plant: Path, display: dict[str, str], monkeypatch: pytest.MonkeyPatch
+    page: str,
+    plant: Path,
+    display: dict[str, str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.chdir(plant)
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(plant / "settings"))
+    shutil.copytree(plant, tmp_path / "own")  # pages write files of the same names
+    monkeypatch.chdir(tmp_path / "own")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
     blocks = [block for block in blocks_of(page) if not block.not_run]
     assert blocks or page == "docs/exports.md"
     for block in blocks:
