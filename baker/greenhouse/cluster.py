@@ -19,6 +19,7 @@ from functools import cache
 from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
@@ -48,7 +49,6 @@ def bake_on_cluster(
 
     Raises InputError: no dask.distributed, nobody there, or a worker that can't take part.
     """
-    jobs = [with_threads(_absolute(job), 1) for job in jobs]
     need = _need(jobs)
     with connected(address) as client:
         _require_fit(client, need)
@@ -93,6 +93,7 @@ def connected(address: str) -> Iterator[Client]:
                     n_workers=_local_workers(address),
                     threads_per_worker=1,
                     dashboard_address=":0",
+                    local_directory=stack.enter_context(TemporaryDirectory()),
                     silence_logs=logging.CRITICAL,
                 )
             )
@@ -149,7 +150,7 @@ def _bake(
 ) -> Generator[Outcome, None, None]:
     from distributed import as_completed
 
-    waiting = iter(jobs)
+    waiting = (with_threads(_absolute(job), 1) for job in jobs)
     under_way: dict[Future, Job] = {}
     ready = as_completed([], loop=client.loop)
     cores, counted = 0, float("-inf")
@@ -217,7 +218,7 @@ def _own_address() -> str:
 def _need(jobs: Sequence[Job]) -> Need:
     folders = {job.clip.parent for job in jobs} | {job.folder.parent for job in jobs}
     folders |= {job.report.parent for job in jobs if job.report is not None}
-    return Need(_software(), tuple(sorted(folders)))
+    return Need(_software(), tuple(sorted(map(_whole, folders))))
 
 
 @cache
@@ -231,21 +232,21 @@ def _software() -> dict[str, str]:
 
 def _absolute(job: Job) -> Job:
     """Under names that hold in other processes' working folders."""
-
-    def whole(path: Path) -> Path:
-        return Path(os.path.abspath(path))
-
     options = job.options
     if options.times is not None:
-        options = replace(options, times=whole(options.times))
+        options = replace(options, times=_whole(options.times))
     return replace(
         job,
-        folder=whole(job.folder),
-        clip=whole(job.clip),
+        folder=_whole(job.folder),
+        clip=_whole(job.clip),
         options=options,
-        report=None if job.report is None else whole(job.report),
-        cache=None if job.cache is None else whole(job.cache),
+        report=None if job.report is None else _whole(job.report),
+        cache=None if job.cache is None else _whole(job.cache),
     )
+
+
+def _whole(path: Path) -> Path:
+    return Path(os.path.abspath(path))
 
 
 def _local_workers(address: str) -> int:

@@ -36,7 +36,8 @@ def share_out(
     from multiprocessing.connection import wait
 
     processes = max(1, min(workers, len(jobs)))
-    waiting = deque((with_threads(job, max(1, workers // processes)), 1) for job in jobs)
+    threads = max(1, workers // processes)
+    waiting = deque((job, 1) for job in jobs)
     crew: list[_Process] = []
     try:
         while waiting or any(process.busy for process in crew):
@@ -44,7 +45,8 @@ def share_out(
                 crew.append(_Process(work))
             for process in crew:
                 if waiting and not process.busy:
-                    process.begin(*waiting.popleft())
+                    job, attempt = waiting.popleft()
+                    process.begin(with_threads(job, threads), attempt)
             ready = wait([process.pipe for process in crew if process.busy])
             for process in [p for p in crew if p.pipe in ready]:
                 job, attempt = process.under_way

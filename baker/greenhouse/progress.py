@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from baker.greenhouse.work import Outcome
+from gclip.text import printable
 
 
 class PlantProgress:
@@ -32,7 +33,7 @@ class PlantProgress:
             BarColumn(),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
-            TextColumn("{task.fields[told]}"),
+            TextColumn("{task.fields[told]}", markup=False),
             TimeRemainingColumn(),
             console=self._console,
             disable=quiet or not self._console.is_terminal,
@@ -54,11 +55,12 @@ class PlantProgress:
 
     def __call__(self, outcome: Outcome) -> None:
         self._failed += outcome.state == "failed"
-        told = f"{outcome.name} {outcome.state}" + (f", {self._failed} failed" * bool(self._failed))
+        name = printable(outcome.name)
+        told = f"{name} {outcome.state}" + (f", {self._failed} failed" * bool(self._failed))
         self._bar.update(self._task, advance=1, told=told)
         if self._lines:
             self._done += 1
-            told = f"{outcome.name} {outcome.state}, {outcome.seconds:.1f} s"
+            told = f"{name} {outcome.state}, {outcome.seconds:.1f} s"
             self.say(f"{self._done}/{self._plants}: {told}")
         if self._verbose:
             for note in outcome.notes:
@@ -66,4 +68,4 @@ class PlantProgress:
 
     def say(self, sentence: str) -> None:
         """Something else that is to be told meanwhile."""
-        self._console.print(sentence, markup=False, highlight=False)
+        self._console.print(printable(sentence), markup=False, highlight=False)

@@ -20,6 +20,7 @@ from baker.greenhouse.work import Job, Outcome
 from baker.options import Options
 from baker.workers import worker_count
 from gclip.draft import sweep_all
+from gclip.text import printable
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def _tell(outcomes: Sequence[Outcome], order: Order, seconds: float) -> None:
         lines += ["", f"{len(failed)} of {len(outcomes)} plants failed:"]
         lines += [f"  {one.name}: {one.error}" for one in failed]
     if lines:
-        print("\n".join(lines), file=sys.stderr)
+        print("\n".join(map(printable, lines)), file=sys.stderr)
 
 
 def _written(order: Order) -> list[tuple[str, Path]]:

@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -134,15 +133,20 @@ def test_ctrl_c_stops_the_cluster_too(cluster, house, tmp_path):
 
 
 def test_a_worker_killed_in_the_middle_loses_nothing(cluster, house, clips, tmp_path, capsys):
+    over = threading.Event()
+
     def kill() -> None:
-        while not any(tmp_path.glob("*.gclip")):
-            time.sleep(0.005)
+        while not any(tmp_path.glob("*.gclip")) and not over.wait(0.005):
+            pass
         cluster.workers[0].kill()
 
     killer = threading.Thread(target=kill)
     killer.start()
-    assert bake(house, f"{tmp_path}/", cluster.address) == 0
-    killer.join()
+    try:
+        assert bake(house, f"{tmp_path}/", cluster.address) == 0, capsys.readouterr().err
+    finally:
+        over.set()
+        killer.join()
     assert cluster.workers[0].wait() == -signal.SIGKILL
     # A clip that the killed worker had just written stands, and is told as unchanged.
     told = capsys.readouterr().err
