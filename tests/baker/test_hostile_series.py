@@ -66,7 +66,7 @@ def test_what_becomes_of_a_series(series, outcome, tmp_path):
 
 
 @given(all_series(most=120))
-@settings(max_examples=60, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_any_series_bakes_truly_or_is_refused_by_name(tmp_path_factory, series):
     check_series(series, tmp_path_factory.mktemp("series"))
 
@@ -96,7 +96,7 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
     from baker import Options, bake
 
     def baked(scale):
-        counts = (120, 150, 200, 230)
+        counts = (60, 80, 110, 120)
         scans = [Scan("plant", n, k, labels, scale=scale) for k, n in enumerate(counts)]
         folder = tmp_path / f"{scale}"
         folder.mkdir()
