@@ -123,3 +123,15 @@ def test_scans_left_out_lie_within_the_series(make_clip, tmp_path, times, words:
     else:
         clip.save(tmp_path / "c.gclip")
         assert [scan.time for scan in gclip.open(tmp_path / "c.gclip").held_out] == list(times)
+
+
+def test_litter_is_that_of_the_interval_before_and_no_other(make_clip) -> None:
+    clip = make_clip(lost=Motion.FALL)
+    assert not any(layer.litter for layer in layers_at(clip, 0.0)), "not of the last interval"
+    falls, still = clip.intervals[1], clip.intervals[0]
+    swapped = replace(
+        clip,
+        intervals=(replace(falls, start=0.0, end=2.0), replace(still, start=2.0, end=5.0)),
+    )
+    litter = [layer for layer in layers_at(swapped, 2.0) if layer.litter]
+    assert litter == [Layer(0, Group(150, 150, Motion.FALL), 1.0, 1.0, 1.0, litter=True)]
