@@ -10,6 +10,7 @@ import pytest
 
 from baker import InputError, Options
 from baker.cache import IntervalCache
+from baker.cache.alignments import aligned
 from baker.cache.digest import digest
 from baker.pipeline import bake_recorded
 from gclip.clip import Motion
@@ -74,7 +75,9 @@ def test_a_scan_less_between_costs_the_interval_across_the_gap(scans, baked):
 def test_smooth_paths_depend_on_the_neighbours(scans, baked):
     smooth = replace(PLAIN, paths="smooth", paper=True)
     baked(scans[:4], smooth, clean=False)
-    assert baked(scans, smooth) == (2, 2)
+    found, solved = baked(scans, smooth)
+    assert 2 <= solved <= 3  # a course through the sizes of organs may reach one farther
+    assert found == 4 - solved
 
 
 @pytest.mark.parametrize(
@@ -156,7 +159,8 @@ def test_two_bakes_share_a_cache_at_once(scans, tmp_path):
     for number, clip in enumerate(clips):
         clip.save(tmp_path / f"{number}.gclip")
     assert len({(tmp_path / f"{number}.gclip").read_bytes() for number in range(3)}) == 1
-    assert len([p for p in (tmp_path / "one").rglob("*") if p.is_file()]) == 4
+    assert len([*(tmp_path / "one").rglob("*.gclip")]) == 4
+    assert not [*(tmp_path / "one").rglob(".*")]
 
 
 def test_a_cache_that_takes_nothing_does_not_stop_the_bake(scans, tmp_path, monkeypatch):
@@ -169,15 +173,23 @@ def test_a_cache_that_takes_nothing_does_not_stop_the_bake(scans, tmp_path, monk
 
 def test_the_alignment_is_kept_too(scans, baked, tmp_path, monkeypatch):
     turned = replace(PLAIN, align="auto")
-    baked(scans, turned, clean=False)
-    (entry,) = (tmp_path / "cache").rglob("*.json")
-    whole = entry.read_text()
-    for text in (whole, whole[:-40], whole.replace("1.0", "2.0"), "[]", "null", "[" * 100_000, ""):
-        entry.write_text(text)
-        assert baked(scans, turned, clean=text != whole) == (4, 0)
-        assert entry.read_text() == whole
+    baked(scans[:3], turned, clean=False)
     monkeypatch.setattr("baker.cache.alignments.align", None)
-    assert baked(scans, replace(turned, decay="fade"), clean=False) == (4, 0)
+    assert baked(scans[:3], replace(turned, decay="fade"), clean=False) == (2, 0)
+
+
+@pytest.mark.parametrize("harm", ["cut", "changed", "other", "deep", "emptied"])
+def test_a_damaged_alignment_is_found_again(tmp_path, harm):
+    cache = IntervalCache(tmp_path)
+    clouds = [np.random.default_rng(k).random((60, 3)).astype(np.float32) for k in range(2)]
+    first = aligned(cache, clouds, "icp", "z", None)
+    (entry,) = tmp_path.rglob("*.json")
+    whole = entry.read_text()
+    harmed = {"cut": whole[:-40], "changed": whole.replace("1.0", "2.0"), "other": "[null, 3]"}
+    entry.write_text({**harmed, "deep": "[" * 100_000, "emptied": ""}[harm])
+    again = aligned(cache, clouds, "icp", "z", None)
+    assert entry.read_text() == whole
+    assert digest(first) == digest(again) == digest(aligned(cache, clouds, "icp", "z", None))
 
 
 def test_a_file_is_no_cache(tmp_path):
