@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from baker.errors import InputError
 from baker.scans.scan import Scan, Series
+from gclip.text import printable
 
 if TYPE_CHECKING:
     from baker.rgbd.series import ImageSeries
@@ -105,7 +106,7 @@ def read_series(
             cloud = clean.resampled(cloud, options.resample)
         scans.append(
             Scan(
-                name=entry.name,
+                name=printable(entry.name),
                 path=entry.path,
                 time=entry.moment.time,
                 origin=origin,

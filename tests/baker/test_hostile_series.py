@@ -1,5 +1,6 @@
 """Whatever the scans are: a true clip, or one sentence (tests/baker/hostile_series.py)."""
 
+import os
 import re
 import sys
 from pathlib import Path
@@ -137,3 +138,18 @@ def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     )
     assert (tmp_path / "traits.csv").stat().st_size
     assert (tmp_path / "report.html").stat().st_size
+
+
+def test_names_of_files_cannot_command_the_terminal(tmp_path, capfd):
+    from baker.cli import main
+
+    names = (b"day0 \x1b[2J\x07.txt", b"day1 \xff\n.txt")
+    scans = [Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)) for name in names]
+    for scan in scans:
+        scan.write_text("0 0 0\n0 0 1\n0 0 2\nnan 0 0\n")
+    clip = str(tmp_path / "plant.gclip")
+    for inputs, code in ((scans, 0), (scans[:1], 2), ([tmp_path], 2)):
+        assert main([*map(str, inputs), "-o", clip, "-v"]) == code
+        said = capfd.readouterr()
+        assert not any(c in said.out + said.err for c in "\x1b\x07\udcff")
+        assert "day0" in said.err
