@@ -16,27 +16,26 @@ Points = NDArray[np.float64]
 NEIGHBORS = 10
 SLICE = 3.0  # length of a slice, in point spacings
 SLICES = 40  # at most
+SLENDER = 1.3  # times as long as wide: what has a direction of its own
 CORRIDOR = 8.0  # detour, in point spacings, up to which points belong to the way along the organ
 
 
 @dataclass(frozen=True)
 class Axis:
-    """(n, 3) places along an organ, from its base to its tip."""
+    """(n, 3) places along an organ, from its base to its tip; and (3,) which way its first quarter
+    goes, a unit vector.
+    """
 
     line: Points
+    start: Points
 
     @property
     def length(self) -> float:
         return float(np.linalg.norm(np.diff(self.line, axis=0), axis=1).sum())
 
     def angle(self, direction: NDArray[np.float64]) -> float:
-        """Degrees between a unit direction and the way from the base to a quarter of the length."""
-        steps = np.linalg.norm(np.diff(self.line, axis=0), axis=1)
-        passed = np.concatenate([[0.0], np.cumsum(steps)])
-        quarter = [np.interp(0.25 * passed[-1], passed, column) for column in self.line.T]
-        chord = np.array(quarter) - self.line[0]
-        cosine = float(chord @ direction) / max(float(np.linalg.norm(chord)), 1e-300)
-        return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+        """Degrees between a unit direction and the first quarter's."""
+        return float(np.degrees(np.arccos(np.clip(self.start @ direction, -1.0, 1.0))))
 
 
 def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | None:
@@ -75,15 +74,14 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     share = (from_base - from_tip + whole)[along] / (2.0 * whole)
     count = int(min(whole / (SLICE * spacing), SLICES, len(along) / 6))
     middles = _middles(points[along], share, max(count, 3))
-    return Axis(
-        np.concatenate(
-            [
-                _end(points[base], middles[0], middles[1]),
-                middles,
-                _end(points[tip], middles[-1], middles[-2]),
-            ]
-        )
+    line = np.concatenate(
+        [
+            _end(points[base], middles[0], middles[1]),
+            middles,
+            _end(points[tip], middles[-1], middles[-2]),
+        ]
     )
+    return Axis(line, _start(line, points[along][share <= 0.25]))
 
 
 def _middles(points: Points, share: NDArray[np.float64], count: int) -> Points:
@@ -96,6 +94,24 @@ def _middles(points: Points, share: NDArray[np.float64], count: int) -> Points:
         return np.repeat(middles, 2, axis=0)
     middles[1:-1] = middles[1:-1] / 2 + (middles[:-2] + middles[2:]) / 4
     return middles
+
+
+def _start(line: Points, quarter: Points) -> Points:
+    """(3,) the way from the line's base to a quarter of its length; where the quarter's points
+    themselves are clearly longer than wide, along them: ways begin at a point of a stem's rim, and
+    so does the line.
+    """
+    passed = np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()
+    place = [np.interp(0.25 * passed[-1], [0.0, *passed], column) for column in line.T]
+    chord = np.array(place) - line[0]
+    chord /= max(float(np.linalg.norm(chord)), 1e-300)
+    if len(quarter) < 12:
+        return chord
+    about = quarter - quarter.mean(axis=0)
+    spread, axes = np.linalg.eigh(about.T @ about)
+    if spread[2] < SLENDER**2 * spread[1]:
+        return chord
+    return axes[:, 2] * (1.0 if axes[:, 2] @ chord >= 0.0 else -1.0)
 
 
 def _end(point: Points, last: Points, before: Points) -> Points:
