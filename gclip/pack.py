@@ -13,6 +13,7 @@ from gclip.clip import Box, Group, Interval, Motion, SegmentPair
 
 BLOCK = 128  # movers that stay neighbours when the blocks are shuffled
 LEVELS = 65535  # quantisation levels along each axis of the box
+TINY = 1e-30  # extent of positions
 FINE_ENOUGH = 0.01  # largest quantisation step, as a share of the point spacing
 
 
@@ -157,6 +158,8 @@ def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
     """(N,) Morton codes of (N, 3) positions: 21 bits an axis of the positions' box, interleaved."""
     low = points.min(axis=0)
     extent = float((points.max(axis=0) - low).max()) or 1.0
+    if extent < TINY:  # its reciprocal is more than a float32 can be
+        return morton_codes((points - low).astype(np.float64) / extent)
     cells = ((points - low) * ((2**21 - 1) / extent)).astype(np.uint64)
     return (
         _spread(cells[:, 0])

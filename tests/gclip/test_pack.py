@@ -86,3 +86,15 @@ def test_movers_of_lower_degree_are_raised_to_the_highest():
     ]
     middle = interval.box.low + interval.box.step * interval.control_positions[0][:2]
     assert np.allclose(middle, 0.5, atol=1e-4)
+
+
+@pytest.mark.parametrize("extent", [1e-29, 1e-31, 1e-38, 1e-44])
+def test_morton_codes_of_the_smallest_plants(extent):
+    random = np.random.default_rng(0)
+    points = random.random((50, 3))
+    points[:2] = [[0, 0, 0], [1, 1, 1]]
+    found = morton_codes((points * extent).astype(np.float32))
+    assert found[0] == 0
+    assert found[1] == found.max() == 2**63 - 1
+    if extent > 1e-36:  # below, float32 has few numbers left
+        assert np.array_equal(np.argsort(found), np.argsort(morton_codes(points)))
