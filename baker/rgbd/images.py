@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
 MOST_PIXELS = 100_000_000
+MOST_PACKED = 8 * 1032  # pixels to a byte of PNG: DEFLATE packs 1032 bytes into one
 
 MOST_LABELS = 256
 """More distinct colours than this are no labels, but a smoothed or lossy picture of them."""
@@ -203,6 +204,9 @@ def _open(path: Path) -> Image:
         with quiet, Image.open(path, formats=FORMATS) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise Image.DecompressionBombError
+            room = path.stat().st_size
+            if image.format == "PNG" and image.width * image.height > MOST_PACKED * room:
+                raise OSError(f"its {room} bytes can't hold so many pixels")
             image.load()
             return image
     except Image.DecompressionBombError:

@@ -125,7 +125,7 @@ def test_sizes_in_a_laz_that_lie_do_not_end_the_process(tmp_path):
         assert "compressed chunks don't fit" in refused(tmp_path / "a.laz", lying)
 
 
-@pytest.mark.parametrize("side", [10_001, 15_000, 60_000])
+@pytest.mark.parametrize("side", [9_999, 10_001, 15_000, 60_000])
 def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
     path = tmp_path / "rgb_a.png"
     chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)), (b"IDAT", b""))
@@ -136,7 +136,8 @@ def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
             for name, body in chunks
         )
     )
-    with pytest.raises(InputError, match=r"rgb_a\.png' has more than 100 million pixels"):
+    said = "bytes can't hold so many" if side == 9_999 else "has more than 100 million pixels"
+    with pytest.raises(InputError, match=said):
         read_color(path)
 
 
