@@ -83,7 +83,13 @@ def test_everything_is_there_and_nothing_comes_from_outside(report):
     assert not re.search(r"https?:|url\(|@import|//[a-z]+\.", re.sub(r"base64,[^\"]*", "", html))
     assert page.addresses.count("#picture-scan-0") == 1
     assert html.count("data:image/jpeg") == 3 + 2 + 3 * 2  # scans, half-way, left out
-    for words in ("unfolds from a bud of", "label 1 in both scans", "holdout", "numba", "transport"):
+    for words in (
+        "unfolds from a bud of",
+        "label 1 in both scans",
+        "holdout",
+        "numba",
+        "transport",
+    ):
         assert words in page.text
 
 
