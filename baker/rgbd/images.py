@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 import warnings
@@ -197,14 +198,16 @@ def _require_distinct(entries: Sequence[Entry]) -> None:
 
 def _open(path: Path) -> Image:
     """Decoded as a whole; only formats that scanners write, for others may run other programs."""
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
     try:
-        with quiet, Image.open(path, formats=FORMATS) as image:
+        # From memory, where a part that says it is a gigabyte makes no room for one.
+        content = io.BytesIO(path.read_bytes())
+        with quiet, Image.open(content, formats=FORMATS) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise Image.DecompressionBombError
-            room = path.stat().st_size
+            room = len(content.getbuffer())
             if image.format == "PNG" and image.width * image.height > MOST_PACKED * room:
                 raise OSError(f"its {room} bytes can't hold so many pixels")
             image.load()
@@ -213,6 +216,10 @@ def _open(path: Path) -> Image:
         raise InputError(
             f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can be "
             "read."
+        ) from None
+    except UnidentifiedImageError:
+        raise InputError(
+            f"'{path}' can't be read as an image: it is none of {', '.join(FORMATS)}, or damaged."
         ) from None
     except (OSError, SyntaxError, ValueError, EOFError, struct.error) as error:
         reason = " ".join(str(error).split())

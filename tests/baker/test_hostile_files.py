@@ -141,6 +141,12 @@ def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
         read_color(path)
 
 
+def test_a_part_of_a_picture_that_lies_makes_no_room(tmp_path):
+    lying = ("overwrite", 19), ("overwrite", 183899083), ("repeat", 183899083)
+    for damages in (lying, (*lying, lying[-1])):
+        assert "image" in check_file(File("depth", damages), tmp_path)
+
+
 def test_pictures_that_need_other_programs_are_not_opened(tmp_path):
     path = tmp_path / "rgb_a.png"
     path.write_bytes(
