@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -21,11 +21,6 @@ from baker.options import (
     Up,
 )
 from gclip.console import run_app
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from gclip.clip import Clip
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
@@ -245,9 +240,10 @@ def bake_command(
         workers=workers,
     )
     from baker.greenhouse.plants import find_plants
+    from baker.single import Wanted, bake_one, check_beside
 
     if traits is not None:
-        _check_beside(traits, "a table of traits", (".csv",))
+        check_beside(traits, "a table of traits", (".csv",))
     plants = find_plants(inputs, output)
     if plants:
         from baker.greenhouse.run import Order, bake_all
@@ -263,79 +259,17 @@ def bake_command(
             verbose=verbose,
         )
         return bake_all(plants, options, order)
-    clip = Path(output)
-    _check_output(clip)
-    if report is not None:
-        _check_beside(report, "a report", (".html", ".htm"))
-    _bake(inputs, clip, report, traits, options, cluster, cache, quiet, verbose)
+    wanted = Wanted(
+        clip=Path(output),
+        report=report,
+        traits=traits,
+        cluster=cluster,
+        cache=cache,
+        quiet=quiet,
+        verbose=verbose,
+    )
+    bake_one(inputs, options, wanted)
     return 0
-
-
-def _bake(
-    inputs: list[Path],
-    output: Path,
-    report: Path | None,
-    traits: Path | None,
-    options: Options,
-    cluster: str | None,
-    cache: Path | None,
-    quiet: bool,
-    verbose: bool,
-) -> None:
-    from contextlib import ExitStack
-
-    from rich.console import Console
-
-    from baker.cache import IntervalCache
-    from baker.pipeline import bake_recorded
-    from baker.progress import StageProgress
-    from baker.summary import print_summary
-    from baker.verify import print_errors, verify
-
-    console = Console(stderr=True, quiet=quiet, soft_wrap=True)
-    kept = None if cache is None else IntervalCache(cache)
-    with ExitStack() as stack, StageProgress(quiet) as progress:
-        executor = None
-        if cluster is not None:
-            from baker.greenhouse.cluster import intervals_on
-
-            executor = stack.enter_context(intervals_on(cluster))
-        clip, record = bake_recorded(inputs, options, progress, executor, kept)
-        progress("writing", 0, 1)
-        clip.save(output)
-        progress("writing", 1, 1)
-        errors = verify(clip, record, progress)
-        if report is not None:
-            from baker.report import write_report
-
-            write_report(
-                report,
-                clip,
-                record,
-                title=output.name,
-                errors=errors,
-                seconds=progress.seconds,
-                workers=options.workers,
-                progress=progress,
-            )
-        if traits is not None:
-            from baker.traits import write_traits
-
-            write_traits(traits, clip, output.stem, progress)
-    _print_notes(console, clip, verbose)
-    print_summary(console, clip, output, progress.seconds, kept)
-    if errors:
-        print_errors(console, errors)
-    if report is not None:
-        console.print(f"report: {report}", markup=False, highlight=False)
-    if traits is not None:
-        console.print(f"traits: {traits}", markup=False, highlight=False)
-
-
-def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
-    """What was decided; with -v also what was found in each scan."""
-    for note in clip.provenance["decisions"] + (clip.provenance["notes"] if verbose else []):
-        console.print(note, markup=False, highlight=False)
 
 
 def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] | None:
@@ -352,30 +286,6 @@ def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] |
             f'--root is "{text}"; three numbers, like 0,0,-12.5, or virtual is needed.'
         ) from None
     return x, y, z
-
-
-def _check_output(output: Path) -> None:
-    """Refuse before the work, not after it."""
-    from baker.errors import InputError
-
-    if output.suffix != ".gclip":
-        raise InputError(f"{output}: a clip's name ends in .gclip.")
-    if output.is_dir():
-        raise InputError(f"{output} is a folder; a file's name is needed.")
-    if not output.parent.is_dir():
-        raise InputError(f"{output}: the folder {output.parent} does not exist.")
-
-
-def _check_beside(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
-    """Refuse what can't be written beside the clip."""
-    from baker.errors import InputError
-
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; a file's name is needed.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist.")
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -1,0 +1,113 @@
+"""Bake one plant as the command does: its clip, its report and its traits, and what is told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from baker.errors import InputError
+from baker.options import Options
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from gclip.clip import Clip
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What to make of one plant's scans, and how.
+
+    clip:    the file to write; report, traits: those beside it, where wanted.
+    cluster: where a scheduler of dask.distributed listens; on this machine where None.
+    cache:   the folder of finished intervals, or none are kept.
+    """
+
+    clip: Path
+    report: Path | None = None
+    traits: Path | None = None
+    cluster: str | None = None
+    cache: Path | None = None
+    quiet: bool = False
+    verbose: bool = False
+
+
+def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
+    """Bake, write and tell. Raises InputError before the work where an output can't be written."""
+    check_clip(wanted.clip)
+    if wanted.report is not None:
+        check_beside(wanted.report, "a report", (".html", ".htm"))
+    from rich.console import Console
+
+    from baker.cache import IntervalCache
+    from baker.pipeline import bake_recorded
+    from baker.progress import StageProgress
+    from baker.summary import print_summary
+    from baker.verify import print_errors, verify
+
+    console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
+    kept = None if wanted.cache is None else IntervalCache(wanted.cache)
+    with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
+        executor = None
+        if wanted.cluster is not None:
+            from baker.greenhouse.cluster import intervals_on
+
+            executor = stack.enter_context(intervals_on(wanted.cluster))
+        clip, record = bake_recorded(inputs, options, progress, executor, kept)
+        progress("writing", 0, 1)
+        clip.save(wanted.clip)
+        progress("writing", 1, 1)
+        errors = verify(clip, record, progress)
+        if wanted.report is not None:
+            from baker.report import write_report
+
+            write_report(
+                wanted.report,
+                clip,
+                record,
+                title=wanted.clip.name,
+                errors=errors,
+                seconds=progress.seconds,
+                workers=options.workers,
+                progress=progress,
+            )
+        if wanted.traits is not None:
+            from baker.traits import write_traits
+
+            write_traits(wanted.traits, clip, wanted.clip.stem, progress)
+    _print_notes(console, clip, wanted.verbose)
+    print_summary(console, clip, wanted.clip, progress.seconds, kept)
+    if errors:
+        print_errors(console, errors)
+    for what, path in (("report", wanted.report), ("traits", wanted.traits)):
+        if path is not None:
+            console.print(f"{what}: {path}", markup=False, highlight=False)
+
+
+def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
+    """What was decided; with -v also what was found in each scan."""
+    for note in clip.provenance["decisions"] + (clip.provenance["notes"] if verbose else []):
+        console.print(note, markup=False, highlight=False)
+
+
+def check_clip(output: Path) -> None:
+    """Refuse before the work, not after it."""
+    if output.suffix != ".gclip":
+        raise InputError(f"{output}: a clip's name ends in .gclip.")
+    if output.is_dir():
+        raise InputError(f"{output} is a folder; a file's name is needed.")
+    if not output.parent.is_dir():
+        raise InputError(f"{output}: the folder {output.parent} does not exist.")
+
+
+def check_beside(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
+    """Refuse what can't be written beside the clip."""
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; a file's name is needed.")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist.")
