@@ -125,6 +125,7 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
 
     from gclip import Motion
     from gclip.container import check_whole
+    from gclip.dates import date_at
     from gclip.evaluate import bernstein
 
     interval = clip.intervals[part.interval]
@@ -146,7 +147,7 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
     )
     shown = part.seen[1] > 1.0  # without animation a viewer shows the last scan
     end = bernstein(interval.degree, 1.0)[1:].tolist()
-    dates = clip.scans[part.interval].date, clip.scans[part.interval + 1].date
+    dates = [date_at(clip.scans, time) for time in (interval.start, interval.end)]
     document.meshes.append(gltf.Mesh(primitives=[primitive], weights=end))
     document.nodes[0].children.append(len(document.nodes))
     document.nodes.append(

@@ -138,3 +138,16 @@ def test_the_same_clip_gives_the_same_bytes(make_clip: Any, tmp_path: Path) -> N
     for name in ("a.glb", "b.glb"):
         export(make_clip(), Film(), tmp_path / name)
     assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+
+
+def test_an_interval_may_end_between_scans(make_clip, tmp_path) -> None:
+    """A clip may have keyframes that are no scans' (found by fuzzing)."""
+    from dataclasses import replace
+
+    from player.export import Film, export
+
+    clip = make_clip()
+    export(replace(clip, scans=(clip.scans[0], clip.scans[-1])), Film(), tmp_path / "plant.glb")
+    content = (tmp_path / "plant.glb").read_bytes()
+    assert b'"day 0 to day 2.0"' in content
+    assert b'"day 2.0 to day 5"' in content
