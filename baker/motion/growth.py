@@ -26,7 +26,6 @@ POWER = 0.5  # of the size, that a cubic follows
 SAMPLE = 1000  # points of an organ that tell its size
 AT_BASE = 0.02  # share of them that are its base
 GROWING = 1.2  # times as large, that an organ becomes where its growth is more than noise
-TRUSTED = 0.5  # of what an organ is said to be smaller by: surfaces are nearer to the truth so
 MATTERS = 0.002  # of its size, that an organ is larger or smaller
 
 
@@ -88,7 +87,6 @@ def half_way_sizes(times: NDArray[np.float64], sizes: NDArray[np.float64]) -> ND
     half = course((times[:-1] + times[1:]) / 2) ** (1 / POWER)
     share = half / ((sizes[:-1] + sizes[1:]) / 2)
     share[[0, -1]] = np.minimum(share[[0, -1]], 1.0)
-    share = np.where(share < 1.0, 1.0 - TRUSTED * (1.0 - share), share)
     return np.where(sizes[1:] > GROWING * sizes[:-1], share, 1.0)
 
 

@@ -27,9 +27,9 @@ def test_a_sigmoid_is_followed_closer_than_by_straight_lines() -> None:
     sizes, middle = sigmoid(times), (times[1:] + times[:-1]) / 2
     straight = (sizes[1:] + sizes[:-1]) / 2
     ours = half_way_sizes(times, sizes) * straight
+    assert np.abs(ours / sigmoid(middle) - 1).max() < 0.1
     wrong = np.abs(straight / sigmoid(middle) - 1)
-    assert np.abs(ours / sigmoid(middle) - 1).max() < wrong.max()
-    assert np.abs(ours / sigmoid(middle) - 1).mean() < 0.75 * wrong.mean()
+    assert np.abs(ours / sigmoid(middle) - 1).mean() < 0.25 * wrong.mean()
 
 
 def test_sizes_never_leave_what_they_are_at_the_scans() -> None:
@@ -84,7 +84,7 @@ def test_a_leaf_is_as_long_half_way_as_its_course_says() -> None:
         half = np.tensordot(bernstein(len(curve) - 1, 0.5), np.stack(curve), axes=1)
         truth = sigmoid((times[k] + times[k + 1]) / 2)
         straight = (sigmoid(times[k]) + sigmoid(times[k + 1])) / 2
-        share = 1.0 if k == 2 else 0.75  # the last interval tells of no slowing down
+        share = 1.0 if k == 2 else 0.5  # the last interval tells of no slowing down
         assert abs(half[:, 0].max() - truth) <= share * abs(straight - truth) + 1
         for u, scan in ((0.0, k), (1.0, k + 1)):
             ends = np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
