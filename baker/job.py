@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.density import with_even_density
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
-from baker.motion import Growth, attached, curved, grown, organ_motions
+from baker.motion import attached, curved, organ_motions
 from baker.tasks import Task
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
@@ -35,7 +35,6 @@ class IntervalJob:
     bases:    (3,) each, where the plant leaves the ground.
     transport: `workers` in it does not count.
     decay:    how lost organs leave.
-    growth:   by segment of the second scan, how large it is half-way.
     curved:   whether organs bend, or go straight.
     attached: whether organs are kept on what bears them.
     spacing:  the point spacing of the two scans, which says what gaps and bows matter.
@@ -56,7 +55,6 @@ class IntervalJob:
     series_spacing: float
     transport: TransportOptions
     decay: Motion
-    growth: dict[int, Growth]
     curved: bool
     attached: bool
     even: float
@@ -129,8 +127,7 @@ def _on_curves(
     clouds = (job.start.positions, job.end.positions)
     matches, organs = [job.match], [job.organs]
     motions = organ_motions(clouds, matches, job.bases, job.spacing, workers, pool)
-    bent = curved([solved], clouds, matches, organs, motions)[0]
-    return grown(bent, job.match, job.organs, job.growth)
+    return curved([solved], clouds, matches, organs, motions)[0]
 
 
 def _size(task: Task) -> int:

@@ -26,7 +26,6 @@ from baker.interval import Keyframe
 from baker.intervals import solve_intervals
 from baker.job import IntervalJob
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
-from baker.motion import Growth, growths
 from baker.options import Options, Paths
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
@@ -243,10 +242,8 @@ def _interval_jobs(
     keyframes, matches = whole.keyframes, whole.matches
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]
-    growth: list[dict[int, Growth]] = [{} for _ in matches]
     if recipe.paths != Paths.straight:
         born = births(clouds, matches, organs, times)
-        growth = growths(clouds, matches, organs, times)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -271,7 +268,6 @@ def _interval_jobs(
             series_spacing=spacing,
             transport=recipe.transport,
             decay=Motion(options.decay),
-            growth=growth[k],
             curved=recipe.paths != Paths.straight,
             attached=not options.paper or recipe.paths != Paths.straight,
             even=recipe.even,

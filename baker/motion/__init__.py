@@ -2,17 +2,6 @@
 
 from baker.motion.attach import attached
 from baker.motion.curve import Motions, curved, organ_motions
-from baker.motion.growth import Growth, grown, growths
 from baker.motion.organ import OrganMotion, fit_motion
 
-__all__ = [
-    "Growth",
-    "Motions",
-    "OrganMotion",
-    "attached",
-    "curved",
-    "fit_motion",
-    "grown",
-    "growths",
-    "organ_motions",
-]
+__all__ = ["Motions", "OrganMotion", "attached", "curved", "fit_motion", "organ_motions"]
