@@ -143,7 +143,7 @@ def _serve(work: Callable[[Job], Outcome], pipe: Connection) -> None:
         while True:
             pipe.send(work(pipe.recv()))
     except (EOFError, OSError):
-        return
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it is ending already
 
 
 def _stop(signal: int, frame: object) -> None:
