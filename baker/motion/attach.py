@@ -21,7 +21,7 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.segment.hierarchy import NO_PARENT
 from gclip.evaluate import bernstein
-from gclip.pack import raised
+from gclip.pack import morton_codes, raised
 
 DRAWN, TIED = 0.5, 0.25  # point spacings from which a gap that widens is narrowed, and spanned
 LEFT = 0.2  # point spacings that a gap is drawn to
@@ -128,10 +128,15 @@ class _Bearer:
         return _Base(
             bearer=self.moved,
             mine=np.unique(np.concatenate(mine)),
-            theirs=np.unique(np.concatenate([partners.ravel() for partners in theirs])),
+            theirs=self._side_by_side(np.unique(np.concatenate([p.ravel() for p in theirs]))),
             gap=max(gaps[0], gaps[-1]),
             spacing=spacing,
         )
+
+    def _side_by_side(self, movers: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The movers in the order of a Morton curve half-way."""
+        half_way = _at(_of(self.moved.movers.curve, movers), 0.5)
+        return movers[np.argsort(morton_codes(half_way), kind="stable")]
 
 
 @dataclass(frozen=True)
