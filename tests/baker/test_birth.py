@@ -43,6 +43,7 @@ def test_an_organ_that_grows_fast_comes_late(tmp_path):
     assert reach(slow, 0.5) == pytest.approx(EVEN * 4, rel=0.1)
     fast = write(tmp_path, (0, 4, 14))
     assert reach(fast, 0.5) == pytest.approx(LATE * 4, rel=0.15)
+    assert reach(fast, 0.5) < 0.95 * reach(slow, 0.5)
 
 
 def test_it_never_goes_back(tmp_path):

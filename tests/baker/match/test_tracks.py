@@ -125,6 +125,21 @@ def test_worth_is_the_same_both_ways(series):
     assert (there.argmax(axis=1) == np.arange(len(young.labels))).all()
 
 
+def test_only_what_shrinks_is_worth_less_for_it(monkeypatch):
+    stem = np.linspace([0, 0, 0], [0, 0, 30], 200)
+
+    def scan(*lengths):
+        leaves = [np.linspace([0, 0, 15], [length, 0, 15], 100) for length in lengths]
+        return shapes_of(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
+
+    before, after = scan(10.0, 10.0), scan(6.0, 16.0)
+    worth = gains(before, after)
+    monkeypatch.setattr("baker.match.gain.SHRINK", 0.0)
+    lost = (gains(before, after) - worth)[1:, 1:]
+    assert (lost[:, 0] > 0.05).all()
+    assert not lost[:, 1].any()
+
+
 def test_a_path_through_a_later_scan_beats_a_poor_successor():
     one, two = np.array([[5.0]]), np.array([[0.0, 5.0]])
     worth = {

@@ -63,10 +63,20 @@ def test_a_base_that_would_leave_its_stem_stays() -> None:
     assert widening(solved) > 5
     after = attached(solved, match, organs, 1.0)
     assert widening(after) < 1.0
+    assert len(after[1].movers) == COUNT  # drawn to its stem, which needs no mover to span a gap
     for u in (0.0, 1.0):
         np.testing.assert_array_equal(
             np.unique(at(after[1], u), axis=0), np.unique(at(solved[1], u), axis=0)
         )
+
+
+def test_a_gap_that_the_scans_show_is_kept() -> None:
+    """Drawn as near as at the scans, not onto the stem."""
+    away = blade() + np.array([10.0, 0.0, 0.0])
+    solved, match, organs = tasks_of((away, away + np.array([12.0, 0.0, 0.0]), away))
+    after = attached(solved, match, organs, 1.0)
+    gap = cKDTree(at(after[0], 0.5)).query(at(after[1], 0.5))[0].min()
+    assert gap == pytest.approx(10.5, abs=1.0)
 
 
 def swinging() -> tuple[np.ndarray, ...]:

@@ -12,7 +12,7 @@ from baker.motion.closest import BLOCK, closest
 def test_the_closest_of_all_pairs(count: int) -> None:
     rng = np.random.default_rng(count)
     mine = rng.normal(size=(4, 40, 3))
-    theirs = np.sort(rng.normal(size=(4, count, 3)), axis=1) + [3.0, 0.0, 0.0]
+    theirs = np.sort(rng.normal(size=(4, count, 3)), axis=1) + np.array([3.0, 0.0, 0.0])
     gap, a, b = closest(mine, theirs)
     apart = np.linalg.norm(mine[:, :, None] - theirs[:, None], axis=3)
     np.testing.assert_allclose(gap, apart.min(axis=(1, 2)), rtol=1e-12)

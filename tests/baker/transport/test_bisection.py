@@ -37,6 +37,7 @@ def test_expanding_a_plan_of_blocks_keeps_it(n, m, blocks_n, blocks_m):
     )
     plan = bisection.expand(rows, columns, supply, demand, coarse_edges, coarse_mass)
     assert_feasible(plan, supply, demand)
+    assert (plan[1] > 0).all()
     row_block, column_block = np.empty(n, int), np.empty(m, int)
     row_block[rows.order] = np.searchsorted(rows.first, np.arange(n), "right") - 1
     column_block[columns.order] = np.searchsorted(columns.first, np.arange(m), "right") - 1
