@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import rmtree
 from typing import TYPE_CHECKING
 
 from baker.errors import InputError
 from baker.options import Options
+
+LONG = 64 * 2**20  # bytes of scans
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,7 +26,8 @@ class Wanted:
 
     clip:    the file to write; report, traits: those beside it, where wanted.
     cluster: where a scheduler of dask.distributed listens; on this machine where None.
-    cache:   the folder of finished intervals, or none are kept.
+    cache:   the folder of finished intervals; where None, those of long bakes are kept beside the
+             clip until it is written.
     """
 
     clip: Path
@@ -49,7 +53,9 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     from baker.verify import print_errors, verify
 
     console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
-    kept = None if wanted.cache is None else IntervalCache(wanted.cache)
+    own = _begun(wanted.clip) if wanted.cache is None and _is_long(inputs) else None
+    cache = wanted.cache or own
+    kept = None if cache is None else IntervalCache(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
         executor = None
         if wanted.cluster is not None:
@@ -60,6 +66,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
         progress("writing", 0, 1)
         clip.save(wanted.clip)
         progress("writing", 1, 1)
+        rmtree(_begun(wanted.clip), ignore_errors=True)
         errors = verify(clip, record, progress)
         if wanted.report is not None:
             from baker.report import write_report
@@ -79,12 +86,28 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
 
             write_traits(wanted.traits, clip, wanted.clip.stem, progress)
     _print_notes(console, clip, wanted.verbose)
-    print_summary(console, clip, wanted.clip, progress.seconds, kept)
+    told = kept if wanted.cache or (kept and kept.found) else None
+    print_summary(console, clip, wanted.clip, progress.seconds, told)
     if errors:
         print_errors(console, errors)
     for what, path in (("report", wanted.report), ("traits", wanted.traits)):
         if path is not None:
             console.print(f"{what}: {path}", markup=False, highlight=False)
+
+
+def _is_long(inputs: Sequence[Path]) -> bool:
+    """Whether a bake takes minutes, by the bytes of its scans."""
+    size = 0
+    with suppress(OSError):  # reading them will say what is wrong
+        for given in inputs:
+            files = given.iterdir() if given.is_dir() else [given]
+            size += sum(path.stat().st_size for path in files if path.is_file())
+    return size >= LONG
+
+
+def _begun(clip: Path) -> Path:
+    """Where a long bake's finished intervals are until the clip is: the next run goes on there."""
+    return clip.with_name(f".{clip.name}.begun")
 
 
 def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
