@@ -23,6 +23,7 @@ from gclip.clip import Motion
 
 AGAIN = 0.9  # an organ that later has this share of its former surface was hidden, not cut
 WILTED = 0.95  # share of its surface below which a plant has shrunk as a whole
+SAMPLED = 20_000  # points of an organ, and of what it grows from, that tell where it is attached
 
 
 @dataclass(frozen=True)
@@ -99,11 +100,16 @@ def _base(points: NDArray[np.floating], hierarchy: Hierarchy, segment: int) -> N
     """The segment's point that is nearest to what it grows from."""
     from scipy.spatial import cKDTree
 
-    own = points[hierarchy.segments[segment]]
-    bearer = hierarchy.segments[hierarchy.parents[segment]]
+    own = points[_some(hierarchy.segments[segment])]
+    bearer = _some(hierarchy.segments[hierarchy.parents[segment]])
     if not len(bearer):
         return own.mean(axis=0)
     return own[np.argmin(cKDTree(points[bearer]).query(own)[0])]
+
+
+def _some(members: NDArray[np.intp]) -> NDArray[np.intp]:
+    """At most SAMPLED of them, evenly: one bearer may have hundreds of organs to look for."""
+    return members[:: -(-len(members) // SAMPLED) or 1]
 
 
 def _others_shrink(
