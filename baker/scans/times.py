@@ -20,6 +20,7 @@ from pathlib import Path
 
 from baker.errors import InputError
 
+LONGEST = 100  # letters of a time
 _DATE = re.compile(
     r"""(?<!\d) (?P<year>(?:19|20|21)\d\d) (?P<dash>[-_.]?) (?P<month>\d\d) (?P=dash) (?P<day>\d\d)
         (?: [T_\ -]? (?P<hour>[01]\d|2[0-3]) [-:_.h]? (?P<minute>[0-5]\d)
@@ -260,6 +261,8 @@ def _read_times(path: Path) -> dict[str, Moment]:
 
 
 def _parse_time(text: str) -> Moment | None:
+    if len(text) > LONGEST:  # which the patterns would try at length
+        return None
     if match := _DATE.fullmatch(text):
         return _date_of(match)
     if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):

@@ -256,3 +256,11 @@ def test_lists_that_are_no_series(make_folder):
     ):
         with pytest.raises(InputError, match=fault):
             find_scans(inputs)
+
+
+def test_a_time_of_millions_of_digits_is_refused_at_once(tmp_path):
+    """In time that grows with the file: patterns would try every way to part such a number."""
+    path = tmp_path / "times.txt"
+    path.write_text("a.ply, 0\nb.ply, " + "1" * 3_000_000 + "x\n")
+    with pytest.raises(InputError, match="line 2"):
+        schedule("a.ply", "b.ply", times_file=path)
