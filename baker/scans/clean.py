@@ -15,6 +15,7 @@ from baker.errors import InputError
 from baker.scans.cloud import Cloud
 
 OUTLIER_NEIGHBORS = 16
+FINEST = 2.0**-60  # edge of the smallest cubes that can be numbered, in the coordinates' size
 RESAMPLING_STEPS = 30
 
 FARTHEST = 1e12
@@ -87,7 +88,8 @@ def drop_outliers(cloud: Cloud, ratio: float, path: Path) -> Cloud:
 
 def thin(cloud: Cloud, voxel: float) -> Cloud:
     """Of each cube of edge `voxel`, and of each label in it, the point nearest to their mean."""
-    cells = np.floor(cloud.points.astype(np.float64) / voxel)
+    points = cloud.points.astype(np.float64)
+    cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * FINEST))
     keys = list(cells.T) if cloud.labels is None else [*cells.T, cloud.labels]
     order = np.lexsort(keys)
     is_new = np.ones(len(order), bool)

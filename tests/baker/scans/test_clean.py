@@ -72,6 +72,12 @@ def test_thinning_keeps_one_real_point_for_each_voxel_and_label(points, voxel, l
     assert set(keys(kept.points, kept.labels)) == set(keys(points, labels))
 
 
+def test_voxels_finer_than_any_number_keep_all_points():
+    points = np.random.default_rng(0).normal(size=(50, 3)) * 1e9
+    for voxel in (1e-300, 5e-324):
+        assert len(clean.thin(numbered(points), voxel)) == 50
+
+
 def test_thinning_takes_the_point_nearest_the_mean():
     cloud = numbered([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5], [0.8, 0.8, 0.8], [3, 3, 3]])
     assert clean.thin(cloud, 1.0).colors[:, 0].tolist() == [1, 3]
