@@ -55,7 +55,7 @@ def bake_all(plants: Sequence[Plant], options: Options, order: Order) -> int:
         if folder is not None:
             _require_folder(folder)
     names = [plant.name for plant in plants]
-    with TraitsTable(order.traits) if order.traits else nullcontext() as table:
+    with closing(TraitsTable(order.traits)) if order.traits else nullcontext() as table:
         jobs = [_job(plant, options, order, table) for plant in plants]
         outcomes = []
         with (

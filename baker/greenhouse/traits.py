@@ -12,8 +12,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import IO, Self
+from typing import IO
 
 from baker.errors import InputError
 from baker.greenhouse.work import About
@@ -46,15 +45,7 @@ class TraitsTable:
         self._known = _index(self._old)
         self._added: dict[str, tuple[int, int]] = {}
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         self._new.close()
         self._old.close()
 
