@@ -72,6 +72,15 @@ def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
     assert Colors(clip).worn(Style()) is clip
 
 
+def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) -> None:
+    errors = Errors(clip)
+    ramp = np.arange(101, dtype=np.uint8)[:, None].repeat(3, axis=1)
+    for highest in (3.0, 12.0):
+        shades = errors.painted(ramp, highest).at(DAY).colors[:, 0].astype(int)
+        (known,) = errors.intervals.values()
+        assert np.abs(shades - 100 * np.minimum(known / highest, 1.0)).max() <= 1
+
+
 def test_the_window_s_stage_shows_errors_and_goes_back(
     context: moderngl.Context, clip: Clip
 ) -> None:
