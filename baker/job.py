@@ -76,7 +76,7 @@ def solve_interval(
     workers: threads to use; pool: where to run them, one of its own by default.
     done:    called, in any thread, with how many more of the job's tasks are done.
     """
-    return packed_interval(job, move_interval(job, workers, pool, done))
+    return packed_interval(job, move_interval(job, workers, pool, done), workers, pool)
 
 
 def move_interval(
@@ -108,10 +108,13 @@ def move_interval(
     return _on_curves(job, solved, workers, pool) if job.curved else solved
 
 
-def packed_interval(job: IntervalJob, solved: list[Moved]) -> Interval:
+def packed_interval(
+    job: IntervalJob, solved: list[Moved], workers: int = 1, pool: Executor | None = None
+) -> Interval:
     """The interval's movers kept attached, made even and packed for the clip."""
     if job.attached:
-        solved = attached(solved, job.match, job.organs, job.spacing, bend=job.curved)
+        plant = (job.match, job.organs)
+        solved = attached(solved, *plant, job.spacing, job.curved, workers, pool)
     return pack_interval(
         *job.times,
         with_even_density(solved, job.even),

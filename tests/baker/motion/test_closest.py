@@ -1,26 +1,54 @@
-"""The closest pair is that of all pairs, whatever is passed over."""
+"""What is nearest is nearest among all, whatever is passed over."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from baker.motion.closest import BLOCK, closest
+from baker.motion.closest import LEAST, balls, closest, distances
+
+COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 25 * LEAST + 3]
 
 
-@pytest.mark.parametrize("count", [1, BLOCK - 1, BLOCK, BLOCK + 1, 5 * BLOCK + 3])
-def test_the_closest_of_all_pairs(count: int) -> None:
-    rng = np.random.default_rng(count)
-    mine = rng.normal(size=(4, 40, 3))
-    theirs = np.sort(rng.normal(size=(4, count, 3)), axis=1) + np.array([3.0, 0.0, 0.0])
-    gap, a, b = closest(mine, theirs)
-    apart = np.linalg.norm(mine[:, :, None] - theirs[:, None], axis=3)
+def clouds(mine: int, theirs: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Two clouds at four instants, overlapping a little, and the distances of all their pairs."""
+    rng = np.random.default_rng(mine + theirs)
+    a = np.sort(rng.normal(size=(4, mine, 3)), axis=1)
+    b = np.sort(rng.normal(size=(4, theirs, 3)), axis=1) + np.array([3.0, 0.0, 0.0])
+    return a, b, np.linalg.norm(a[:, :, None] - b[:, None], axis=3)
+
+
+@pytest.mark.parametrize("mine", COUNTS)
+@pytest.mark.parametrize("theirs", COUNTS)
+def test_the_closest_of_all_pairs(mine: int, theirs: int) -> None:
+    a, b, apart = clouds(mine, theirs)
+    gap, first, second = closest(a, b, balls(a), balls(b))
     np.testing.assert_allclose(gap, apart.min(axis=(1, 2)), rtol=1e-12)
-    np.testing.assert_allclose(apart[np.arange(4), a, b], gap, rtol=1e-12)
+    np.testing.assert_allclose(apart[np.arange(4), first, second], gap, rtol=1e-12)
+
+
+@pytest.mark.parametrize("mine", COUNTS)
+@pytest.mark.parametrize("theirs", COUNTS)
+@pytest.mark.parametrize("reach", [0.0, 1.5, np.inf])
+def test_distances_within_reach(mine: int, theirs: int, reach: float) -> None:
+    a, b, apart = clouds(mine, theirs)
+    found = distances(a[0], b[0], balls(a)[0], balls(b)[0], reach)
+    nearest = apart[0].min(axis=1)
+    np.testing.assert_allclose(found, np.where(nearest <= reach, nearest, np.inf), rtol=1e-12)
 
 
 def test_points_that_touch() -> None:
     same = np.zeros((2, 20, 3))
-    gap, a, b = closest(same, same)
+    gap, a, b = closest(same, same, balls(same), balls(same))
     assert gap.tolist() == [0.0, 0.0]
     assert a.tolist() == b.tolist() == [0, 0]
+    assert distances(same[0], same[0], balls(same)[0], balls(same)[0], 0.0).tolist() == [0.0] * 20
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_every_point_is_in_its_ball(count: int) -> None:
+    points = np.random.default_rng(count).normal(size=(1, count, 3))
+    found = balls(points)[0]
+    owner = np.arange(count) // max(LEAST, int(np.sqrt(count)))
+    away = np.linalg.norm(points[0] - found[owner, :3], axis=1)
+    assert (away <= found[owner, 3]).all()
