@@ -25,12 +25,22 @@ from gclip.console import run_app
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
 
+def _folder(text: str) -> Path:
+    """Not the folder one happens to be in, where a variable of the shell was empty."""
+    from baker.errors import InputError
+
+    if not text:
+        raise InputError("--cache has no name of a folder.")
+    return Path(text)
+
+
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
 def bake_command(
     inputs: Annotated[
         list[Path],
         typer.Argument(
             metavar="INPUT...",
+            readable=False,  # told later: of many plants one may be unreadable
             help="A folder of scans, or the files in order; several folders, or a folder of such "
             "folders, are many plants.",
         ),
@@ -167,6 +177,7 @@ def bake_command(
     cache: Annotated[
         Path | None,
         typer.Option(
+            parser=_folder,
             metavar="DIR",
             help="Keep finished intervals there, and take what an earlier bake has kept.",
         ),

@@ -1,5 +1,9 @@
 """The baker's one error for bad input."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
 from gclip.errors import UserError
 from gclip.text import printable
 
@@ -19,3 +23,13 @@ class InputError(UserError):
 def excerpt(text: str) -> str:
     """What a file says, short enough to be quoted."""
     return printable(text, 60)
+
+
+@contextmanager
+def asking(path: Path) -> Iterator[None]:
+    """Ask the file system about `path`: what it refuses to tell is an InputError."""
+    try:
+        yield
+    except OSError as error:
+        what = printable(str(error.filename or path), 200)
+        raise InputError(f"'{what}' can't be read: {error.strerror or error}.") from error

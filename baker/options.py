@@ -91,6 +91,7 @@ CHOICES: dict[str, type[StrEnum]] = {
 
 
 FARTHEST = 1e12  # coordinates beyond are no place of a plant
+LONGEST_UNIT = 100  # characters
 
 
 @dataclass(frozen=True)
@@ -141,6 +142,10 @@ class Options:
             raise InputError(
                 f"--root is {','.join(f'{axis:g}' for axis in self.root)}; numbers from "
                 f"{-FARTHEST:g} to {FARTHEST:g} are allowed."
+            )
+        if len(self.unit) > LONGEST_UNIT:
+            raise InputError(
+                f"--unit has {len(self.unit)} characters; at most {LONGEST_UNIT} are allowed."
             )
         for name in ("every", "neighbors", "graph_neighbors", "bud"):
             value = getattr(self, name)

@@ -6,6 +6,7 @@ SIGTERM, 129 by SIGHUP.
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import signal
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
+"""Errors of the system that no program can help, whatever file they are about."""
 
 
 def run(command: str, work: Callable[[], int | None]) -> int:
@@ -86,6 +89,10 @@ def verdict(error: Exception) -> tuple[int, str]:
     """The exit code that an error stands for, and the one sentence it is told with."""
     if isinstance(error, UserError):
         return BAD_INPUT, str(error)
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in ROOM):
+        named = error.filename is not None
+        where = f"{printable(os.fsdecode(error.filename), 200)}: " if named else ""
+        return BAD_INPUT, f"{where}{error.strerror or error}."
     if isinstance(error, MemoryError):
         return (
             BAD_INPUT,

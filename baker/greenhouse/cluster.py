@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from baker.executor import Executor
 
 LOGS = ("distributed", "distributed.client", "distributed.nanny", "distributed.worker", "asyncio")
+MOST_LOCAL = 256  # workers on one machine
 PATIENCE = 5  # seconds that a scheduler has to answer
 WINDOW = 64  # plants under way at least, so that a cluster that grows with its load does grow
 LEAN = {"distributed.worker.profile.enabled": False}  # its records grow for an hour
@@ -253,8 +254,11 @@ def _local_workers(address: str) -> int:
     from baker.workers import worker_count
 
     count = address.partition(":")[2]
-    if count and not (count.isdecimal() and int(count)):
-        raise InputError(f"--cluster {address}: local:N starts N workers, such as local:2.")
+    if count and not (count.isdecimal() and 0 < int(count[:9]) <= MOST_LOCAL):
+        raise InputError(
+            f"--cluster {address}: local:N starts N workers, from 1 to {MOST_LOCAL}, such as "
+            "local:2."
+        )
     return worker_count(int(count or 0))
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 from baker.rgbd.camera import find_camera
-from baker.scans.find import find_scans, holds_scans
+from baker.scans.find import find_scans, holds_scans, require_there
 from baker.scans.times import natural_key
 
 
@@ -40,8 +40,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
             )
         return ()
     for path in inputs:
-        if not path.exists():
-            raise InputError(f"'{path}': there is no such file or folder.")
+        require_there(path)
         if not path.is_dir():
             raise InputError(
                 f"'{path}' is a file and '{folders[0]}' a folder: give folders, a plant each (*/ "
@@ -62,19 +61,25 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
 
 def names_folder(output: str) -> bool:
     """Whether -o means a folder: one that is there, or a name that ends as a folder's does."""
-    return output.endswith(("/", os.sep)) or Path(output).is_dir()
+    return bool(output) and (output.endswith(("/", os.sep)) or Path(output).is_dir())
 
 
 def _is_plant(folder: Path) -> bool:
     return find_camera(folder) is not None or holds_scans(folder)
 
 
-def _plants_below(greenhouse: Path) -> list[Path]:
+def _may_be_plant(folder: Path) -> bool:
+    """A folder that can't be read is one, whose bake fails and says why; the others' don't."""
     try:
+        return _is_plant(folder)
+    except InputError:
+        return True
+
+
+def _plants_below(greenhouse: Path) -> list[Path]:
+    with asking(greenhouse):
         below = [path for path in greenhouse.iterdir() if path.is_dir()]
-    except OSError as error:
-        raise InputError(f"'{greenhouse}' can't be read: {error.strerror}.") from error
-    below = [path for path in below if not path.name.startswith(".") and _is_plant(path)]
+    below = [path for path in below if not path.name.startswith(".") and _may_be_plant(path)]
     return sorted(below, key=lambda path: natural_key(path.name))
 
 

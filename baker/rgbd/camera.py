@@ -37,7 +37,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from baker.errors import InputError, excerpt
+from baker.errors import InputError, asking, excerpt
 from baker.rgbd.repair import RepairOptions
 
 CAMERA_FILES = ("camera.toml", "camera.json")
@@ -84,7 +84,8 @@ class Camera:
 
 def find_camera(folder: Path) -> Path | None:
     """The camera's file in `folder`, or None where it holds no images to read."""
-    return next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
+    with asking(folder):
+        return next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
 
 
 def read_camera(path: Path) -> Camera:

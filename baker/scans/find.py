@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 from baker.scans.formats import SUFFIXES, require_known
 from baker.scans.times import FoundScans, natural_key, without_time
 
@@ -29,8 +29,7 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
     for path in inputs:
-        if not path.exists():
-            raise InputError(f"'{path}': there is no such file or folder.")
+        require_there(path)
 
     if len(inputs) == 1 and inputs[0].is_dir():
         return FoundScans(_in_folder(inputs[0], times_file), from_folder=True)
@@ -49,22 +48,25 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     return FoundScans(tuple(inputs), from_folder=False)
 
 
+def require_there(path: Path) -> None:
+    """InputError unless there is such a file or folder, and it may be looked at."""
+    with asking(path):
+        if not path.exists():
+            raise InputError(f"'{path}': there is no such file or folder.")
+
+
 def holds_scans(folder: Path) -> bool:
     """Whether `folder` itself holds a scan, be they enough for a series or not."""
-    try:
+    with asking(folder):
         return any(_is_scan(path) for path in folder.iterdir())
-    except OSError as error:
-        raise InputError(f"'{folder}' can't be read: {error.strerror}.") from error
 
 
 def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
-    try:
+    with asking(folder):
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
         scans = [path for path in entries if _is_scan(path)]
-    except OSError as error:
-        raise InputError(f"'{folder}' can't be read: {error.strerror}.") from error
-    if times_file is not None and times_file.exists():
-        scans = [path for path in scans if not path.samefile(times_file)]
+        if times_file is not None and times_file.exists():
+            scans = [path for path in scans if not path.samefile(times_file)]
     if not scans:
         if any(path.suffix.lower() in IMAGES for path in entries):
             raise InputError(

@@ -12,6 +12,7 @@ A rule counts only if it fits every scan; the first that does, in this order, is
 from __future__ import annotations
 
 import re
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -21,6 +22,9 @@ from pathlib import Path
 from baker.errors import InputError
 
 LONGEST = 100  # letters of a time
+LARGEST_FILE = 1 << 24  # bytes of a list of times
+FARTHEST = 1e12  # a time beyond is no day of a plant's
+SHORTEST = 1e-9  # between two scans
 _DATE = re.compile(
     r"""(?<!\d) (?P<year>(?:19|20|21)\d\d) (?P<dash>[-_.]?) (?P<month>\d\d) (?P=dash) (?P<day>\d\d)
         (?: [T_\ -]? (?P<hour>[01]\d|2[0-3]) [-:_.h]? (?P<minute>[0-5]\d)
@@ -114,12 +118,23 @@ def _in_time(
         Entry(path, name, moment)
         for path, name, moment in zip(found.paths, names, moments, strict=True)
     ]
+    for entry in entries:
+        if not abs(entry.moment.time) <= FARTHEST:
+            raise InputError(
+                f"'{entry.name}' has the time {entry.moment.date} ({rule}); days from "
+                f"{-FARTHEST:g} to {FARTHEST:g} are possible."
+            )
     in_time = sorted(entries, key=lambda entry: entry.moment.time)
     for before, after in pairwise(in_time):
         if before.moment.time == after.moment.time:
             raise InputError(
                 f"'{before.name}' and '{after.name}' have the same time, {after.moment.date} "
                 f"({rule}); one moment can have one scan only."
+            )
+        if after.moment.time - before.moment.time < SHORTEST:
+            raise InputError(
+                f"'{before.name}' and '{after.name}' have nearly the same time ({rule}); "
+                f"{SHORTEST:g} days have to lie between two scans."
             )
     rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
     if in_time != entries and not found.from_folder:
@@ -227,6 +242,14 @@ def _moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
 
 def _read_times(path: Path) -> dict[str, Moment]:
     try:
+        state = path.stat()
+        if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
+            raise InputError(f"'{path}' (times) is not a regular file.")
+        if state.st_size > LARGEST_FILE:
+            raise InputError(
+                f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
+                f"{LARGEST_FILE} at most."
+            )
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
         raise InputError(f"'{path}' (times) can't be read: {error.strerror}.") from error

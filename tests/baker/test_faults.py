@@ -223,3 +223,100 @@ def test_nothing_is_written_outside_the_output_and_the_cache(write_scans, tmp_pa
     project = Path(__file__).parents[2] / "baker"
     new = [path for path in project.rglob("*") if path.is_file() and path.stat().st_ctime >= began]
     assert not [path for path in new if path.parent.name != "__pycache__" and path.suffix != ".py"]
+
+
+NO_PRIVILEGES = """
+import ctypes
+head = (ctypes.c_uint32 * 2)(0x20080522, 0)
+libc, drop = ctypes.CDLL(None), 24
+for number in range(64):
+    libc.prctl(drop, number, 0, 0, 0)
+assert libc.capset(head, (ctypes.c_uint32 * 6)()) == 0
+"""  # root is then held to permissions, and so are the processes that it starts (Linux)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="capabilities are Linux's")
+@pytest.mark.parametrize("mode", [0o000, 0o444, 0o311])
+def test_folders_and_scans_that_may_not_be_read_are_said(write_scans, output, mode):
+    folder = write_scans()
+    days = sorted(folder.iterdir())
+    folder.chmod(mode)
+    try:
+        for given in [folder], days:
+            done = limited(NO_PRIVILEGES, *given, "-o", output)
+            if mode == 0o311 and given is days:
+                assert done.returncode == 0, done.stderr  # who knows the names may read
+            else:
+                assert done.returncode == 2, done.stderr
+                assert one_sentence(done.stderr, str(folder), "ermission denied")
+    finally:
+        folder.chmod(0o755)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="capabilities are Linux's")
+def test_one_plant_that_may_not_be_read_stops_no_others(write_scans, tmp_path):
+    house = tmp_path / "house"
+    house.mkdir()
+    for name in ("a", "b"):
+        write_scans(name=f"house/{name}")
+    (house / "a").chmod(0)
+    try:
+        for given in [house], [house / "a", house / "b"]:
+            done = limited(NO_PRIVILEGES, *given, "-o", f"{tmp_path}/clips/", *LIGHT)
+            assert done.returncode == 2
+            assert "1 of 2 plants failed" in done.stderr
+            assert "Permission denied" in done.stderr
+    finally:
+        (house / "a").chmod(0o755)
+    assert [path.name for path in (tmp_path / "clips").iterdir()] == ["b.gclip"]
+
+
+def test_names_that_no_file_can_have_are_said(write_scans, tmp_path, capsys):
+    folder, long = write_scans(), "x" * 300
+    for arguments in (
+        [long, "-o", tmp_path / "p.gclip"],
+        [f"{long}.ply", f"{folder}/day00.txt", "-o", tmp_path / "p.gclip"],
+        [folder, "-o", tmp_path / f"{long}.gclip"],
+        [folder, "-o", tmp_path / "p.gclip", "--times", f"{long}.txt"],
+        [folder, "-o", tmp_path / "p.gclip", "--report", f"{long}.html"],
+        [folder, "-o", tmp_path / "p.gclip", "--cache", tmp_path / long],
+    ):
+        assert main([str(argument) for argument in (*arguments, "-q")]) == 2
+        assert one_sentence(capsys.readouterr().err, "ile name too long")
+        assert list(tmp_path.iterdir()) == [folder]
+
+
+def test_what_can_never_be_saved_is_refused_before_the_work(write_scans, tmp_path, capsys):
+    """Not after hours."""
+    arguments = [str(write_scans()), "-o", str(tmp_path / "p.gclip")]
+    for more, word in (
+        (["--unit", "m" * 2_000], "--unit"),
+        (["--cache", ""], "--cache"),
+        (["--cluster", "local:99999999999"], "local:2"),
+        (["-o", ""], ".gclip"),
+    ):
+        assert main([*arguments, *more]) == 2
+        assert one_sentence(capsys.readouterr().err, word)
+
+
+@pytest.mark.parametrize("what", ["scan", "folder", "times", "output", "report", "traits"])
+def test_a_pipe_that_nobody_writes_to_is_not_waited_for(write_scans, tmp_path, what, capsys):
+    folder, pipe = write_scans(), tmp_path / {
+        "output": "p.gclip", "report": "p.html", "traits": "p.csv", "scan": "scans/day9.txt"
+    }.get(what, "pipe")  # fmt: skip
+    os.mkfifo(pipe)
+    options = {
+        "scan": [folder / "day00.txt", pipe],
+        "folder": [pipe],
+        "times": [folder, "--times", pipe],
+        "output": [folder],
+        "report": [folder, "--report", pipe],
+        "traits": [folder, "--traits", pipe],
+    }[what]
+    code = main([str(a) for a in (*options, "-o", tmp_path / "p.gclip", "-q", *LIGHT)])
+    said = capsys.readouterr().err
+    if what in ("output", "report", "traits"):  # a file takes the pipe's place
+        assert (code, said, pipe.is_file()) == (0, "", True)
+    else:
+        assert code == 2
+        assert one_sentence(said, pipe.name, "not a regular file")

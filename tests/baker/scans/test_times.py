@@ -264,3 +264,26 @@ def test_a_time_of_millions_of_digits_is_refused_at_once(tmp_path):
     path.write_text("a.ply, 0\nb.ply, " + "1" * 3_000_000 + "x\n")
     with pytest.raises(InputError, match="line 2"):
         schedule("a.ply", "b.ply", times_file=path)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "said"),
+    [
+        ("day0.ply", f"day{'9' * 200}.ply", "days from"),
+        ("day0.ply", f"day{'9' * 400}.ply", "days from"),
+        ("day0.ply", f"day0.{'0' * 20}1.ply", "nearly the same time"),
+    ],
+)
+def test_days_that_no_clip_could_hold_are_refused_by_name(first, second, said):
+    with pytest.raises(InputError, match=rf"'{second}' ha.*{said}"):
+        schedule(first, second)
+    assert gaps("day0.ply", "day0.000001.ply", "day100000000.ply") == [0, 1e-6, 1e8]
+
+
+def test_a_list_of_times_is_a_file_of_decent_size(tmp_path):
+    path = tmp_path / "times.txt"
+    with path.open("wb") as file:
+        file.truncate(1 << 30)
+    for listed, said in ((path, "holds 1073741824 bytes"), (Path("/dev/zero"), "not a regular")):
+        with pytest.raises(InputError, match=said):
+            schedule("a.ply", "b.ply", times_file=listed)
