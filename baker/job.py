@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from baker.motion import attached, curved, organ_motions
 from baker.tasks import Task
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
-from baker.workers import in_parallel
+from baker.workers import Pool, in_parallel
 from gclip.clip import Interval, Motion
 from gclip.pack import pack_interval
 
@@ -68,12 +67,12 @@ class IntervalJob:
 def solve_interval(
     job: IntervalJob,
     workers: int = 1,
-    pool: Executor | None = None,
+    pool: Pool | None = None,
     done: Done = lambda steps: None,
 ) -> Interval:
     """The interval, ready for the clip. Deterministic, whatever the workers.
 
-    workers: threads to use; pool: where to run them, one of its own by default.
+    workers: cores to use; pool: where to run what is shared out, on threads by default.
     done:    called, in any thread, with how many more of the job's tasks are done.
     """
     return packed_interval(job, move_interval(job, workers, pool, done), workers, pool)
@@ -82,7 +81,7 @@ def solve_interval(
 def move_interval(
     job: IntervalJob,
     workers: int = 1,
-    pool: Executor | None = None,
+    pool: Pool | None = None,
     done: Done = lambda steps: None,
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
@@ -109,7 +108,7 @@ def move_interval(
 
 
 def packed_interval(
-    job: IntervalJob, solved: list[Moved], workers: int = 1, pool: Executor | None = None
+    job: IntervalJob, solved: list[Moved], workers: int = 1, pool: Pool | None = None
 ) -> Interval:
     """The interval's movers kept attached, made even and packed for the clip."""
     if job.attached:
@@ -125,7 +124,7 @@ def packed_interval(
 
 
 def _on_curves(
-    job: IntervalJob, solved: list[Moved], workers: int, pool: Executor | None
+    job: IntervalJob, solved: list[Moved], workers: int, pool: Pool | None
 ) -> list[Moved]:
     clouds = (job.start.positions, job.end.positions)
     matches, organs = [job.match], [job.organs]

@@ -17,6 +17,7 @@ LONG = 64 * 2**20  # bytes of scans
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from baker.executor import Executor
     from gclip.clip import Clip
 
 
@@ -47,17 +48,21 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     from rich.console import Console
 
     from baker.cache import IntervalCache
+    from baker.forks import Forks, can_fork
     from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
     from baker.summary import print_summary
     from baker.verify import print_errors, verify
+    from baker.workers import worker_count
 
     console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
     own = _begun(wanted.clip) if wanted.cache is None and _is_long(inputs) else None
     cache = wanted.cache or own
     kept = None if cache is None else IntervalCache(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
-        executor = None
+        executor: Executor | None = None
+        if can_fork():
+            executor = Forks(worker_count(options.workers))
         if wanted.cluster is not None:
             from baker.greenhouse.cluster import intervals_on
 

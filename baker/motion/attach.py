@@ -9,9 +9,9 @@ its bearer at the first scan to where it does at the second, and one of the bear
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import Executor
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,10 +19,14 @@ from numpy.typing import NDArray
 
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
-from baker.motion.meeting import Meeting, Organ
+from baker.motion.meeting import Curve, Organ, Tie, on_curve
 from baker.segment.hierarchy import NO_PARENT
-from baker.workers import in_parallel
+from baker.workers import Pool, in_parallel
 from gclip.pack import raised
+
+FEWEST, TOGETHER = 8, 16  # groups that are worth sharing out; organs in one
+
+Pair = tuple[int, int]  # an organ and what bears it, by their places among the tasks
 
 
 def attached(
@@ -32,13 +36,13 @@ def attached(
     spacing: float,
     bend: bool = True,
     workers: int = 1,
-    pool: Executor | None = None,
+    pool: Pool | None = None,
 ) -> list[Moved]:
     """The solved tasks of an interval, organs' bases kept by what bears them.
 
     spacing: the point spacing, which no gap may widen by.
     bend:    whether paths may be bent for it; straight ones are only tied.
-    workers: threads to use; pool: where to run them, one of its own by default.
+    workers: cores to use; pool: where to run what is shared out, on threads by default.
     """
     done = list(tasks)
     place = {
@@ -52,39 +56,65 @@ def attached(
         for bearer in found
         if organ in place and bearer in place and organ != bearer
     ]
-    known: dict[int, Organ] = {}
-    met: dict[tuple[int, int], Meeting] = {}
+    waves = _waves(meetings) if bend else []
+    last = {own: number for number, wave in enumerate(waves) for own, _ in wave}
+    ties: dict[Pair, Tie | None] = {}
 
-    def meet(pairs: Sequence[tuple[int, int]]) -> None:
-        """See where the organs of these pairs come near each other, as they are now."""
-        new = {i for pair in pairs for i in pair if i not in known or known[i].moved is not done[i]}
-        looked = in_parallel(Organ.of, [done[i] for i in sorted(new)], workers, pool)
-        known.update(zip(sorted(new), looked, strict=True))
-        found = in_parallel(
-            lambda p: known[p[1]].met_by(known[p[0]], spacing), pairs, workers, pool
-        )
-        met.update(zip(pairs, found, strict=True))
+    def meet(pairs: Sequence[Pair], draw: bool) -> Iterator[tuple[Pair, Curve | None, Tie | None]]:
+        groups = _of_one_bearer(pairs)
+        found = in_parallel(partial(_meet, done, spacing, draw), groups, workers, pool, FEWEST)
+        for group, results in zip(groups, found, strict=True):
+            for pair, (curve, tie) in zip(group, results, strict=True):
+                yield pair, curve, tie
 
-    for wave in _waves(meetings) if bend else ():
-        meet(wave)
-        drawn = in_parallel(lambda pair: met[pair].drawn(done[pair[0]]), wave, workers, pool)
-        for (own, _), moved in zip(wave, drawn, strict=True):
-            done[own] = moved
-    # A bearer may have been drawn after what it bears.
-    meet([pair for pair in meetings if pair not in met or met[pair].bearer is not done[pair[1]]])
-    ties = in_parallel(lambda pair: met[pair].tied(done[pair[0]]), meetings, workers, pool)
-    for (own, bearer), tie in zip(meetings, ties, strict=True):
+    for number, wave in enumerate(waves):
+        for (own, bearer), curve, tie in [*meet(wave, draw=True)]:
+            if curve is not None:
+                done[own] = on_curve(done[own], curve)
+            if last[own] == number > last.get(bearer, -1):
+                ties[own, bearer] = tie
+    # One of the others was drawn once more after they had met.
+    others = [pair for pair in meetings if pair not in ties]
+    ties.update((pair, tie) for pair, _, tie in meet(others, draw=False))
+    for own, bearer in meetings:
+        tie = ties[own, bearer]
         if tie is not None:
             done[own], done[bearer] = _joined(done[own], tie[0]), _joined(done[bearer], tie[1])
     return done
 
 
-def _waves(meetings: Sequence[tuple[int, int]]) -> list[list[tuple[int, int]]]:
+def _meet(
+    moving: Sequence[Moved], spacing: float, draw: bool, group: Sequence[Pair]
+) -> list[tuple[Curve | None, Tie | None]]:
+    """For each organ that one bearer bears: its paths where they are drawn to it, and its tie."""
+    bearer = Organ.of(moving[group[0][1]])
+    results = []
+    for own, _ in group:
+        meeting = bearer.met_by(Organ.of(moving[own]), spacing)
+        organ = meeting.drawn(moving[own]) if draw else moving[own]
+        curve = None if organ is moving[own] else organ.movers.curve
+        results.append((curve, meeting.tied(organ)))
+    return results
+
+
+def _of_one_bearer(pairs: Sequence[Pair]) -> list[list[Pair]]:
+    """The pairs of an organ and its bearer, up to `TOGETHER` of a bearer in a group."""
+    of_bearer: dict[int, list[Pair]] = {}
+    for pair in pairs:
+        of_bearer.setdefault(pair[1], []).append(pair)
+    return [
+        group[first : first + TOGETHER]
+        for group in of_bearer.values()
+        for first in range(0, len(group), TOGETHER)
+    ]
+
+
+def _waves(meetings: Sequence[Pair]) -> list[list[Pair]]:
     """Meetings in groups, one after the other; those of a group don't depend on each other.
 
     A bearer is drawn to what bears it before anything is drawn to it, as far as it comes first.
     """
-    waves: list[list[tuple[int, int]]] = []
+    waves: list[list[Pair]] = []
     drawn_in: dict[int, int] = {}
     for own, bearer in meetings:
         wave = max(drawn_in.get(own, -1), drawn_in.get(bearer, -1)) + 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import OrganShape, organ_shapes
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
-from baker.workers import in_parallel
+from baker.workers import Pool, in_parallel
 from gclip.pack import raised
 
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
@@ -28,7 +27,7 @@ def organ_motions(
     bases: Sequence[NDArray[np.floating]],
     spacing: float,
     workers: int = 1,
-    pool: Executor | None = None,
+    pool: Pool | None = None,
 ) -> list[Motions]:
     """For each interval, by segment of its second scan, how the organs that bend or turn move.
 

@@ -29,6 +29,7 @@ REACH = 0.5  # of an organ, in its root mean square radii, that follows its base
 Points = NDArray[np.floating]
 Indices = NDArray[np.integer]
 Curve = tuple[Points, ...]
+Tie = tuple[Moved, Moved]  # one mover of the organ, and one of its bearer
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,10 @@ class Meeting:
             worst = int(np.argmax(gaps))
             gap, base, touched = float(gaps[worst]), int(mine[worst]), int(theirs[worst])
             if gap < least:
-                best, least = _on(moved, curve) if curve is not moved.movers.curve else moved, gap
+                best, least = (
+                    on_curve(moved, curve) if curve is not moved.movers.curve else moved,
+                    gap,
+                )
             if gap <= self.gap + DRAWN * self.spacing:
                 break
             u = INSTANTS[worst]
@@ -129,7 +133,7 @@ class Meeting:
             curve = _shifted(curve, u, way * _followers(points, points[base]))
         return best
 
-    def tied(self, moved: Moved) -> tuple[Moved, Moved] | None:
+    def tied(self, moved: Moved) -> Tie | None:
         """A mover of the organ and one of its bearer that are never farther apart than at a scan.
 
         None where the organ does not part from its bearer by more anyway.
@@ -199,7 +203,7 @@ def _shifted(curve: Curve, u: float, way: Points) -> Curve:
     return (first, *((inner + way / weight).astype(np.float32) for inner in control), last)
 
 
-def _on(moved: Moved, curve: Curve) -> Moved:
+def on_curve(moved: Moved, curve: Curve) -> Moved:
     return replace(moved, movers=replace(moved.movers, curve=curve))
 
 

@@ -1,0 +1,205 @@
+"""Work shared out among copies of this process, where Python itself takes much of the time.
+
+Threads of Python take turns; processes don't. A fork has all that this process has, so nothing
+needs to be sent to it: only results come back. It lives for one round of work.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from baker.errors import InputError
+from baker.job import Done, IntervalJob
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+MANY = 16  # items for each fork from which on it is given one ahead, not to wait for the next
+DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
+
+
+def can_fork() -> bool:
+    """Whether forks are safe here: other systems' own libraries don't survive them."""
+    return sys.platform == "linux"
+
+
+class Forks:
+    """An `Executor` on forks of this process; for commands, whose threads hold no locks.
+
+    Several intervals are solved at once, one a core. Where there are too few of them their tasks
+    are shared out instead.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+
+    def run(
+        self, function: Callable[..., Result], jobs: Sequence[IntervalJob], done: Done
+    ) -> Iterator[tuple[int, Result]]:
+        """See `baker.executor.Executor`. Raises InputError where a fork dies."""
+        pool = ForkPool(self._workers, done)
+        if self._workers > 1 and 2 * len(jobs) > self._workers:
+            yield from pool.unordered(lambda job: function(job, 1, done=pool.tell), jobs)
+        else:
+            _load_compiled()
+            for index, job in enumerate(jobs):
+                yield index, function(job, self._workers, pool, pool.tell)
+
+
+def _load_compiled() -> None:
+    """Load machine code in this process, where it is there for all forks of all rounds."""
+    import numpy as np
+
+    from baker.motion.closest import balls, closest, distances
+    from baker.transport.solve import solve
+
+    few = np.eye(3)
+    solve(np.tile(few, (2, 1)), few)
+    around = balls(few[None])
+    closest(few[None], few[None], around, around)
+    distances(few, few, around[0], around[0], 1.0)
+
+
+class ForkPool:
+    """Maps functions over items in up to `workers` forks, made anew for every round.
+
+    done: called in this process, with what the functions `tell` in any.
+    """
+
+    def __init__(self, workers: int, done: Done = lambda steps: None) -> None:
+        self._workers = workers
+        self._done = done
+        self._parent: Connection | None = None  # of a fork
+
+    def tell(self, steps: int) -> None:
+        """How many more steps are done."""
+        if self._parent is not None:
+            self._parent.send(steps)
+        else:
+            self._done(steps)
+
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """The results in the items' order."""
+        found = dict(self.unordered(function, items))
+        return (found[index] for index in range(len(items)))
+
+    def unordered(
+        self, function: Callable[[Item], Result], items: Sequence[Item]
+    ) -> Iterator[tuple[int, Result]]:
+        """Each item's number and its result as they come; close it to stop at once.
+
+        Raises what a function raises, and InputError where a fork dies of an item.
+        """
+        if self._parent is not None or self._workers <= 1 or len(items) <= 1:
+            yield from ((index, function(item)) for index, item in enumerate(items))
+            return
+        from multiprocessing.connection import wait
+
+        waiting = iter(range(len(items)))
+        crew: dict[Connection, int] = {}
+        try:
+            for _ in range(min(self._workers, len(items))):
+                pipe, process = self._fork(function, items, list(crew))
+                crew[pipe] = process
+            ahead = 2 if len(items) >= MANY * self._workers else 1
+            for pipe, index in zip(ahead * list(crew), waiting, strict=False):
+                pipe.send(index)
+            missing = len(items)
+            while missing:
+                for ready in wait(list(crew)):
+                    pipe = cast("Connection", ready)
+                    found = _received(pipe, crew[pipe])
+                    if isinstance(found, int):
+                        self._done(found)
+                        continue
+                    missing -= 1
+                    for index in islice(waiting, 1):
+                        pipe.send(index)
+                    yield found
+        finally:
+            for pipe, process in crew.items():
+                pipe.close()
+                os.kill(process, signal.SIGKILL)
+                os.waitpid(process, 0)
+
+    def _fork(
+        self,
+        function: Callable[[Item], Result],
+        items: Sequence[Item],
+        others: Sequence[Connection],
+    ) -> tuple[Connection, int]:
+        """A fork that does the items whose numbers it is sent: its end of a pipe, and its id."""
+        from multiprocessing import Pipe
+
+        ours, theirs = Pipe()
+        process = os.fork()
+        if process:
+            theirs.close()
+            return ours, process
+        # A fork ends here whatever happens: what called this is the first process's to finish.
+        try:
+            for pipe in (ours, *others):
+                pipe.close()
+            _end_with_parent()
+            self._parent = theirs
+            _serve(function, items, theirs)
+        finally:
+            os._exit(0)
+
+
+def _serve(function: Callable[[Item], Result], items: Sequence[Item], pipe: Connection) -> None:
+    """Do the items whose numbers come, until the pipe is closed or one fails."""
+    while True:
+        try:
+            index = pipe.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            found = function(items[index])
+        except Exception as error:
+            pipe.send(_sendable(error))
+            return
+        pipe.send((index, found))
+
+
+def _received(pipe: Connection, process: int) -> int | tuple[int, Any]:
+    """Steps done, or an item's number and its result. Raises what the item raised."""
+    try:
+        found = pipe.recv()
+    except (EOFError, OSError):
+        raise InputError(
+            "a process that solved a part of the bake was killed; most likely there is too little "
+            "memory for these scans: try fewer points (--voxel, --resample) or one process "
+            "(--workers 1)."
+        ) from None
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _sendable(error: Exception) -> Exception:
+    """The error itself, or what it says where it can't be sent."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError("".join(traceback.format_exception(error)))
+    return error
+
+
+def _end_with_parent() -> None:
+    """No fork outlives the command, however that ends; Ctrl-C is the command's to decide on."""
+    import ctypes
+
+    ctypes.CDLL(None).prctl(DIE_WITH_PARENT, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
