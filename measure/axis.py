@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,10 @@ Points = NDArray[np.float64]
 NEIGHBORS = 10
 SLICE = 3.0  # length of a slice, in point spacings
 SLICES = 40  # at most
-SLENDER = 1.3  # times as long as wide: what has a direction of its own
 CORRIDOR = 8.0  # detour, in point spacings, up to which points belong to the way along the organ
+RIM = 3.0  # how far from its very end, in point spacings, an organ's base may reach
+NEAR = 0.15  # of an organ's length: how far from its parent an end may lie to be its base
+BEYOND = 3.0  # point spacings: the most that a tip lies beyond the last point
 
 
 @dataclass(frozen=True)
@@ -45,43 +48,64 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
             Empty for the root: then it is the lower end.
 
     The two ends are the points farthest apart along the surface, measured over a neighbourhood
-    graph. Slices across the way between them have their middles on the axis.
+    graph; of a branch with leaves both may be tips, then the base is where it touches its parent.
+    A stem's base is its whole rim. Slices across the way from the base to the tip have their
+    middles on the axis.
     """
     from scipy.sparse.csgraph import dijkstra
-    from scipy.spatial import cKDTree
 
     if len(points) < 6 or not np.ptp(points, axis=0).any():
         return None
     graph, spacing = _graph(points)
 
-    def way(source: int) -> NDArray[np.float64]:
-        return dijkstra(graph, directed=False, indices=source)
+    def way(*sources: int) -> NDArray[np.float64]:
+        return dijkstra(graph, directed=False, indices=list(sources), min_only=True)
 
-    tip = int(way(0).argmax())
-    from_tip = way(tip)
-    base = int(from_tip.argmax())
-    ends = points[[base, tip]]
-    near = cKDTree(parent).query(ends)[0] if len(parent) else ends @ up
+    base = _base(points, parent, up, way, spacing)
     from_base = way(base)
-    if near[1] < near[0]:
-        base, tip, from_base, from_tip = tip, base, from_tip, from_base
-
-    whole = from_base[tip]
+    tip = int(from_base.argmax())
+    from_tip, whole = way(tip), float(from_base[tip])
     if whole <= 0.0:
         return None
+    rim = (from_tip >= from_tip[base] - RIM * spacing) & (from_base <= whole / 4)
+    from_base = way(base, *np.flatnonzero(rim).tolist())
+    detour = from_base + from_tip
+    whole = float(detour.min())
     # Leaflets beside the way are no part of it.
-    along = np.flatnonzero(from_base + from_tip - whole <= CORRIDOR * spacing)
+    along = np.flatnonzero(detour <= whole + CORRIDOR * spacing)
     share = (from_base - from_tip + whole)[along] / (2.0 * whole)
     count = int(min(whole / (SLICE * spacing), SLICES, len(along) / 6))
     middles = _middles(points[along], share, max(count, 3))
+    last = points[along][share > 0.5]
     line = np.concatenate(
         [
             _end(points[base], middles[0], middles[1]),
             middles,
-            _end(points[tip], middles[-1], middles[-2]),
+            _end(points[tip], middles[-1], middles[-2], last, BEYOND * spacing),
         ]
     )
-    return Axis(line, _start(line, points[along][share <= 0.25]))
+    return Axis(line, _start(line, points[along], share))
+
+
+def _base(
+    points: Points,
+    parent: Points,
+    up: NDArray[np.float64],
+    way: Callable[..., NDArray[np.float64]],
+    spacing: float,
+) -> int:
+    """Which point of an organ is farthest from its tip."""
+    from scipy.spatial import cKDTree
+
+    first = int(way(0).argmax())
+    across = way(first)
+    ends = [first, int(across.argmax())]
+    if not len(parent):
+        return min(ends, key=lambda end: float(points[end] @ up))
+    gap = cKDTree(parent).query(points)[0]
+    base = min(ends, key=lambda end: float(gap[end]))
+    touching = int(gap.argmin())
+    return base if gap[base] <= gap[touching] + NEAR * across.max() + RIM * spacing else touching
 
 
 def _middles(points: Points, share: NDArray[np.float64], count: int) -> Points:
@@ -96,31 +120,39 @@ def _middles(points: Points, share: NDArray[np.float64], count: int) -> Points:
     return middles
 
 
-def _start(line: Points, quarter: Points) -> Points:
-    """(3,) the way from the line's base to a quarter of its length; where the quarter's points
-    themselves are clearly longer than wide, along them: ways begin at a point of a stem's rim, and
-    so does the line.
+def _start(line: Points, points: Points, share: NDArray[np.float64]) -> Points:
+    """(3,) which way an organ's first quarter goes: the line that best says where its points are
+    by how far along they are. Thick stems, as wide as their quarter is long, have it too.
     """
-    passed = np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()
-    place = [np.interp(0.25 * passed[-1], [0.0, *passed], column) for column in line.T]
-    chord = np.array(place) - line[0]
-    chord /= max(float(np.linalg.norm(chord)), 1e-300)
-    if len(quarter) < 12:
-        return chord
-    about = quarter - quarter.mean(axis=0)
-    spread, axes = np.linalg.eigh(about.T @ about)
-    if spread[2] < SLENDER**2 * spread[1]:
-        return chord
-    return axes[:, 2] * (1.0 if axes[:, 2] @ chord >= 0.0 else -1.0)
+    quarter = share <= 0.25
+    about = points[quarter] - points[quarter].mean(axis=0) if quarter.any() else points[:0]
+    way = (share[quarter] - share[quarter].mean()) @ about if len(about) > 2 else np.zeros(3)
+    chord = line[min(2, len(line) - 1)] - line[0]
+    way = way if way.any() else chord
+    way = way / max(float(np.linalg.norm(way)), 1e-300)
+    return way if way @ chord >= 0.0 else -way
 
 
-def _end(point: Points, last: Points, before: Points) -> Points:
+def _end(
+    point: Points, last: Points, before: Points, near: Points | None = None, most: float = 0.0
+) -> Points:
     """(1, 3) the axis goes on straight until it is level with its outermost point: that may lie
     on the rim of a stem's end, or at the corner of a leaf's base.
+
+    near: (M, 3) points of which the outermost is one; then it goes on by as much as the outermost
+          of half of them lies behind it, in the mean over all halves: a tip is seen no better
+          than that. `most`: but no farther than that.
     """
     onward = last - before
     onward = onward / max(float(np.linalg.norm(onward)), 1e-300)
-    return (last + max(float((point - last) @ onward), 0.0) * onward)[None]
+    beyond = 0.0
+    if near is not None and len(near):
+        level = np.sort(near @ onward)[:-32:-1]
+        # The outermost is one of a half's points with probability 1/2, the next is its first with
+        # 1/4, and so on.
+        behind = (level[0] - level) @ (0.5 ** np.arange(1, len(level) + 1))
+        beyond = min(float(behind), most)
+    return (last + (max(float((point - last) @ onward), 0.0) + beyond) * onward)[None]
 
 
 def _graph(points: Points) -> tuple[csr_matrix, float]:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from measure.axis import axis_of
-from measure.surface import area, smoothed
+from measure.organs import Organ, samples_at
+from measure.smooth import Smoothed, noise_of, smoothed
+from measure.surface import area
 
 if TYPE_CHECKING:
     from gclip import Clip
 
 HALVES = 4  # samples of half of an organ's points that tell what its hull still lacks
 LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
-MOST = 2500  # points of an organ that are measured; a fair sample of them where there are more
+TRAITS = ("height", "length", "area", "hull", "angle")
 
 
 @dataclass(frozen=True)
@@ -50,92 +52,94 @@ def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list
 
     only: the tracks to measure, without the whole plant; None for all.
     """
-    born = {track.id: track.born for track in clip.track_table}
-    parents = {track.id: track.parent for track in clip.track_table}
-    needed = born.keys() if only is None else {*only, *(parents.get(track) for track in only)}
-    organs = {
-        track: smoothed(_sample(points))
-        for track, points in _organs_at(clip, day).items()
-        if track in needed and (day not in clip.times or born[track] <= day)
-    }
-    up = _up(clip.up)
-    floor = _floor(clip)
-    nothing = np.zeros((0, 3))
-    found = [
-        _organ(day, track, points, organs.get(parents.get(track), nothing), up, floor)  # type: ignore[arg-type]
-        for track, points in sorted(organs.items())
-        if only is None or track in only
-    ]
-    if only is not None or not found:
-        return found
-    whole = np.concatenate(list(organs.values()))
-    areas = [one.area for one in found if one.area is not None]
-    plant = Measurement(
-        time=day,
-        track=None,
-        points=sum(one.points for one in found),
-        height=max(one.height for one in found),
-        length=None,
-        area=sum(areas) if areas else None,
-        hull=_hull(whole),
-        angle=None,
-    )
-    return [plant, *found]
+    plant = _Plant.of(clip)
+    samples = samples_at(clip, day)
+    found = [plant.measured(day, sample.organs, only) for sample in samples]
+    return _mixed(found, [sample.weight for sample in samples])
 
 
-def _organ(
-    day: float,
-    track: int,
-    points: NDArray[np.float64],
-    parent: NDArray[np.float64],
-    up: NDArray[np.float64],
-    floor: float,
-) -> Measurement:
-    axis = axis_of(points, parent, up)
+@dataclass(frozen=True)
+class _Plant:
+    """What stays the same all the time."""
+
+    born: dict[int, float]
+    parents: dict[int, int | None]
+    scans: tuple[float, ...]
+    up: NDArray[np.float64]
+    floor: float
+
+    @classmethod
+    def of(cls, clip: Clip) -> _Plant:
+        return cls(
+            {track.id: track.born for track in clip.track_table},
+            {track.id: track.parent for track in clip.track_table},
+            tuple(clip.times),
+            _up(clip.up),
+            _floor(clip),
+        )
+
+    def measured(
+        self, day: float, seen: dict[int, Organ], only: Collection[int] | None
+    ) -> list[Measurement]:
+        wanted = self.born.keys() if only is None else only
+        needed = {*wanted, *(self.parents.get(track) for track in wanted)}
+        alive = {
+            track: organ
+            for track, organ in sorted(seen.items())
+            if track in needed and (day not in self.scans or self.born[track] <= day)
+        }
+        noise = noise_of(list(alive.values()))
+        organs = {track: smoothed(*organ, noise) for track, organ in alive.items()}
+        found = [self._organ(day, track, organs) for track in organs if track in wanted]
+        if only is not None or not found:
+            return found
+        return [_whole(day, found, list(organs.values())), *found]
+
+    def _organ(self, day: float, track: int, organs: dict[int, Smoothed]) -> Measurement:
+        points, variance = organs[track]
+        parent = self.parents.get(track)
+        bearer = np.zeros((0, 3)) if parent not in organs else organs[parent].points
+        axis = axis_of(points, bearer, self.up)
+        return Measurement(
+            time=day,
+            track=track,
+            points=len(points),
+            height=float((points @ self.up).max()) - self.floor,
+            length=None if axis is None else axis.length,
+            area=area(points, variance) or None,
+            hull=_hull(points),
+            angle=None if axis is None else axis.angle(self.up),
+        )
+
+
+def _whole(day: float, organs: list[Measurement], points: list[Smoothed]) -> Measurement:
+    areas = [one.area for one in organs if one.area is not None]
     return Measurement(
         time=day,
-        track=track,
-        points=len(points),
-        height=float((points @ up).max()) - floor,
-        length=None if axis is None else axis.length,
-        area=area(points) or None,
-        hull=_hull(points),
-        angle=None if axis is None else axis.angle(up),
+        track=None,
+        points=sum(one.points for one in organs),
+        height=max(one.height for one in organs),
+        length=None,
+        area=sum(areas) if areas else None,
+        hull=_hull(np.concatenate([one.points for one in points])),
+        angle=None,
     )
 
 
-def _organs_at(clip: Clip, day: float) -> dict[int, NDArray[np.float64]]:
-    """Each organ's points, about the clip's origin, as evenly spread as its scans' points were.
-
-    Several movers may share a point at either end. So of those that start together one counts,
-    or of those that end together, whichever leaves an organ more.
-    """
-    from gclip.evaluate import layers_at, positions_on_curve
-
-    parts: dict[int, list[NDArray[np.float64]]] = {}
-    for layer in layers_at(clip, day):
-        if layer.litter:
-            continue
-        interval = clip.intervals[layer.interval]
-        movers = slice(layer.group.first, layer.group.stop)
-        now = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
-        tracks = np.asarray(interval.tracks[movers])
-        for track in np.unique(tracks).tolist():
-            own = np.flatnonzero(tracks == track)
-            apart = [
-                np.unique(np.asarray(end[movers][own]), axis=0, return_index=True)[1]
-                for end in (interval.start_positions, interval.end_positions)
-            ]
-            begun, done = (layer.parameter == end for end in (0.0, 1.0))
-            kept = apart[0] if begun else apart[1] if done else max(apart, key=len)
-            parts.setdefault(track, []).append(now[own[np.sort(kept)]])
-    return {track: np.concatenate(points) for track, points in parts.items()}
-
-
-def _sample(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    if len(points) <= MOST:
-        return points
-    return points[np.random.default_rng(0).permutation(len(points))[:MOST]]
+def _mixed(found: list[list[Measurement]], weights: list[float]) -> list[Measurement]:
+    """What was measured on two samples of the same plant, weighed; or on the only one."""
+    if len(found) == 1:
+        return found[0]
+    mixed = []
+    for one, other in zip(*found, strict=True):
+        values = {}
+        for trait in TRAITS:
+            pair = getattr(one, trait), getattr(other, trait)
+            known = [(v, w) for v, w in zip(pair, weights, strict=True) if v is not None]
+            total = sum(weight for _, weight in known)
+            values[trait] = sum(v * w for v, w in known) / total if known else None
+        mixed.append(replace(one, points=max(one.points, other.points), **values))
+    return mixed
 
 
 def _floor(clip: Clip) -> float:
