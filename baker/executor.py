@@ -8,7 +8,8 @@ from functools import partial
 from queue import SimpleQueue
 from typing import Any, Protocol, TypeVar
 
-from baker.job import Done, IntervalJob
+from baker.job import IntervalJob
+from baker.workers import Crew, Done
 
 Result = TypeVar("Result")
 
@@ -21,8 +22,8 @@ class Executor(Protocol):
     ) -> Iterator[tuple[int, Result]]:
         """Yield each job's number and its result as they come, in any order.
 
-        function: top-level and picklable; called as `function(job, workers)`, or with more of
-                  the arguments that `solve_interval` has.
+        function: top-level and picklable; called as `function(job)`, or with more of the
+                  arguments that `solve_interval` has.
         done:     called in the caller's own thread with how many more of the jobs' tasks are done.
         """
         ...
@@ -43,14 +44,14 @@ class Threads:
     ) -> Iterator[tuple[int, Result]]:
         if self._workers <= 1:
             for index, job in enumerate(jobs):
-                yield index, function(job, 1, done=done)
+                yield index, function(job, done=done)
             return
         events: SimpleQueue[int | Future[Result]] = SimpleQueue()
         pool = ThreadPoolExecutor(self._workers)
         leads = ThreadPoolExecutor(self._workers)  # they wait for the pool: it needs its own
         try:
             work: Callable[[IntervalJob], Result] = partial(
-                function, workers=self._workers, pool=pool, done=events.put
+                function, crew=Crew(self._workers, pool), done=events.put
             )
             numbers: dict[Future[Any], int] = {}
             for index, job in enumerate(jobs):

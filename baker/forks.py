@@ -16,7 +16,8 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from baker.errors import InputError
-from baker.job import Done, IntervalJob
+from baker.job import IntervalJob
+from baker.workers import Crew, Done
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -49,16 +50,17 @@ class Forks:
         """See `baker.executor.Executor`. Raises InputError where a fork dies."""
         pool = ForkPool(self._workers, done)
         if self._workers > 1 and 2 * len(jobs) > self._workers:
-            yield from pool.unordered(lambda job: function(job, 1, done=pool.tell), jobs)
+            yield from pool.unordered(lambda job: function(job, done=pool.tell), jobs)
         else:
-            _load_compiled()
             for index, job in enumerate(jobs):
-                yield index, function(job, self._workers, pool, pool.tell)
+                yield index, function(job, Crew(self._workers, pool), pool.tell)
 
 
-def _load_compiled() -> None:
-    """Load machine code in this process, where it is there for all forks of all rounds."""
+def _load_late() -> None:
+    """Load here what is imported and compiled late: it is there for all forks of all rounds."""
     import numpy as np
+    import scipy.sparse.csgraph
+    import scipy.spatial  # noqa: F401
 
     from baker.motion.closest import balls, closest, distances
     from baker.transport.solve import solve
@@ -89,9 +91,14 @@ class ForkPool:
             self._done(steps)
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """The results in the items' order."""
-        found = dict(self.unordered(function, items))
-        return (found[index] for index in range(len(items)))
+        """The results in the items' order, as soon as they and those before are there."""
+        early: dict[int, Result] = {}
+        following = 0
+        for index, result in self.unordered(function, items):
+            early[index] = result
+            while following in early:
+                yield early.pop(following)
+                following += 1
 
     def unordered(
         self, function: Callable[[Item], Result], items: Sequence[Item]
@@ -105,6 +112,7 @@ class ForkPool:
             return
         from multiprocessing.connection import wait
 
+        _load_late()
         waiting = iter(range(len(items)))
         crew: dict[Connection, int] = {}
         try:

@@ -8,8 +8,9 @@ from baker.cache import IntervalCache
 from baker.cache.key import key_of
 from baker.executor import Executor
 from baker.interval import Moved
-from baker.job import Done, IntervalJob, move_interval, packed_interval, solve_interval
+from baker.job import IntervalJob, move_interval, packed_interval, solve_interval
 from baker.through import Velocity, smooth_through, velocity_at
+from baker.workers import Done
 from gclip.clip import Interval
 
 Numbered = Iterator[tuple[int, Interval]]

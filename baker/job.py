@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,11 +14,9 @@ from baker.motion import attached, curved, organ_motions
 from baker.tasks import Task
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
-from baker.workers import Pool, in_parallel
+from baker.workers import ALONE, Crew, Done
 from gclip.clip import Interval, Motion
 from gclip.pack import pack_interval
-
-Done = Callable[[int], None]
 
 
 @dataclass(frozen=True)
@@ -66,26 +63,24 @@ class IntervalJob:
 
 def solve_interval(
     job: IntervalJob,
-    workers: int = 1,
-    pool: Pool | None = None,
+    crew: Crew = ALONE,
     done: Done = lambda steps: None,
 ) -> Interval:
     """The interval, ready for the clip. Deterministic, whatever the workers.
 
-    workers: cores to use; pool: where to run what is shared out, on threads by default.
-    done:    called, in any thread, with how many more of the job's tasks are done.
+    crew: who shares the work.
+    done: called, in any thread, with how many more of the job's tasks are done.
     """
-    return packed_interval(job, move_interval(job, workers, pool, done), workers, pool)
+    return packed_interval(job, move_interval(job, crew, done), crew)
 
 
 def move_interval(
     job: IntervalJob,
-    workers: int = 1,
-    pool: Pool | None = None,
+    crew: Crew = ALONE,
     done: Done = lambda steps: None,
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
-    transport = replace(job.transport, workers=workers)
+    transport = replace(job.transport, workers=crew.workers)
 
     def solve(task: Task) -> Moved:
         moved = solve_task(
@@ -102,18 +97,16 @@ def move_interval(
 
     # The largest first: none is left to a single thread in the end.
     order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
-    found = in_parallel(solve, [job.tasks[k] for k in order], workers, pool)
+    found = crew.map(solve, [job.tasks[k] for k in order])
     solved = [moved for _, moved in sorted(zip(order, found, strict=True), key=lambda kv: kv[0])]
-    return _on_curves(job, solved, workers, pool) if job.curved else solved
+    return _on_curves(job, solved, crew) if job.curved else solved
 
 
-def packed_interval(
-    job: IntervalJob, solved: list[Moved], workers: int = 1, pool: Pool | None = None
-) -> Interval:
+def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -> Interval:
     """The interval's movers kept attached, made even and packed for the clip."""
     if job.attached:
         plant = (job.match, job.organs)
-        solved = attached(solved, *plant, job.spacing, job.curved, workers, pool)
+        solved = attached(solved, *plant, job.spacing, job.curved, crew)
     return pack_interval(
         *job.times,
         with_even_density(solved, job.even),
@@ -123,12 +116,10 @@ def packed_interval(
     )
 
 
-def _on_curves(
-    job: IntervalJob, solved: list[Moved], workers: int, pool: Pool | None
-) -> list[Moved]:
+def _on_curves(job: IntervalJob, solved: list[Moved], crew: Crew) -> list[Moved]:
     clouds = (job.start.positions, job.end.positions)
     matches, organs = [job.match], [job.organs]
-    motions = organ_motions(clouds, matches, job.bases, job.spacing, workers, pool)
+    motions = organ_motions(clouds, matches, job.bases, job.spacing, crew)
     return curved([solved], clouds, matches, organs, motions)[0]
 
 

@@ -37,7 +37,7 @@ from baker.spacing import point_spacing
 from baker.steady import steadied
 from baker.tasks import interval_tasks
 from baker.vertical import Vertical
-from baker.workers import in_parallel, worker_count
+from baker.workers import Crew, Pool, worker_count
 from gclip.clip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -62,11 +62,13 @@ def bake_recorded(
     progress: Progress | None = None,
     executor: Executor | None = None,
     cache: IntervalCache | None = None,
+    pool: Pool | None = None,
 ) -> tuple[Clip, BakeRecord]:
     """`bake`, and what its stages found: for the report and for verification.
 
     executor: where the intervals are solved; by default on threads of this process.
     cache:    finished intervals of earlier bakes, which also keeps this one's.
+    pool:     where work on single scans is shared out; by default on threads of this process.
     """
     chosen = options or Options()
     tell: Progress = progress or (lambda stage, done, total: None)
@@ -77,6 +79,7 @@ def bake_recorded(
     )
     chosen = told_by(found, chosen)
     recipe = recipe_for(chosen)
+    crew = Crew(worker_count(chosen.workers), pool)
     alignment = aligned(
         cache,
         [scan.points for scan in found.scans],
@@ -84,14 +87,14 @@ def bake_recorded(
         up=chosen.up,
         root=_local_root(found, chosen),
         progress=tell,
+        crew=crew,
     )
     vertical = Vertical.named(alignment.up)
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    workers = worker_count(chosen.workers)
-    bases = in_parallel(partial(root_point, vertical=vertical, root=root), clouds, workers)
-    labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell)
+    bases = crew.map(partial(root_point, vertical=vertical, root=root), clouds)
+    labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell, crew)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     tell("matching", 0, len(hierarchies) - 1)
     matches = match_series(
@@ -103,11 +106,11 @@ def bake_recorded(
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(
-        series, keyframes, bases, matches, named, vertical, recipe, chosen
+        series, keyframes, bases, matches, named, vertical, recipe, chosen, crew
     )
     intervals = solve_intervals(
         jobs,
-        executor or Threads(workers),
+        executor or Threads(crew.workers),
         smooth=recipe.paths == Paths.smooth,
         cache=cache,
         tell=partial(tell, "transport"),
@@ -213,15 +216,15 @@ def _interval_jobs(
     vertical: Vertical,
     recipe: Recipe,
     options: Options,
+    crew: Crew,
 ) -> tuple[list[IntervalJob], float, float]:
     """What each interval is worked out from, and the series' point spacing and floor.
 
     Here everything is settled that spans intervals: spacing, floor, steadied organs, parts that
     are missing for a while, how fast new organs unfold.
     """
-    workers = worker_count(options.workers)
     clouds = [frame.positions for frame in keyframes]
-    spacings = in_parallel(point_spacing, clouds, workers)
+    spacings = crew.map(point_spacing, clouds)
     spacing = float(np.median(spacings))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
@@ -229,7 +232,7 @@ def _interval_jobs(
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
-        surfaces = in_parallel(point_surface, [f.positions for f in keyframes], workers)
+        surfaces = crew.map(point_surface, [f.positions for f in keyframes])
         keyframes = [replace(f, surface=s) for f, s in zip(keyframes, surfaces, strict=True)]
     whole = completed(
         keyframes,

@@ -14,11 +14,8 @@ from baker.recipe import Recipe
 from baker.scans import Scan
 from baker.segment.hierarchy import Hierarchy
 from baker.segment.organs import segment_organs
-from baker.segment.series import (
-    labelled_hierarchies,
-    thin_hierarchies,
-    whole_hierarchies,
-)
+from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
+from baker.workers import ALONE, Crew, Steps
 
 
 def segment_scans(
@@ -28,13 +25,15 @@ def segment_scans(
     recipe: Recipe,
     options: Options,
     tell: Callable[[str, int, int], None],
+    crew: Crew = ALONE,
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy.
 
     clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base.
+    crew: who shares the work.
     """
     tell("segmentation", 0, len(clouds))
-    done = partial(_tell_segmented, tell, len(clouds))
+    done = Steps(partial(tell, "segmentation"), len(clouds))
     ignored = recipe.whole or options.segment != "auto"
     wanted = "ignore" if ignored else options.labels
     labels = use_of_labels(scans, clouds, bases, wanted, recipe.match_by_shape)
@@ -42,12 +41,12 @@ def segment_scans(
         return labels, whole_hierarchies(clouds, done)
     if labels.labels is None and _at_forks(recipe, options):
         k, threshold = options.graph_neighbors, options.bifurcation
-        hierarchies = thin_hierarchies(clouds, bases, k, threshold, done)
+        hierarchies = thin_hierarchies(clouds, bases, k, threshold, done, crew)
         if not recipe.match_by_shape:
             return labels, hierarchies
         labels = labels_of_pieces(clouds, hierarchies, bases, labels.sentence)
     elif labels.labels is None:
-        numbers = segment_organs(clouds, bases, done)
+        numbers = segment_organs(clouds, bases, done, crew)
         labels = labels_of_organs(clouds, numbers, bases, labels.sentence)
     assert labels.labels is not None
     return labels, labelled_hierarchies(
@@ -57,13 +56,10 @@ def segment_scans(
         consistent=labels.consistent,
         virtual_root=options.root == "virtual",
         done=done,
+        crew=crew,
     )
 
 
 def _at_forks(recipe: Recipe, options: Options) -> bool:
     """Whether to cut thin structures at their forks: as asked, or as the paper does."""
     return options.segment == "thin" or (options.segment == "auto" and not recipe.match_by_shape)
-
-
-def _tell_segmented(tell: Callable[[str, int, int], None], total: int, done: int) -> None:
-    tell("segmentation", done, total)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from baker.executor import Executor
+    from baker.workers import Pool
     from gclip.clip import Clip
 
 
@@ -48,7 +49,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     from rich.console import Console
 
     from baker.cache import IntervalCache
-    from baker.forks import Forks, can_fork
+    from baker.forks import ForkPool, Forks, can_fork
     from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
     from baker.summary import print_summary
@@ -61,13 +62,15 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     kept = None if cache is None else IntervalCache(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
         executor: Executor | None = None
+        pool: Pool | None = None
         if can_fork():
-            executor = Forks(worker_count(options.workers))
+            workers = worker_count(options.workers)
+            executor, pool = Forks(workers), ForkPool(workers)
         if wanted.cluster is not None:
             from baker.greenhouse.cluster import intervals_on
 
             executor = stack.enter_context(intervals_on(wanted.cluster))
-        clip, record = bake_recorded(inputs, options, progress, executor, kept)
+        clip, record = bake_recorded(inputs, options, progress, executor, kept, pool)
         progress("writing", 0, 1)
         clip.save(wanted.clip)
         progress("writing", 1, 1)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Done = Callable[[int], None]
 
 
 class Pool(Protocol):
@@ -18,33 +20,75 @@ class Pool(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Crew:
+    """Those who share out work among themselves.
+
+    workers: how many there are.
+    pool:    where they work; none of its own threads may be among the callers. By default they
+             are threads, which gain only where the function spends its time outside Python, as
+             compiled loops do.
+    """
+
+    workers: int = 1
+    pool: Pool | None = None
+
+    def map(
+        self,
+        function: Callable[[Item], Result],
+        items: Sequence[Item],
+        *,
+        fewest: int = 2,
+        done: Done = lambda steps: None,
+    ) -> list[Result]:
+        """The function's results in the items' order.
+
+        fewest: items, below which they are not worth sharing out.
+        done:   called with 1 for every result that is there.
+        """
+        results = []
+        for result in self._mapped(function, items, fewest):
+            results.append(result)
+            done(1)
+        return results
+
+    def _mapped(
+        self, function: Callable[[Item], Result], items: Sequence[Item], fewest: int
+    ) -> Iterable[Result]:
+        if self.workers <= 1 or len(items) < fewest:
+            yield from map(function, items)
+        elif self.pool is not None:
+            yield from self.pool.map(function, items)
+        else:
+            from concurrent.futures import ThreadPoolExecutor
+
+            with ThreadPoolExecutor(min(self.workers, len(items))) as executor:
+                yield from executor.map(function, items)
+
+
+ALONE = Crew()
+
+
+class Steps:
+    """Counts the steps of a stage that are done; more of them than there are don't count.
+
+    tell: called with the steps done and the steps in all, at first with none.
+    """
+
+    def __init__(self, tell: Callable[[int, int], None], total: int) -> None:
+        self._tell, self._done, self._total = tell, 0, total
+        tell(0, total)
+
+    def __call__(self, steps: int) -> None:
+        """So many more are done."""
+        before, self._done = self._done, min(self._done + steps, self._total)
+        if self._done > before:
+            self._tell(self._done, self._total)
+
+
 def worker_count(asked: int) -> int:
-    """`asked` threads, or where that is 0 as many as this process may use cores."""
+    """`asked` cores, or where that is 0 as many as this process may use."""
     if asked:
         return asked
     # Not every system can tie a process to some of its cores.
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def in_parallel(
-    function: Callable[[Item], Result],
-    items: Sequence[Item],
-    workers: int,
-    pool: Pool | None = None,
-    fewest: int = 2,
-) -> list[Result]:
-    """The function's results in the items' order, worked out by up to `workers` threads.
-
-    pool:   to run on instead; none of its own threads may be among the callers.
-    fewest: items, below which they are not worth sharing out.
-
-    Threads gain only where the function spends its time outside Python, as compiled loops do.
-    """
-    if workers <= 1 or len(items) < fewest:
-        return [function(item) for item in items]
-    if pool is not None:
-        return list(pool.map(function, items))
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(min(workers, len(items))) as executor:
-        return list(executor.map(function, items))

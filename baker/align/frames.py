@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +14,7 @@ from baker.align.sample import EvenSample
 from baker.align.stand import Stand, about_z, possible_stands
 from baker.align.yaw import YawFit, kept_near, likely_yaws
 from baker.vertical import Vertical
+from baker.workers import ALONE, Crew, Done
 
 SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
 # Of the share kept, what the scans' own frame may lose against the best yaw: in most pairs, and in
@@ -20,19 +22,45 @@ SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
 SAME_FRAME, NO_JUMP = 0.08, 0.2
 
 
-def best_stand(
-    earlier: Stand, sample: EvenSample, vertical: Vertical
-) -> tuple[Stand, list[YawFit]]:
-    """The next scan at that of its possible bases which fits its predecessor, and likely yaws."""
-    tries = [(stand, likely_yaws(earlier, stand)) for stand in possible_stands(sample, vertical)]
-    if len(tries) == 1:
-        return tries[0]
-    return min(
-        tries,
-        key=lambda tried: trimmed_residual(
-            earlier.sample, tried[0].sample, about_z(tried[1][0].yaw)
-        ),
-    )
+def best_stands(
+    first: Stand,
+    samples: Sequence[EvenSample],
+    vertical: Vertical,
+    crew: Crew = ALONE,
+    done: Done = lambda steps: None,
+) -> tuple[list[Stand], list[list[YawFit]]]:
+    """Each further scan at that of its possible bases which fits its predecessor, likely yaws.
+
+    done: called for each of `samples`, and once more where its yaws are known.
+
+    The first scan's stand comes first; there are as many lists of yaws as samples.
+    """
+    further = crew.map(partial(possible_stands, vertical=vertical), samples, done=done)
+    possible = [[first], *further]
+    # Where the predecessor's base is certain, nothing has to wait for it.
+    certain = [
+        (k, place) for k in range(len(samples)) if len(possible[k]) == 1
+        for place in range(len(further[k]))
+    ]  # fmt: skip
+    looked = crew.map(lambda at: likely_yaws(possible[at[0]][0], further[at[0]][at[1]]), certain)
+    known = dict(zip(certain, looked, strict=True))
+    stands, yaws = [first], []
+    for k, choices in enumerate(further):
+        before = stands[-1]
+        tries = [
+            (stand, known[k, place] if (k, place) in known else likely_yaws(before, stand))
+            for place, stand in enumerate(choices)
+        ]
+        stand, likely = tries[0] if len(tries) == 1 else min(tries, key=partial(_residual, before))
+        stands.append(stand)
+        yaws.append(likely)
+        done(1)
+    return stands, yaws
+
+
+def _residual(earlier: Stand, tried: tuple[Stand, list[YawFit]]) -> float:
+    stand, likely = tried
+    return trimmed_residual(earlier.sample, stand.sample, about_z(likely[0].yaw))
 
 
 def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:

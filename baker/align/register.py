@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.align.base import stem_bases
-from baker.align.frames import best_stand, shared_frames
+from baker.align.frames import best_stands, shared_frames
 from baker.align.icp import trimmed_icp, trimmed_residual
 from baker.align.sample import EvenSample, even_sample
 from baker.align.stand import Stand, move, possible_stands
@@ -18,6 +19,7 @@ from baker.align.surface import touching_pairs
 from baker.align.up import find_up_of, upright
 from baker.align.yaw import YawFit, difference
 from baker.vertical import Vertical
+from baker.workers import ALONE, Crew, Steps
 
 Progress = Callable[[str, int, int], None]
 
@@ -65,6 +67,7 @@ def align(
     up: str = "auto",
     root: NDArray[np.floating] | None = None,
     progress: Progress | None = None,
+    crew: Crew = ALONE,
 ) -> Alignment:
     """Bring a series of (N, 3) clouds of one plant into the frame of the first.
 
@@ -74,27 +77,20 @@ def align(
              often locks on a wrong yaw). "none" leaves everything where it is.
     up:      the direction of growth, or "auto".
     root:    (3,) base of the first scan's stem, where it is known.
+    crew:    who shares the work.
     """
     if method == "none" and up != "auto":
         return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
     tell = progress or (lambda stage, done, total: None)
-    total = 2 * len(clouds) - 1
-    samples: list[EvenSample] = []
-    for cloud in clouds:
-        tell("aligning", len(samples), total)
-        samples.append(even_sample(cloud))
+    done = Steps(partial(tell, "aligning"), 3 * len(clouds) - 2)
+    samples = crew.map(even_sample, clouds, done=done)
     direction = find_up_of(samples) if up == "auto" else up
     vertical = Vertical.named(direction)
     transforms, notes = [np.eye(4)] * len(clouds), []
     steps = [np.eye(4)] * (len(clouds) - 1)
     if method == "auto":
-        stands = [possible_stands(samples[0], vertical, root)[0]]
-        yaws: list[list[YawFit]] = []
-        for sample in samples[1:]:
-            tell("aligning", len(clouds) + len(yaws), total)
-            stand, likely = best_stand(stands[-1], sample, vertical)
-            stands.append(stand)
-            yaws.append(likely)
+        first = possible_stands(samples[0], vertical, root)[0]
+        stands, yaws = best_stands(first, samples[1:], vertical, crew, done)
         frames = shared_frames(stands, yaws)
         transforms = _brought_together(stands, yaws, frames)
         steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
@@ -111,7 +107,7 @@ def align(
     )
     if any(not np.array_equal(transform, np.eye(4)) for transform in transforms):
         notes.insert(0, _moves(drift))
-    tell("aligning", total, total)
+    done(2 * len(clouds))
     return Alignment(direction, tuple(transforms), drift, tuple(notes))
 
 

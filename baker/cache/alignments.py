@@ -15,6 +15,7 @@ from baker.align import Alignment, PairFit, align
 from baker.align.register import Progress
 from baker.cache.digest import digest, program_digest
 from baker.cache.intervals import IntervalCache
+from baker.workers import ALONE, Crew
 from gclip.draft import draft_file
 
 
@@ -25,15 +26,16 @@ def aligned(
     up: str,
     root: NDArray[np.floating] | None,
     progress: Progress | None = None,
+    crew: Crew = ALONE,
 ) -> Alignment:
     """What `align` finds for these arguments, or what it found for the same ones earlier."""
     if cache is None:
-        return align(clouds, method, up, root, progress)
+        return align(clouds, method, up, root, progress, crew)
     name = digest(program_digest(), "alignment", list(clouds), method, up, root)
     path = cache.folder / name[:2] / f"{name}.json"
     found = _read(path, name)
     if found is None:
-        found = align(clouds, method, up, root, progress)
+        found = align(clouds, method, up, root, progress, crew)
         try:
             _write(path, name, found)
         except OSError as error:

@@ -12,7 +12,8 @@ from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from baker.errors import InputError
-from baker.job import Done, IntervalJob
+from baker.job import IntervalJob
+from baker.workers import Done
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -45,7 +46,7 @@ class ClusterIntervals:
             try:
                 while True:
                     for index, job in islice(waiting, window - len(under_way)):
-                        future = client.submit(function, job, 1, pure=False)
+                        future = client.submit(function, job, pure=False)
                         under_way[future] = index
                         ready.add(future)
                     if not under_way:

@@ -21,7 +21,7 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.meeting import Curve, Organ, Tie, on_curve
 from baker.segment.hierarchy import NO_PARENT
-from baker.workers import Pool, in_parallel
+from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
 FEWEST, TOGETHER = 8, 16  # groups that are worth sharing out; organs in one
@@ -35,14 +35,13 @@ def attached(
     organs: IntervalOrgans,
     spacing: float,
     bend: bool = True,
-    workers: int = 1,
-    pool: Pool | None = None,
+    crew: Crew = ALONE,
 ) -> list[Moved]:
     """The solved tasks of an interval, organs' bases kept by what bears them.
 
     spacing: the point spacing, which no gap may widen by.
     bend:    whether paths may be bent for it; straight ones are only tied.
-    workers: cores to use; pool: where to run what is shared out, on threads by default.
+    crew:    who shares the work.
     """
     done = list(tasks)
     place = {
@@ -62,7 +61,7 @@ def attached(
 
     def meet(pairs: Sequence[Pair], draw: bool) -> Iterator[tuple[Pair, Curve | None, Tie | None]]:
         groups = _of_one_bearer(pairs)
-        found = in_parallel(partial(_meet, done, spacing, draw), groups, workers, pool, FEWEST)
+        found = crew.map(partial(_meet, done, spacing, draw), groups, fewest=FEWEST)
         for group, results in zip(groups, found, strict=True):
             for pair, (curve, tie) in zip(group, results, strict=True):
                 yield pair, curve, tie

@@ -13,7 +13,7 @@ from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import OrganShape, organ_shapes
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
-from baker.workers import Pool, in_parallel
+from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
@@ -26,8 +26,7 @@ def organ_motions(
     matches: Sequence[Match],
     bases: Sequence[NDArray[np.floating]],
     spacing: float,
-    workers: int = 1,
-    pool: Pool | None = None,
+    crew: Crew = ALONE,
 ) -> list[Motions]:
     """For each interval, by segment of its second scan, how the organs that bend or turn move.
 
@@ -45,7 +44,7 @@ def organ_motions(
         scan, hierarchy, matched = side
         return organ_shapes(clouds[scan], hierarchy, bases[scan], matched)
 
-    shapes = iter(in_parallel(shapes_of, sides, workers, pool))
+    shapes = iter(crew.map(shapes_of, sides))
     pairs: list[tuple[int, int, OrganShape, OrganShape]] = []
     for k, match in enumerate(matches):
         before, after = next(shapes), next(shapes)
@@ -53,9 +52,7 @@ def organ_motions(
             one, two = before[a], after[b]
             if a != match.first.root and b != match.second.root and one and two:
                 pairs.append((k, b, one, two))
-    fitted = in_parallel(
-        lambda pair: fit_motion(pair[2], pair[3], MATTERS * spacing), pairs, workers, pool
-    )
+    fitted = crew.map(lambda pair: fit_motion(pair[2], pair[3], MATTERS * spacing), pairs)
     motions: list[Motions] = [{} for _ in matches]
     for (k, b, _, _), motion in zip(pairs, fitted, strict=True):
         if motion is not None:

@@ -7,7 +7,7 @@ no help: where the tip of a new leaf is, it has at best a stem.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from baker.segment.blades import STEM, blade_likeness, organs_of_nodes
 from baker.segment.contact import join_touching
 from baker.segment.even import EvenSample, even_sample
 from baker.segment.levels import LevelTree, level_tree
+from baker.workers import ALONE, Crew, Done
 
 FEWEST = 30  # points of a sample that shows organs
 NEIGHBORS = 10  # of the graph that ways along the plant follow
@@ -45,17 +46,15 @@ class _Plant:
 def segment_organs(
     clouds: Sequence[NDArray[np.floating]],
     roots: Sequence[int],
-    done: Callable[[int], None] = lambda done: None,
+    done: Done = lambda steps: None,
+    crew: Crew = ALONE,
 ) -> list[NDArray[np.int64]]:
     """(N,) the organ of each point of each aligned (N, 3) cloud, 0 for stem and petioles.
 
-    roots: the point at each stem's base. done: called with the number of scans looked at. The
-    numbers of one scan mean nothing in another, but 0.
+    roots: the point at each stem's base. done: called for every scan that was looked at. crew: who
+    shares the work. The numbers of one scan mean nothing in another, but 0.
     """
-    plants = []
-    for cloud, root in zip(clouds, roots, strict=True):
-        plants.append(_seen(cloud, root))
-        done(len(plants))
+    plants = crew.map(lambda scan: _seen(*scan), [*zip(clouds, roots, strict=True)], done=done)
     numbers, told = [], None
     for plant, earlier in zip(reversed(plants), [*reversed(plants[:-1]), None], strict=True):
         organ = plant.organs(told)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from baker.segment.given import hierarchy_from_labels, under_virtual_root
 from baker.segment.hierarchy import Hierarchy, whole
 from baker.segment.thin import segment_thin
+from baker.workers import ALONE, Crew, Done
 
 
-def whole_hierarchies(
-    clouds: Sequence[NDArray[np.floating]], done: Callable[[int], None]
-) -> list[Hierarchy]:
+def whole_hierarchies(clouds: Sequence[NDArray[np.floating]], done: Done) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
     hierarchies = [whole(cloud) for cloud in clouds]
     done(len(hierarchies))
@@ -26,14 +25,15 @@ def thin_hierarchies(
     bases: Sequence[int],
     neighbors: int,
     threshold: int | None,
-    done: Callable[[int], None],
+    done: Done,
+    crew: Crew = ALONE,
 ) -> list[Hierarchy]:
     """Segments without labels, each cloud cut at its forks (section 3.2.2)."""
-    hierarchies = []
-    for k, (cloud, base) in enumerate(zip(clouds, bases, strict=True)):
-        hierarchies.append(segment_thin(cloud, base, neighbors, threshold).hierarchy)
-        done(k + 1)
-    return hierarchies
+
+    def cut(scan: int) -> Hierarchy:
+        return segment_thin(clouds[scan], bases[scan], neighbors, threshold).hierarchy
+
+    return crew.map(cut, range(len(clouds)), done=done)
 
 
 def labelled_hierarchies(
@@ -43,22 +43,23 @@ def labelled_hierarchies(
     *,
     consistent: bool,
     virtual_root: bool,
-    done: Callable[[int], None],
+    done: Done,
+    crew: Crew = ALONE,
 ) -> list[Hierarchy]:
     """Segments by label (section 3.2.1).
 
     consistent: labels name organs, so the scans elect one root between them.
     virtual_root: no label is a stem; all hang under an empty root.
     """
-    hierarchies = []
-    for k, (cloud, names) in enumerate(zip(clouds, labels, strict=True)):
+
+    def hang(scan: int) -> Hierarchy:
+        names = labels[scan]
         if virtual_root:
-            hierarchies.append(under_virtual_root(names))
-        else:
-            root = _elected_root(labels, bases, k) if consistent else int(names[bases[k]])
-            hierarchies.append(hierarchy_from_labels(cloud, names, root))
-        done(k + 1)
-    return hierarchies
+            return under_virtual_root(names)
+        root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
+        return hierarchy_from_labels(clouds[scan], names, root)
+
+    return crew.map(hang, range(len(clouds)), done=done)
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from baker.transport import bisection
 from baker.transport.bisection import Blocks
 from baker.transport.plan import Edges, Indices, Masses, Points, costs
-from baker.workers import in_parallel
+from baker.workers import Crew
 
 _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
@@ -198,6 +198,6 @@ def _solve_cells(
 
     parts = min(cells, 1 if search.workers == 1 else 4 * search.workers)
     stops = [part * cells // parts for part in range(parts + 1)]
-    solved = in_parallel(solve, list(pairwise(stops)), search.workers)
+    solved = Crew(search.workers).map(solve, list(pairwise(stops)))
     rows, columns, mass = (np.concatenate(found) for found in zip(*solved, strict=True))
     return (rows, columns), mass
