@@ -14,6 +14,7 @@ from baker.motion.spine import Points, at_levels, fit_spine, unit
 
 EVEN, UNEVEN = 0.04, 0.1  # unevenness of a warp up to which an organ turns, from which it grows
 STEADY, WANDERING = 0.1, 0.3  # how far a hinge moves, in organ lengths: likewise
+NO_SIGN = (0.08, 0.2)  # of either, that goes with growth by the factor e
 TORN = 0.4  # unevenness of a warp that is not to be trusted
 NEAR, FAR, STEP = 24, 72, 8  # neighbours whose distances tell how evenly a warp stretches
 ASKED = 300  # points whose neighbours are asked
@@ -92,16 +93,18 @@ def motion_of(sample: Points, along: NDArray[np.float64], warped: Points) -> Org
 def half_way_spine(start: Points, end: Points, pace: float) -> Points:
     """(LEVELS, 3) nodes of a spine half way from one shape to another.
 
-    Every piece has the mean of its lengths, and they are laid one after the other from the base: so
-    the spine keeps its length where chords would cut across the bend. Which way a piece points is a
-    question of pace. At 0 it has made half of its turn. At 1 the longer of both pieces counts more,
-    as where tissue that is added lies in the new direction: just as chords would have it.
+    Every piece has a mean of its lengths, and they are laid one after the other from the base: so
+    the spine keeps its length where chords would cut across the bend. It is the mean of their
+    roots, squared: tissue grows by a factor while young, by an amount later on, so that half-way it
+    is the shorter the more it grows. Which way a piece points is a question of pace. At 0 it has
+    made half of its turn. At 1 the longer of both pieces counts more, as where tissue that is added
+    lies in the new direction: just as chords would have it.
     """
     one, two = np.diff(start, axis=0), np.diff(end, axis=0)
     before = np.linalg.norm(one, axis=1, keepdims=True)
     after = np.linalg.norm(two, axis=1, keepdims=True)
     heading = before**pace * unit(one) + after**pace * unit(two)
-    steps = 0.5 * (before + after) * unit(heading)
+    steps = (0.5 * (np.sqrt(before) + np.sqrt(after))) ** 2 * unit(heading)
     # Where a piece turns right round no way is shorter than another: the chord's is as good.
     turned = (unit(one) * unit(two)).sum(axis=1, keepdims=True) < -0.9
     steps = np.where(turned, 0.5 * (one + two), steps)
@@ -112,11 +115,16 @@ def half_way_spine(start: Points, end: Points, pace: float) -> Points:
 def growth_pace(start: Points, end: Points, uneven: float) -> float:
     """0 where an organ turns evenly in time, 1 where it turns as it grows, between where unsure.
 
-    It turns as a body does where the warp stretches it evenly and the hinge stands still.
+    It turns as a body does where the warp stretches it evenly and the hinge stands still, for as
+    much as it grows: what trebles is never stretched as evenly as what stays as long as it was.
     """
-    length = float(np.linalg.norm(np.diff(end, axis=0), axis=1).sum())
-    wander = float(np.linalg.norm(end[0] - start[0])) / max(length, 1e-30)
-    signs = ((uneven - EVEN) / (UNEVEN - EVEN), (wander - STEADY) / (WANDERING - STEADY))
+    before, after = max(_length(start), 1e-30), max(_length(end), 1e-30)
+    growth = abs(float(np.log(after / before)))
+    wander = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
+    signs = (
+        (uneven - NO_SIGN[0] * growth - EVEN) / (UNEVEN - EVEN),
+        (wander - NO_SIGN[1] * growth - STEADY) / (WANDERING - STEADY),
+    )
     return float(np.clip(max(signs), 0.0, 1.0))
 
 
@@ -130,6 +138,10 @@ def unevenness(sample: Points, warped: Points) -> float:
     after = np.linalg.norm(warped[some, None] - warped[near], axis=2)
     stretch = np.log(after[before > 0] / before[before > 0] + 1e-6)
     return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVEN
+
+
+def _length(nodes: Points) -> float:
+    return float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
 
 
 def _bow_size(start: Points, end: Points, pace: float) -> float:
