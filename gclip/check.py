@@ -123,9 +123,9 @@ def _interval(root: Fields, name: str) -> str:
 
 def _cut_short(path: Path) -> Finding | None:
     """Where a file ends too early, if that is what is wrong with it: its header tells."""
-    if not path.is_file():
-        return None
     try:
+        if not path.is_file():
+            return None
         size = os.path.getsize(path)
         with open(path, "rb") as file:
             text = file.read(header_length(file.read(8), size)).decode()

@@ -26,7 +26,10 @@ def gclip_command() -> None:
 @app.command("check", epilog=EPILOG)
 def check_command(
     clips: Annotated[
-        list[Path], typer.Argument(metavar="CLIP...", help="Growth clips, made by `bake`.")
+        list[Path],
+        typer.Argument(
+            metavar="CLIP...", help="Growth clips, made by `bake`.", readable=False
+        ),  # `check` says so, and goes on to the others
     ],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,
 ) -> None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 FIELDS = ("day", "target", "distance", "yaw", "pitch", "field_of_view")
 MOST = 10_000  # keys; more are no path that someone made
+LARGEST_FILE = 1 << 24  # bytes
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,10 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
 def load_path(file: Path, clip: Clip) -> CameraPath:
     """Read a path for a clip. Raises PlayerError naming the file and the field that is wrong."""
     try:
+        if not file.is_file() and file.exists():
+            raise PlayerError(f"{file} is not a regular file.")
+        if file.stat().st_size > LARGEST_FILE:
+            raise PlayerError(f"{file} is too large for a camera path.")
         document = json.loads(file.read_text("utf-8"))
     except OSError as error:
         raise PlayerError(f"{file} can't be read: {error.strerror or error}.") from None

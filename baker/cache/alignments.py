@@ -59,6 +59,8 @@ def _write(path: Path, name: str, alignment: Alignment) -> None:
 def _read(path: Path, name: str) -> Alignment | None:
     """None where it is not there, or not whole."""
     try:
+        if not path.is_file():
+            return None
         entry, checksum = json.loads(path.read_text("utf-8"))
         if checksum != _checksum(entry) or entry["alignment"] != name:
             return None

@@ -36,8 +36,8 @@ class TraitsTable:
     def __init__(self, path: Path) -> None:
         """Raises InputError where nothing can be written beside `path`, or it can't be read."""
         self.path = path
-        old = path if path.exists() else Path(os.devnull)
         try:
+            old = path if path.is_file() else Path(os.devnull)
             self._new: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115
             self._old: IO[bytes] = old.open("rb")
         except OSError as error:

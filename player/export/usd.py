@@ -38,6 +38,8 @@ def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], Non
     """Write the plant; its time codes are the film's frames, from 0."""
     from pxr import Gf, Sdf, Usd, UsdGeom
 
+    if not str(path).isprintable():
+        raise PlayerError(f"{path}: OpenUSD writes files of plain names only.")
     total = len(clip.intervals)
     frames = film.length(clip) * film.fps
     rate = frames / (clip.times[-1] - clip.times[0])

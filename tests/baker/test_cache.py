@@ -1,5 +1,6 @@
 """A cache gives the bytes of a clean bake, and saves what has not changed."""
 
+import os
 import shutil
 import threading
 from dataclasses import replace
@@ -105,7 +106,9 @@ def test_other_times_and_names_cost_nothing(scans, baked, tmp_path):
     assert baked(sorted(later.iterdir()), replace(PLAIN, paper=True)) == (4, 0)
 
 
-@pytest.mark.parametrize("harm", ["cut", "flipped", "emptied", "swapped", "folder", "noise"])
+@pytest.mark.parametrize(
+    "harm", ["cut", "flipped", "emptied", "swapped", "folder", "noise", "pipe"]
+)
 def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
     baked(scans, clean=False)
     clip = (tmp_path / "cached.gclip").read_bytes()
@@ -121,6 +124,9 @@ def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
         shutil.copy(second, first)
     elif harm == "noise":
         first.write_bytes(np.random.default_rng(0).bytes(len(whole)))
+    elif harm == "pipe":
+        first.unlink()
+        os.mkfifo(first)
     else:
         first.unlink()
         first.mkdir()
@@ -178,7 +184,7 @@ def test_the_alignment_is_kept_too(scans, baked, tmp_path, monkeypatch):
     assert baked(scans[:3], replace(turned, decay="fade"), clean=False) == (2, 0)
 
 
-@pytest.mark.parametrize("harm", ["cut", "changed", "other", "deep", "emptied"])
+@pytest.mark.parametrize("harm", ["cut", "changed", "other", "deep", "emptied", "pipe"])
 def test_a_damaged_alignment_is_found_again(tmp_path, harm):
     cache = IntervalCache(tmp_path)
     clouds = [np.random.default_rng(k).random((60, 3)).astype(np.float32) for k in range(2)]
@@ -186,7 +192,11 @@ def test_a_damaged_alignment_is_found_again(tmp_path, harm):
     (entry,) = tmp_path.rglob("*.json")
     whole = entry.read_text()
     harmed = {"cut": whole[:-40], "changed": whole.replace("1.0", "2.0"), "other": "[null, 3]"}
-    entry.write_text({**harmed, "deep": "[" * 100_000, "emptied": ""}[harm])
+    if harm == "pipe":
+        entry.unlink()
+        os.mkfifo(entry)
+    else:
+        entry.write_text({**harmed, "deep": "[" * 100_000, "emptied": ""}[harm])
     again = aligned(cache, clouds, "icp", "z", None)
     assert entry.read_text() == whole
     assert digest(first) == digest(again) == digest(aligned(cache, clouds, "icp", "z", None))

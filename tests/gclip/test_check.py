@@ -163,11 +163,13 @@ def buffer_names(content: bytes) -> list[str]:
 def test_several_files_one_exit_code(saved: Path, tmp_path: Path, capsys) -> None:
     other = tmp_path / "other.gclip"
     other.write_bytes(saved.read_bytes()[:-5])
-    assert main(["check", str(saved), str(other), str(tmp_path / "absent.gclip")]) == 2
+    long = "x" * 5_000
+    assert main(["check", long, str(other), str(tmp_path / "absent.gclip"), str(saved)]) == 2
     out, err = capsys.readouterr()
     assert "c.gclip: whole; 3 scans, 2 intervals, 12 buffers" in out
     assert "absent.gclip: no such file." in out
-    assert err == "gclip: 2 of 3 clips are not whole.\n"
+    assert f"{long}: it can't be read: File name too long." in out
+    assert err == "gclip: 3 of 4 clips are not whole.\n"
     assert main(["check", "-q", str(saved)]) == 0
     assert capsys.readouterr() == ("", "")
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -112,6 +113,16 @@ def test_garbage_is_refused(make_clip: ClipMaker, tmp_path: Path, text: str) -> 
     (tmp_path / "a.json").write_text(text)
     with pytest.raises(PlayerError, match=r"a\.json"):
         load_path(tmp_path / "a.json", make_clip())
+
+
+def test_files_without_an_end_are_not_read(make_clip: ClipMaker, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.json")
+    (tmp_path / "zero.json").symlink_to("/dev/zero")
+    with (tmp_path / "large.json").open("wb") as file:
+        file.truncate(1 << 30)
+    for name, said in (("pipe", "regular"), ("zero", "regular"), ("large", "too large")):
+        with pytest.raises(PlayerError, match=rf"{name}\.json.*{said}"):
+            load_path(tmp_path / f"{name}.json", make_clip())
 
 
 def test_a_film_follows_the_path(make_clip: ClipMaker) -> None:

@@ -75,6 +75,13 @@ def test_colors_blend_and_other_axes_stand_up(pxr: Any, make_clip: Any, tmp_path
     assert (tmp_path / "plant.usda").read_text().startswith("#usda 1.0")
 
 
+def test_a_name_that_usd_cannot_write_is_said(pxr: Any, make_clip: Any, tmp_path: Path) -> None:
+    for name in ("a\udcff.usd", "a\nb.usd"):
+        with pytest.raises(PlayerError, match="plain names"):
+            export(make_clip(), FILM, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_without_the_library_one_sentence_says_what_to_do(
     make_clip: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -116,6 +116,15 @@ def test_a_changed_option_a_changed_time_a_missing_report_bake_again(greenhouse,
     assert clip.read_bytes() == standing
 
 
+def test_a_pipe_takes_no_table(greenhouse, tmp_path):
+    """A file takes its place, as it takes that of any other output."""
+    table = tmp_path / "traits.csv"
+    os.mkfifo(table)
+    house = greenhouse(["p1"])
+    assert bake(house, "-o", f"{tmp_path}/clips/", "--align", "none", "--traits", table) == 0
+    assert table.read_text().startswith("plant,")
+
+
 def test_images_are_known_again(tmp_path):
     folder = tmp_path / "komatsuna"
     words = ["--days", "1", "--per-day", "2", "--size", "96x72", "-q"]
