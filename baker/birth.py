@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
 from baker.segment.hierarchy import NO_PARENT
+from baker.workers import ALONE, Crew
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 AT_BASE = 0.02  # share of an organ's points that are its base
+MANY = 100  # births that are worth sharing out
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,11 @@ def births(
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
+    crew: Crew = ALONE,
 ) -> list[dict[int, Birth]]:
     """For each interval, by organ, how those that are born in it unfold.
+
+    crew: who shares the work.
 
     All that unfolds from one bud does so as one piece. Where nothing tells how an organ goes on to
     grow, the series' other births do.
@@ -57,8 +62,10 @@ def births(
     spans = np.diff(times)
     attached = [_Attachments(*scan) for scan in zip(clouds[1:], matches, strict=True)]
     found = []
-    for k, match in enumerate(matches):
-        bases = {top: attached[k].base(top) for top in _tops(match)}
+    roots = [(k, top) for k, match in enumerate(matches) for top in sorted(_tops(match))]
+    places = crew.map(lambda at: attached[at[0]].base(at[1]), roots, fewest=MANY)
+    for k in range(len(matches)):
+        bases = {top: place for (at, top), place in zip(roots, places, strict=True) if at == k}
         sizes = {
             top: _size_half_way(attached, organs, spans, k, top, base)
             for top, base in bases.items()

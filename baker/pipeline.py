@@ -232,7 +232,7 @@ def _interval_jobs(
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
-        surfaces = crew.map(point_surface, [f.positions for f in keyframes])
+        surfaces = [point_surface(frame.positions, crew.workers) for frame in keyframes]
         keyframes = [replace(f, surface=s) for f, s in zip(keyframes, surfaces, strict=True)]
     whole = completed(
         keyframes,
@@ -246,7 +246,7 @@ def _interval_jobs(
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]
     if recipe.paths != Paths.straight:
-        born = births(clouds, matches, organs, times)
+        born = births(clouds, matches, organs, times, crew)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),

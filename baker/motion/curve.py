@@ -16,6 +16,7 @@ from baker.segment.hierarchy import NO_PARENT, Hierarchy
 from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
+ASKED = 50  # points of an organ that bound how far it is from its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
 Motions = dict[int, OrganMotion]  # of an interval's bending organs, by segment of the second scan
@@ -114,7 +115,11 @@ def _carried(
         own = end[match.second.segments[segment]]
         if parent in motions and len(own):
             bearer = motions[parent]
-            gaps, touched = cKDTree(bearer.warped).query(own)
+            tree = cKDTree(bearer.warped)
+            # A few bound the gap, and the search ends there: most points are farther.
+            some = own[:: max(1, len(own) // ASKED)]
+            bound = 1.000001 * float(tree.query(some)[0].min()) or np.inf
+            gaps, touched = tree.query(own, distance_upper_bound=bound)
             base = bearer.sample[touched[[int(np.argmin(gaps))]]]
             carried[segment] = carried[segment] + bearer.bow(base)[0]
     return carried
