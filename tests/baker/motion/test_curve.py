@@ -9,6 +9,7 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion import curved, organ_motions
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.workers import Crew
 from gclip.clip import Motion
 from gclip.pack import Movers
 from tests.baker.motion.shapes import leaf, sample
@@ -91,6 +92,6 @@ def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
 def test_workers_make_no_difference(baked: tuple) -> None:
     clouds, match, _, _ = baked
     one, two = (
-        organ_motions(clouds, [match], lowest(clouds), 1.0, workers)[0] for workers in (1, 2)
+        organ_motions(clouds, [match], lowest(clouds), 1.0, Crew(workers))[0] for workers in (1, 2)
     )
     np.testing.assert_array_equal(one[1].half_nodes, two[1].half_nodes)
