@@ -8,6 +8,7 @@ import pytest
 from baker import Options
 from baker.executor import Threads
 from baker.pipeline import bake_recorded
+from baker.workers import Crew
 
 PLAIN = Options(align="none", up="z", workers=1)
 
@@ -18,7 +19,7 @@ class Elsewhere:
     def run(self, function, jobs, done):
         for index, job in reversed(list(enumerate(jobs))):
             task, sent = pickle.loads(pickle.dumps((function, job)))
-            yield index, task(sent, 2)
+            yield index, task(sent, Crew(2))
             done(len(job))
 
 
