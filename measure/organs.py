@@ -19,10 +19,14 @@ DENSITY = 8  # neighbours that tell how densely points lie
 
 
 class Organ(NamedTuple):
-    """(N, 3) points to measure, and the (M, 3) they are a sample of; about the clip's origin."""
+    """(N, 3) points to measure, and the (M, 3) they are a sample of; about the clip's origin.
+
+    mixed: how much of the points is of one scan and how much of another, 0 (all of one) to 1.
+    """
 
     points: Points
     cloud: Points
+    mixed: float = 0.0
 
 
 class Sample(NamedTuple):
@@ -44,7 +48,9 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
 
     passed = locate(clip, day)[1]
     born = {track.id: track.born for track in clip.track_table}
+    lost = {track.id: track.lost for track in clip.track_table}
     weights = (1.0 - passed, passed)
+    moved: set[int] = set()
     parts: tuple[dict[int, list[Points]], dict[int, list[Points]]] = ({}, {})
     for layer in layers_at(clip, day):
         if layer.litter:
@@ -52,11 +58,20 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         interval = clip.intervals[layer.interval]
         for track, now, start, end in _moving(interval, layer):
             newborn = born[track] > interval.start
+            if not newborn and lost[track] != interval.start:
+                moved.add(track)
             for kept, weight, given in zip(parts, weights, (start, end), strict=True):
                 if weight:
                     kept.setdefault(track, []).append(now[end if newborn else given])
+    mixed = 4.0 * passed * (1.0 - passed)
     return [
-        Sample(weight, {track: _sample(np.concatenate(part)) for track, part in kept.items()})
+        Sample(
+            weight,
+            {
+                track: _sample(np.concatenate(part), mixed if track in moved else 0.0)
+                for track, part in kept.items()
+            },
+        )
         for kept, weight in zip(parts, weights, strict=True)
         if weight
     ]
@@ -82,15 +97,15 @@ def _moving(
     return found
 
 
-def _sample(points: Points) -> Organ:
+def _sample(points: Points, mixed: float) -> Organ:
     """A sample as even as may be: where points lie twice as densely, half of them are taken."""
     from scipy.spatial import cKDTree
 
     if len(points) <= MOST:
-        return Organ(points, points)
+        return Organ(points, points, mixed)
     rng = np.random.default_rng(0)
     cloud = points[rng.permutation(len(points))[: CLOUD * MOST]]
     apart = cKDTree(cloud).query(cloud, k=DENSITY + 1)[0][:, -1]
     # The largest of u^(1/w) are a sample with weights w (Efraimidis and Spirakis 2006).
     order = np.log(rng.random(len(cloud))) / np.maximum(apart**2, np.finfo(float).tiny)
-    return Organ(cloud[np.sort(np.argsort(order, kind="stable")[-MOST:])], cloud)
+    return Organ(cloud[np.sort(np.argsort(order, kind="stable")[-MOST:])], cloud, mixed)

@@ -19,9 +19,12 @@ RADII = np.array([1.2, 2.2])
 RANDOM_STRIP, EVEN_STRIP = np.array([0.601, 1.729]), np.array([0.731, 1.814])
 # Share of discs of half a mean distance that lies in no other such disc's place, likewise.
 RANDOM_ALONE, EVEN_ALONE = 0.699, 0.831
+# How far inside a border points half of one scan and half of another lie, in mean distances: one
+# on the border goes to one that is seldom as near to it. Measured on leaves that stood still.
+INSIDE = 0.06
 
 
-def area(points: Points, variance: float = 0.0) -> float:
+def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
     """The area of the surface that (N, 3) points were scattered on; 0 for fewer than 12.
 
     Discs about the points cover most of the surface and reach a little over its border. Of a disc
@@ -35,6 +38,7 @@ def area(points: Points, variance: float = 0.0) -> float:
 
     variance: of the noise across the surface, which makes points seem farther apart. Neighbours
               share half of what smoothing left of it.
+    mixed:    how much of the points is of one scan and how much of another, 0 to 1.
     """
     if len(points) < 12:
         return 0.0
@@ -52,7 +56,7 @@ def area(points: Points, variance: float = 0.0) -> float:
         alone = covered(0.5 * unit) / (len(points) * np.pi * (0.5 * unit) ** 2)
         even = np.clip((alone - RANDOM_ALONE) / (EVEN_ALONE - RANDOM_ALONE), 0.0, 1.0)
         inside = 1.0 - (1.0 - even) * np.exp(-np.pi * RADII**2)
-        strip = (1.0 - even) * RANDOM_STRIP + even * EVEN_STRIP
+        strip = (1.0 - even) * RANDOM_STRIP + even * EVEN_STRIP - mixed * INSIDE
         both = [covered(radius * unit) for radius in RADII]
         found = max(float(np.linalg.solve(np.column_stack([inside, strip]), both)[0]), least)
     return found

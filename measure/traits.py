@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from measure.axis import axis_of
 from measure.organs import Organ, samples_at
-from measure.smooth import Smoothed, noise_of, smoothed
+from measure.smooth import noise_of, smoothed
 from measure.surface import area
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 HALVES = 4  # samples of half of an organ's points that tell what its hull still lacks
 LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
+LIFTED = 0.6  # deviations of the noise by which it lifts a hull's faces
+INSIDE = 0.12  # mean distances by which points half of one scan and half of another lie in it
 TRAITS = ("height", "length", "area", "hull", "angle")
 
 
@@ -88,40 +90,49 @@ class _Plant:
             for track, organ in sorted(seen.items())
             if track in needed and (day not in self.scans or self.born[track] <= day)
         }
-        noise = noise_of(list(alive.values()))
-        organs = {track: smoothed(*organ, noise) for track, organ in alive.items()}
-        found = [self._organ(day, track, organs) for track in organs if track in wanted]
+        noise = noise_of([(organ.points, organ.cloud) for organ in alive.values()])
+        smooth = {
+            track: smoothed(organ.points, organ.cloud, noise) for track, organ in alive.items()
+        }
+        found, nothing = [], np.zeros((0, 3))
+        for track in (track for track in alive if track in wanted):
+            points, variance = smooth[track]
+            parent = self.parents.get(track)
+            bearer = nothing if parent not in smooth else smooth[parent].points
+            axis = axis_of(points, bearer, self.up)
+            surface = area(points, variance, alive[track].mixed) or None
+            found.append(
+                Measurement(
+                    time=day,
+                    track=track,
+                    points=len(points),
+                    height=float((points @ self.up).max()) - self.floor,
+                    length=None if axis is None else axis.length,
+                    area=surface,
+                    hull=_hull(points, _outward(points, surface, alive[track].mixed, noise)),
+                    angle=None if axis is None else axis.angle(self.up),
+                )
+            )
         if only is not None or not found:
             return found
-        return [_whole(day, found, list(organs.values())), *found]
-
-    def _organ(self, day: float, track: int, organs: dict[int, Smoothed]) -> Measurement:
-        points, variance = organs[track]
-        parent = self.parents.get(track)
-        bearer = np.zeros((0, 3)) if parent not in organs else organs[parent].points
-        axis = axis_of(points, bearer, self.up)
-        return Measurement(
-            time=day,
-            track=track,
-            points=len(points),
-            height=float((points @ self.up).max()) - self.floor,
-            length=None if axis is None else axis.length,
-            area=area(points, variance) or None,
-            hull=_hull(points),
-            angle=None if axis is None else axis.angle(self.up),
-        )
+        every = np.concatenate([organ.points for organ in smooth.values()])
+        mixed = max(organ.mixed for organ in alive.values())
+        return [_whole(day, found, every, mixed, noise), *found]
 
 
-def _whole(day: float, organs: list[Measurement], points: list[Smoothed]) -> Measurement:
+def _whole(
+    day: float, organs: list[Measurement], points: NDArray[np.float64], mixed: float, noise: float
+) -> Measurement:
     areas = [one.area for one in organs if one.area is not None]
+    surface = sum(areas) if areas else None
     return Measurement(
         time=day,
         track=None,
-        points=sum(one.points for one in organs),
+        points=len(points),
         height=max(one.height for one in organs),
         length=None,
-        area=sum(areas) if areas else None,
-        hull=_hull(np.concatenate([one.points for one in points])),
+        area=surface,
+        hull=_hull(points, _outward(points, surface, mixed, noise)),
         angle=None,
     )
 
@@ -148,7 +159,9 @@ def _floor(clip: Clip) -> float:
     height = first.local.astype(np.float64) @ _up(clip.up)
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
     own = height[first.tracks == root]
-    return float(np.quantile(own if len(own) else height, 0.01))
+    # Few points may be flying below it; that many hundredths of a stem stand between the two.
+    low, next_to_low = np.quantile(own if len(own) else height, [0.01, 0.02])
+    return float(2.0 * low - next_to_low)
 
 
 def _up(up: str) -> NDArray[np.float64]:
@@ -157,19 +170,33 @@ def _up(up: str) -> NDArray[np.float64]:
     return direction
 
 
-def _hull(points: NDArray[np.float64]) -> float | None:
+def _outward(
+    points: NDArray[np.float64], surface: float | None, mixed: float, noise: float
+) -> float:
+    """How much farther out a hull's faces should be: noise lifts them, for what lies farthest out
+    was moved outward, and points half of one scan and half of another lie inside.
+    """
+    apart = float(np.sqrt((surface or 0.0) / len(points)))
+    return INSIDE * mixed * apart - LIFTED * noise
+
+
+def _hull(points: NDArray[np.float64], outward: float = 0.0) -> float | None:
     """The convex hull's volume of what (N, 3) points were scattered on; None where they lie in one
     plane or are too few.
 
     The hull of points falls short of the hull of what they lie on: at faces by count^-1, at borders
     by count^-0.5. How short, the hulls of halves of them tell (Richardson's extrapolation).
+
+    outward: how far its faces are to be moved.
     """
     from scipy.spatial import ConvexHull, QhullError
 
     rng, half = np.random.default_rng(0), len(points) // 2
     parts = [points[rng.permutation(len(points))[:half]] for _ in range(HALVES)]
     try:
-        whole = float(ConvexHull(points).volume)
-        return whole + LACKING * (whole - float(np.mean([ConvexHull(p).volume for p in parts])))
+        hull = ConvexHull(points)
+        lacking = float(hull.volume - np.mean([ConvexHull(part).volume for part in parts]))
     except (QhullError, ValueError):
         return None
+    moved = float(hull.volume) + LACKING * lacking + outward * float(hull.area)
+    return max(moved, 0.5 * float(hull.volume))
