@@ -96,13 +96,12 @@ def bake_recorded(
     bases = crew.map(partial(root_point, vertical=vertical, root=root), clouds)
     labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell, crew)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
-    tell("matching", 0, len(hierarchies) - 1)
     matches = match_series(
         clouds,
         hierarchies,
         by_label=labels.consistent or recipe.whole,
         rules=recipe.rules,
-        done=lambda done: tell("matching", done, len(hierarchies) - 1),
+        tell=partial(tell, "matching"),
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.match.lazy import LazyCosts
+
 
 def assign_with_dummies(
     costs: NDArray[np.floating], loss: NDArray[np.floating], birth: NDArray[np.floating]
@@ -25,18 +27,15 @@ def assign_with_dummies(
     return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if i < n and j < m]
 
 
-def assign_by_minima(costs: NDArray[np.floating]) -> list[tuple[int, int]]:
+def assign_by_minima(costs: LazyCosts) -> list[tuple[int, int]]:
     """The paper's way: leave out as many as there are too many, the farthest first, match the rest.
 
     costs: (n, m); of the larger side the |n - m| whose nearest partner is farthest stay alone.
     """
-    from scipy.optimize import linear_sum_assignment
-
     n, m = costs.shape
     rows, columns = np.arange(n), np.arange(m)
     if n > m:
-        rows = np.sort(np.argsort(costs.min(axis=1), kind="stable")[:m])
+        rows = np.sort(np.argsort(costs.minima(axis=1), kind="stable")[:m])
     elif m > n:
-        columns = np.sort(np.argsort(costs.min(axis=0), kind="stable")[:n])
-    i, j = linear_sum_assignment(costs[np.ix_(rows, columns)])
-    return [(int(rows[a]), int(columns[b])) for a, b in zip(i, j, strict=True)]
+        columns = np.sort(np.argsort(costs.minima(axis=0), kind="stable")[:n])
+    return costs.assignment(rows, columns)

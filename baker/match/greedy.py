@@ -6,17 +6,24 @@ nearer to each other, then the remaining children are matched; whole subtrees ar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.match.assignment import assign_by_minima, assign_with_dummies
+from baker.match.lazy import LazyCosts, least
 from baker.match.match import Match, Merge, from_pairs
 from baker.segment.hierarchy import Hierarchy
+from baker.transport.distance import Moments
 
 Distance = Callable[[NDArray[np.floating], NDArray[np.floating]], float]
+Bound = Callable[[Moments, Sequence[Moments]], NDArray[np.floating]]
+
+
+def _unbounded(one: Moments, others: Sequence[Moments]) -> NDArray[np.floating]:
+    return np.zeros(len(others))
 
 
 @dataclass(frozen=True)
@@ -46,8 +53,15 @@ class _Side:
     hierarchy: Hierarchy
     groups: dict[int, list[int]] = field(default_factory=dict)
 
+    moments: dict[int, Moments] = field(default_factory=dict)
+
     def cloud(self, group: list[int]) -> NDArray[np.floating]:
         return self.points[np.concatenate([self.hierarchy.segments[s] for s in group])]
+
+    def moments_of(self, segment: int) -> Moments:
+        if segment not in self.moments:
+            self.moments[segment] = Moments.of(self.cloud([segment]))
+        return self.moments[segment]
 
     def children(self, head: int) -> list[int]:
         """Children of a merged segment that are not part of it; an empty one has no shape."""
@@ -72,11 +86,22 @@ def match_greedily(
     hierarchies: tuple[Hierarchy, Hierarchy],
     distance: Distance,
     rules: GreedyRules,
+    bound: Bound = _unbounded,
+    done: Callable[[int], None] = lambda segments: None,
 ) -> Match:
     """Match two scans' hierarchies from the roots on.
 
     distance: d_w of two clouds (n, 3) and (m, 3), in length units.
+    bound:    what it is at least, by the clouds' moments: few distances are then worked out, and
+              the match is the same.
+    done:     called after each distance, with how many of the second scan's segments are matched
+              or merged so far.
     """
+
+    def measured(one: NDArray[np.floating], other: NDArray[np.floating]) -> float:
+        done(sum(map(len, second.groups.values())))
+        return distance(one, other)
+
     first, second = (_Side(p, h) for p, h in zip(points, hierarchies, strict=True))
     queue = [(first.hierarchy.root, second.hierarchy.root)]
     matched, merges = [], []
@@ -84,8 +109,8 @@ def match_greedily(
         a, b = queue.pop(0)
         matched.append((a, b))
         first.groups[a], second.groups[b] = [a], [b]
-        merges += _merge(first, a, second, b, distance, rules)
-        queue += _match_children(first, a, second, b, distance, rules)
+        merges += _merge(first, a, second, b, measured, bound, rules)
+        queue += _match_children(first, a, second, b, measured, bound, rules)
     merged_first, number_first = first.merged()
     merged_second, number_second = second.merged()
     pairs = [(number_first[a], number_second[b]) for a, b in matched]
@@ -93,7 +118,13 @@ def match_greedily(
 
 
 def _merge(
-    first: _Side, a: int, second: _Side, b: int, distance: Distance, rules: GreedyRules
+    first: _Side,
+    a: int,
+    second: _Side,
+    b: int,
+    distance: Distance,
+    bound: Bound,
+    rules: GreedyRules,
 ) -> list[Merge]:
     """Merge children into the matched segments, the largest gain first, while one gains."""
     merges: list[Merge] = []
@@ -102,37 +133,70 @@ def _merge(
         return merges
     current = distance(first.cloud(one), second.cloud(other))
     while True:
-        trials = [
-            (distance(first.cloud(one), second.cloud([*other, child])), 1, child)
-            for child in second.children(b)
-        ]
+        trials = [(1, child) for child in second.children(b)]
         if rules.merge_first:
-            trials += [
-                (distance(first.cloud([*one, child]), second.cloud(other)), 0, child)
-                for child in first.children(a)
-            ]
-        if not trials:
+            trials += [(0, child) for child in first.children(a)]
+        trials.sort()  # the lowest of those tied
+
+        def joined(trial: int, trials: list[tuple[int, int]] = trials) -> float:
+            side, child = trials[trial]
+            return distance(
+                first.cloud(one if side else [*one, child]),
+                second.cloud([*other, child] if side else other),
+            )
+
+        found = least(
+            _bounds(first, one, second, other, trials, bound),
+            joined,
+            limit=current * (1.0 - rules.least_gain),
+        )
+        if found is None:
             return merges
-        best, side, child = min(trials)
-        if best >= current * (1.0 - rules.least_gain):
-            return merges
+        best, (side, child) = found[0], trials[found[1]]
         (other if side else one).append(child)
         merges.append(Merge(side, b if side else a, child, current, best))
         current = best
 
 
+def _bounds(
+    first: _Side,
+    one: list[int],
+    second: _Side,
+    other: list[int],
+    trials: Sequence[tuple[int, int]],
+    bound: Bound,
+) -> NDArray[np.floating]:
+    """What the distances of two merged segments are at least with one more child in either."""
+    own = sum((first.moments_of(s) for s in one[1:]), first.moments_of(one[0]))
+    its = sum((second.moments_of(s) for s in other[1:]), second.moments_of(other[0]))
+    found = np.zeros(len(trials))
+    for side, whole, across, scan in ((1, its, own, second), (0, own, its, first)):
+        chosen = [k for k, trial in enumerate(trials) if trial[0] == side]
+        if chosen:
+            found[chosen] = bound(across, [whole + scan.moments_of(trials[k][1]) for k in chosen])
+    return found
+
+
 def _match_children(
-    first: _Side, a: int, second: _Side, b: int, distance: Distance, rules: GreedyRules
+    first: _Side,
+    a: int,
+    second: _Side,
+    b: int,
+    distance: Distance,
+    bound: Bound,
+    rules: GreedyRules,
 ) -> list[tuple[int, int]]:
     ours, theirs = first.children(a), second.children(b)
     if not ours or not theirs:
         return []
-    costs = np.array(
-        [[distance(first.cloud([p]), second.cloud([q])) for q in theirs] for p in ours]
+    moments = [second.moments_of(q) for q in theirs]
+    costs = LazyCosts(
+        np.array([bound(first.moments_of(p), moments) for p in ours]),
+        lambda i, j: distance(first.cloud([ours[i]]), second.cloud([theirs[j]])),
     )
     if rules.dummies:
         pairs = assign_with_dummies(
-            costs,
+            costs.all(),
             np.array([_to_bud(first, p, first.cloud(first.groups[a])) for p in ours]),
             np.array([_to_bud(second, q, second.cloud(second.groups[b])) for q in theirs]),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,22 +19,37 @@ def match_series(
     *,
     by_label: bool,
     rules: GreedyRules,
-    done: Callable[[int], None],
+    tell: Callable[[int, int], None],
 ) -> list[Match]:
     """Match each scan to the next: by label, or down the hierarchies where there are none.
 
     What is merged in a scan for the interval before it stays merged in the interval after it.
+
+    tell: called with how many segments are matched, and of how many.
     """
-    from baker.transport.distance import wasserstein
+    from baker.transport.distance import least_distance, wasserstein
 
     matches: list[Match] = []
+    sizes = [len(hierarchy.segments) for hierarchy in hierarchies[1:]]
+    tell(0, sum(sizes))
     for k, following in enumerate(hierarchies[1:]):
         current = matches[-1].second if matches else hierarchies[0]
         if by_label:
             match = match_by_label(current, following)
         else:
             pair = clouds[k], clouds[k + 1]
-            match = match_greedily(pair, (current, following), wasserstein, rules)
+            match = match_greedily(
+                pair,
+                (current, following),
+                wasserstein,
+                rules,
+                bound=least_distance,
+                done=partial(_tell_on, tell, sum(sizes[:k]), sum(sizes)),
+            )
         matches.append(match)
-        done(k + 1)
+        tell(sum(sizes[: k + 1]), sum(sizes))
     return matches
+
+
+def _tell_on(tell: Callable[[int, int], None], before: int, total: int, here: int) -> None:
+    tell(before + here, total)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,9 @@ from baker.transport import bisection
 from baker.transport.multiscale import Search, couple
 from baker.transport.plan import Points, TransportOptions, checked, costs, uniform_masses
 from baker.transport.solve import solve
-from baker.transport.support import balance, explained_cost, matrix_power
+from baker.transport.support import RIDGE, balance, explained_cost, matrix_power
+
+_ROUNDING = 1e-6  # share of its terms by which a squared distance may come out too small
 
 
 def wasserstein(
@@ -76,3 +79,34 @@ def gaussian_distance(start: Moments, end: Moments) -> float:
     spread = np.trace(start.covariance) + np.trace(end.covariance) - 2.0 * np.trace(cross)
     way = end.mean - start.mean
     return float(np.sqrt(way @ way + max(spread, 0.0)))
+
+
+def least_distance(start: Moments, ends: Sequence[Moments]) -> NDArray[np.float64]:
+    """(len(ends),) distances below which `wasserstein` does not go, be it exact or an estimate.
+
+    `gaussian_distance`, with the cross term as large as `balance` makes it (its ridge included),
+    less what rounding may take away.
+    """
+    mean, covariance, ridged = _stacked([start])
+    means, covariances, others = _stacked(ends)
+    way = ((means - mean) ** 2).sum(axis=1)
+    traces = np.trace(covariance, axis1=1, axis2=2) + np.trace(covariances, axis1=1, axis2=2)
+    root = matrix_power(ridged[0], 0.5)
+    product = root @ others @ root
+    squares = np.linalg.eigvalsh((product + product.transpose(0, 2, 1)) / 2)
+    cross = 2.0 * np.sqrt(np.maximum(squares, 0.0)).sum(axis=1)
+    is_point = (ridged == 0).all(axis=(1, 2)) | (others == 0).all(axis=(1, 2))
+    spread = np.where(is_point, 0.0, np.maximum(traces - cross, 0.0))
+    far = (mean**2).sum(axis=1) + (means**2).sum(axis=1)
+    sure = way + spread - _ROUNDING * (way + traces) - _ROUNDING**3 * far
+    return np.sqrt(np.maximum(sure, 0.0))
+
+
+def _stacked(
+    moments: Sequence[Moments],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Means (n, 3), covariances (n, 3, 3), and the covariances with the ridge of `balance`."""
+    means = np.array([one.mean for one in moments]).reshape(-1, 3)
+    covariances = np.array([one.covariance for one in moments]).reshape(-1, 3, 3)
+    trace = np.trace(covariances, axis1=1, axis2=2)
+    return means, covariances, covariances + (RIDGE / 3 * trace)[:, None, None] * np.eye(3)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.transport.plan import Edges, Points
 
-_RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible
+RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible
 
 
 def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -28,8 +28,8 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
     source, target = p.T @ p / len(p), q.T @ q / len(q)
     if np.trace(source) == 0 or np.trace(target) == 0:
         return p, q
-    source += _RIDGE * np.trace(source) / 3 * np.eye(3)
-    target += _RIDGE * np.trace(target) / 3 * np.eye(3)
+    source += RIDGE * np.trace(source) / 3 * np.eye(3)
+    target += RIDGE * np.trace(target) / 3 * np.eye(3)
     root, inverse = matrix_power(source, 0.5), matrix_power(source, -0.5)
     gauss_map = inverse @ matrix_power(root @ target @ root, 0.5) @ inverse
     return p @ matrix_power(gauss_map, 0.5), q @ matrix_power(gauss_map, -0.5)

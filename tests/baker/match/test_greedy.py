@@ -5,7 +5,10 @@ import pytest
 
 from baker.match.assignment import assign_by_minima, assign_with_dummies
 from baker.match.greedy import PAPER, GreedyRules, match_greedily
+from baker.match.lazy import LazyCosts
+from baker.match.series import match_series
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.transport.distance import least_distance, wasserstein
 
 
 def rms_distance(a, b):
@@ -94,10 +97,47 @@ def test_a_very_deep_hierarchy_is_no_recursion():
     assert len(match.pairs) == 1500
 
 
+def lazily(costs):
+    return LazyCosts(np.zeros_like(costs), lambda i, j: float(costs[i, j]))
+
+
 def test_assignment_by_minima_leaves_out_the_farthest():
     costs = np.array([[1.0, 9.0, 2.0], [8.0, 9.0, 1.0]])
-    assert assign_by_minima(costs) == [(0, 0), (1, 2)]
-    assert assign_by_minima(costs.T) == [(0, 0), (2, 1)]
+    assert assign_by_minima(lazily(costs)) == [(0, 0), (1, 2)]
+    assert assign_by_minima(lazily(costs.T)) == [(0, 0), (2, 1)]
+
+
+def rosette(count, turn, seed):
+    """Leaves all around a stem, numbered at random."""
+    random = np.random.default_rng(seed)
+    angles = turn + 2 * np.pi * random.permutation(count) / count
+    leaves = [
+        rod([0, 0, 5], [3 * np.cos(a), 3 * np.sin(a), 6 + a / 9]) + random.normal(0, 0.02, 3)
+        for a in angles
+    ]
+    return scan([NO_PARENT] + [0] * count, STEM, *leaves)
+
+
+@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
+def test_bounds_change_nothing_but_how_many_distances_are_worked_out(rules):
+    (p, h), (q, g) = rosette(30, 0.0, 1), rosette(26, 0.05, 2)
+    asked, told = [], []
+
+    def distance(a, b):
+        asked.append(1)
+        return wasserstein(a, b)
+
+    every = match_greedily((p, q), (h, g), distance, rules)
+    full, asked = len(asked), []
+    few = match_greedily((p, q), (h, g), distance, rules, least_distance, told.append)
+    assert (few.pairs, few.merges) == (every.pairs, every.merges)
+    assert [s.tolist() for s in few.second.segments] == [s.tolist() for s in every.second.segments]
+    assert len(few.pairs) > 20
+    if rules is PAPER:
+        assert len(asked) < full / 4
+    assert told == sorted(told)
+    assert len(told) == len(asked)
+    assert told[-1] >= 1
 
 
 def test_dummies_are_used_where_they_are_cheaper():
@@ -105,3 +145,19 @@ def test_dummies_are_used_where_they_are_cheaper():
     price = np.array([4.0, 4.0])
     assert assign_with_dummies(costs, price, price) == [(0, 0)]
     assert assign_with_dummies(costs, 2 * price, 2 * price) == [(0, 0), (1, 1)]
+
+
+@pytest.mark.parametrize("by_label", [False, True])
+def test_progress_goes_up_to_all_segments(by_label):
+    scans = [rosette(count, 0.1 * count, count) for count in (4, 6, 5)]
+    told = []
+    match_series(
+        [points for points, _ in scans],
+        [hierarchy for _, hierarchy in scans],
+        by_label=by_label,
+        rules=PAPER,
+        tell=lambda done, total: told.append((done, total)),
+    )
+    assert (told[0], told[-1]) == ((0, 13), (13, 13))
+    assert told == sorted(told)
+    assert (7, 13) in told

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from transport_clouds import grown_leaf, leaf
 
-from baker.transport.distance import Moments, gaussian_distance, wasserstein
+from baker.transport.distance import Moments, gaussian_distance, least_distance, wasserstein
 from baker.transport.plan import TransportOptions
 from baker.transport.solve import solve
 
@@ -79,3 +79,37 @@ def test_moments_merge():
 def test_a_single_point_has_moments():
     moments = Moments.of(np.array([[1.0, 2.0, 3.0]]))
     assert gaussian_distance(moments, moments) == 0.0
+
+
+CLOUDS = {
+    "leaf": leaf,
+    "ball": lambda n: np.random.default_rng(1).normal(size=(n, 3)),
+    "line": lambda n: np.outer(np.linspace(0, 1, n), [1.0, 2.0, 3.0]),
+    "plane": lambda n: np.random.default_rng(2).random((n, 3)) * [1.0, 0.0, 2.0],
+    "point": lambda n: np.ones((n, 3)),
+    "two far": lambda n: leaf(n) + 1e4 * (np.arange(n) % 2)[:, None],
+    "tiny": lambda n: 1e-9 * np.random.default_rng(4).normal(size=(n, 3)),
+    "needle": lambda n: np.random.default_rng(5).normal(size=(n, 3)) * [1e-6, 1e-6, 1.0],
+    "far": lambda n: leaf(n) + 1e5,
+}
+
+
+@pytest.mark.parametrize("count", [1, 40, 256, 300])
+@pytest.mark.parametrize("name", CLOUDS)
+def test_no_distance_is_below_what_its_moments_allow(name, count):
+    """Neither one that is worked out exactly nor one that is estimated."""
+    start = CLOUDS[name](count)
+    ends = [make(size) for make in CLOUDS.values() for size in (1, 50, 280)]
+    bounds = least_distance(Moments.of(start), [Moments.of(end) for end in ends])
+    distances = np.array([wasserstein(start, end) for end in ends])
+    assert (bounds <= distances).all()
+    assert np.isfinite(bounds).all()
+
+
+def test_the_bound_is_close_where_clouds_are_far_apart():
+    start, end = leaf(300), leaf(280, seed=2) + np.array([0.0, 3.0, 0.0])
+    (bound,) = least_distance(Moments.of(start), [Moments.of(end)])
+    assert 0.99 * wasserstein(start, end) < bound <= wasserstein(start, end)
+    # Clouds that are merged have the moments of their union.
+    whole = Moments.of(start[:100]) + Moments.of(start[100:])
+    assert least_distance(whole, [Moments.of(end)]) == pytest.approx([bound])
