@@ -6,7 +6,8 @@ scan      on the scans themselves, as the clip holds them;
 fresh     between the scans, of a scan taken on that very day: errors of the measure alone;
 between   between the scans, of the clip: errors of the motion on top.
 
-For organs of `--least` points and more, by how many they are: the median error, what nine in ten
+For organs of `--least` points and more, by how many they are, and for all whose trait is said to be
+sure: how many organs, the median error, what nine in ten
 stay below, and how many stay below 5 % (angles: 5 degrees). Of a branch with leaves the length is
 that to the tip of its farthest leaf: a scan can't tell its last leaf from the others. `jump` is
 the largest change, in %, of any organ's trait from just before a scan to it, or to just after.
@@ -38,7 +39,7 @@ TRAITS = ("length", "area", "hull", "height", "angle")
 SHARES = (0.25, 0.5, 0.75)
 BINS = (100, 200, 500, 1200, 10**9)
 DENSE = 120_000  # points that show a hull
-Error = tuple[int, dict[str, float], str]
+Error = tuple[Measurement, dict[str, float], str]
 
 
 def truth(subject: Plant, day: float) -> dict[int, dict[str, float]]:
@@ -114,7 +115,7 @@ def errors(
         name = clip.track_table[one.track].name
         label = int(name.split()[-1])
         if label in true:
-            yield one.points, {trait: _off(one, trait, true[label]) for trait in TRAITS}, name
+            yield one, {trait: _off(one, trait, true[label]) for trait in TRAITS}, name
 
 
 def _off(one: Measurement, trait: str, true: dict[str, float]) -> float:
@@ -159,7 +160,7 @@ def judged(kind: str, seed: int, factor: float, least: int, verbose: bool) -> di
             rows[state].append(error)
             if verbose and max(abs(error[1][trait]) for trait in ("length", "area", "angle")) > 5:
                 values = "  ".join(f"{trait} {value:+.1f}" for trait, value in error[1].items())
-                print(f"  {state:8s} day {day:5.1f} {error[2]:9s} {error[0]:5d}  {values}")
+                print(f"  {state:8s} day {day:5.1f} {error[2]:9s} {error[0].points:5d}  {values}")
 
     for day in clip.times:
         judge("scan", clip, day, truth(subject, day))
@@ -182,19 +183,23 @@ def judged(kind: str, seed: int, factor: float, least: int, verbose: bool) -> di
 def show(kind: str, rows: dict[str, list[Error]]) -> None:
     for state, all_of in rows.items():
         for low, high in pairwise(BINS):
-            some = [error for points, error, _ in all_of if low <= points < high]
-            if not some:
-                continue
-            line = f"{kind:8s} {state:8s} {low:5d}.. {len(some):5d}"
-            for trait in TRAITS:
-                off = np.array([error[trait] for error in some])
-                off = off[np.isfinite(off)]
-                size = np.abs(off)
-                line += (
-                    f" | {trait} {np.median(off):+5.1f} {np.median(size):5.1f}"
-                    f" {np.quantile(size, 0.9):5.1f} {100 * (size < 5).mean():4.0f}%"
-                )
-            print(line, flush=True)
+            some = [row for row in all_of if low <= row[0].points < high]
+            print(f"{kind:8s} {state:8s} {low:5d}..", *(_line(some, trait) for trait in TRAITS))
+        sure = ([row for row in all_of if trait in row[0].sure] for trait in TRAITS)
+        lines = (_line(some, trait) for some, trait in zip(sure, TRAITS, strict=True))
+        print(f"{kind:8s} {state:8s} sure   ", *lines, flush=True)
+
+
+def _line(rows: list[Error], trait: str) -> str:
+    off = np.array([error[trait] for _, error, _ in rows])
+    off = off[np.isfinite(off)]
+    if not len(off):
+        return f"| {trait}{'':28s}"
+    size = np.abs(off)
+    return (
+        f"| {trait} {len(off):4d} {np.median(off):+5.1f} {np.median(size):5.1f}"
+        f" {np.quantile(size, 0.9):5.1f} {100 * (size < 5).mean():4.0f}%"
+    )
 
 
 def main() -> None:

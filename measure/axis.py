@@ -67,7 +67,8 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     from_tip, whole = way(tip), float(from_base[tip])
     if whole <= 0.0:
         return None
-    rim = (from_tip >= from_tip[base] - RIM * spacing) & (from_base <= whole / 4)
+    rim = from_tip >= from_tip[base] - RIM * spacing
+    rim &= np.linalg.norm(points - points[base], axis=1) <= whole / 4
     from_base = way(base, *np.flatnonzero(rim).tolist())
     detour = from_base + from_tip
     whole = float(detour.min())

@@ -22,11 +22,13 @@ class Organ(NamedTuple):
     """(N, 3) points to measure, and the (M, 3) they are a sample of; about the clip's origin.
 
     mixed: how much of the points is of one scan and how much of another, 0 (all of one) to 1.
+    seen:  no later than at the scan before; how large others are until the next, nobody knows.
     """
 
     points: Points
     cloud: Points
     mixed: float = 0.0
+    seen: bool = True
 
 
 class Sample(NamedTuple):
@@ -51,6 +53,7 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     lost = {track.id: track.lost for track in clip.track_table}
     weights = (1.0 - passed, passed)
     moved: set[int] = set()
+    newborns: set[int] = set()
     parts: tuple[dict[int, list[Points]], dict[int, list[Points]]] = ({}, {})
     for layer in layers_at(clip, day):
         if layer.litter:
@@ -58,7 +61,9 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         interval = clip.intervals[layer.interval]
         for track, now, start, end in _moving(interval, layer):
             newborn = born[track] > interval.start
-            if not newborn and lost[track] != interval.start:
+            if newborn:
+                newborns.add(track)
+            elif lost[track] != interval.start:
                 moved.add(track)
             for kept, weight, given in zip(parts, weights, (start, end), strict=True):
                 if weight:
@@ -68,7 +73,11 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         Sample(
             weight,
             {
-                track: _sample(np.concatenate(part), mixed if track in moved else 0.0)
+                track: Organ(
+                    *_sample(np.concatenate(part)),
+                    mixed=mixed if track in moved else 0.0,
+                    seen=track not in newborns or passed == 1.0,
+                )
                 for track, part in kept.items()
             },
         )
@@ -97,15 +106,17 @@ def _moving(
     return found
 
 
-def _sample(points: Points, mixed: float) -> Organ:
-    """A sample as even as may be: where points lie twice as densely, half of them are taken."""
+def _sample(points: Points) -> tuple[Points, Points]:
+    """A sample, and what it was taken from: as even as may be, where points lie twice as densely,
+    half of them are taken.
+    """
     from scipy.spatial import cKDTree
 
     if len(points) <= MOST:
-        return Organ(points, points, mixed)
+        return points, points
     rng = np.random.default_rng(0)
     cloud = points[rng.permutation(len(points))[: CLOUD * MOST]]
     apart = cKDTree(cloud).query(cloud, k=DENSITY + 1)[0][:, -1]
     # The largest of u^(1/w) are a sample with weights w (Efraimidis and Spirakis 2006).
     order = np.log(rng.random(len(cloud))) / np.maximum(apart**2, np.finfo(float).tiny)
-    return Organ(cloud[np.sort(np.argsort(order, kind="stable")[-MOST:])], cloud, mixed)
+    return cloud[np.sort(np.argsort(order, kind="stable")[-MOST:])], cloud

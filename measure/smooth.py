@@ -18,10 +18,10 @@ AT_ONCE = 1024
 
 
 class Smoothed(NamedTuple):
-    """(N, 3) points, and the variance across the surface that noise still has."""
+    """(N, 3) points, and the share of the noise's variance that is left in them."""
 
     points: Points
-    variance: float
+    left: float
 
 
 class Fit(NamedTuple):
@@ -57,7 +57,7 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
     noise. Where even the smallest would do harm, points stay. A plane would shrink stems.
     """
     if len(cloud) < PROBE or noise <= 0.0:
-        return Smoothed(points, noise**2)
+        return Smoothed(points, float(noise > 0.0))
     most = min(LARGEST * len(cloud) / len(points), len(cloud))
     patches = [patch for patch in PATCHES if patch <= most]
     result, left = points.copy(), np.ones(len(points))
@@ -72,7 +72,7 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
             risk[better] = (bent + fit.left)[better]
             best[better] = (points[part] + fit.way)[better]
             rest[better] = fit.left[better]
-    return Smoothed(result, float(left.mean()) * noise**2)
+    return Smoothed(result, float(left.mean()))
 
 
 def axes_of(offsets: NDArray[np.float64]) -> tuple[Points, Points, Points]:

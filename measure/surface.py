@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +26,20 @@ RANDOM_ALONE, EVEN_ALONE = 0.699, 0.831
 INSIDE = 0.06
 
 
+class Surface(NamedTuple):
+    """Its area, and the share of its points that lie at a border: of many, it is hardly seen."""
+
+    area: float
+    border: float
+
+
 def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
-    """The area of the surface that (N, 3) points were scattered on; 0 for fewer than 12.
+    """See `surface_of`."""
+    return surface_of(points, variance, mixed).area
+
+
+def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Surface:
+    """The surface that (N, 3) points were scattered on; of area 0 for fewer than 12.
 
     Discs about the points cover most of the surface and reach a little over its border. Of a disc
     about a point counts what is nearer to it than to any other point, its cell, so each place
@@ -41,10 +55,10 @@ def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
     mixed:    how much of the points is of one scan and how much of another, 0 to 1.
     """
     if len(points) < 12:
-        return 0.0
+        return Surface(0.0, 1.0)
     unit, cells = _cells(points, variance)
     if unit <= 0.0:
-        return 0.0
+        return Surface(0.0, 1.0)
 
     def covered(radius: float) -> float:
         return float((np.minimum(cells, radius) ** 2).sum()) * np.pi / WAYS
@@ -59,7 +73,8 @@ def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
         strip = (1.0 - even) * RANDOM_STRIP + even * EVEN_STRIP - mixed * INSIDE
         both = [covered(radius * unit) for radius in RADII]
         found = max(float(np.linalg.solve(np.column_stack([inside, strip]), both)[0]), least)
-    return found
+    border = (cells > RADII[1] * unit).any(axis=1)
+    return Surface(found, float(border.mean()))
 
 
 def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]:

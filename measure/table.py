@@ -23,7 +23,7 @@ NAMES = {"hull": "hull_volume"}
 COLUMNS = (
     *("plant", "level", "track", "organ", "kind", "parent", "born", "lost"),
     *("trait", "value", "unit", "state", "time", "date", "start", "end", "elapsed", "time_unit"),
-    *("points", "method", "clip_digest"),
+    *("points", "sure", "method", "clip_digest"),
 )
 DIGITS = 7  # that a float32 clip has to tell
 
@@ -80,10 +80,10 @@ def _values(namer: Namer, found: Iterable[Measurement], about: tuple[str, str]) 
             value = getattr(one, trait)
             if value is not None:
                 what = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
-                yield [*_who(namer, one), *what, *when, clip.time_unit, one.points, *about]
+                yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, trait), *about]
         if one.angle is not None:
             what = ["angle", _number(one.angle), "degrees"]
-            yield [*_who(namer, one), *what, *when, clip.time_unit, one.points, *about]
+            yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, "angle"), *about]
 
 
 def _rates(
@@ -104,7 +104,8 @@ def _rates(
             if first is not None and last is not None:
                 unit = f"{_unit(clip, power)}/{clip.time_unit.removesuffix('s')}"
                 what = [f"{NAMES.get(trait, trait)}_growth", _number((last - first) / passed), unit]
-                yield [*_who(namer, late), *what, *when, clip.time_unit, late.points, *about]
+                how = _how(late if trait in early.sure else early, trait)
+                yield [*_who(namer, late), *what, *when, clip.time_unit, *how, *about]
 
 
 def _who(namer: Namer, one: Measurement) -> list:
@@ -122,6 +123,10 @@ def _who(namer: Namer, one: Measurement) -> list:
         namer.date_at(track.born),
         "" if track.lost is None else namer.date_at(track.lost),
     ]
+
+
+def _how(one: Measurement, trait: str) -> list:
+    return [one.points, "yes" if trait in one.sure else "no"]
 
 
 def _unit(clip: Clip, power: int) -> str:
