@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from baker.cache import IntervalCache
+from baker.cache.colors import colored, numbered
 from baker.cache.key import key_of
 from baker.executor import Executor
 from baker.interval import Moved
@@ -33,8 +34,9 @@ def solve_intervals(
     tell:   called with the tasks done and the tasks in all.
     """
     found: dict[int, Interval] = {}
-    keys = []
+    keys, asked = [], jobs
     if cache is not None:
+        jobs = [numbered(job) for job in asked]
         keys = [key_of(job, _beside(jobs, k) if smooth else None) for k, job in enumerate(jobs)]
         kept = ((k, cache.get(keys[k], job)) for k, job in enumerate(jobs))
         found = {k: interval for k, interval in kept if interval is not None}
@@ -53,6 +55,8 @@ def solve_intervals(
         found[k] = interval
         if cache is not None:
             cache.put(keys[k], interval)
+    if cache is not None:
+        return tuple(colored(found[k], job) for k, job in enumerate(asked))
     return tuple(found[k] for k in range(len(jobs)))
 
 

@@ -11,6 +11,7 @@ from baker.cache.digest import digest, program_digest
 from baker.job import IntervalJob
 from baker.match import IntervalOrgans
 from baker.segment.hierarchy import Hierarchy
+from baker.transport.plan import Method, TransportOptions
 from gclip.clip import Interval, Motion
 
 NUMBERED = (0.0, 1.0)  # the times that a kept interval has
@@ -46,7 +47,7 @@ def key_of(job: IntervalJob, neighbors: Sequence[IntervalJob | None] | None = No
                on theirs too (`--paths smooth`).
 
     When the interval is, and which numbers its organs have in the series, doesn't matter, unless
-    its neighbours do.
+    its neighbours do. Colours never do: see `baker.cache.colors`.
     """
     organs = _organs(job)
     if neighbors is not None:
@@ -97,9 +98,18 @@ def _bare(job: IntervalJob) -> IntervalJob:
         organs=replace(organs, bearers=bearers),
         floor=job.floor if falls else 0.0,
         decay=job.decay if lost else Motion.FALL,
-        transport=replace(job.transport, workers=1),
+        transport=_plain(job.transport),
+        start=replace(job.start, colors=None),
+        end=replace(job.end, colors=None),
         series_spacing=0.0,  # decides only how it is packed: see `packed_alike`
     )
+
+
+def _plain(transport: TransportOptions) -> TransportOptions:
+    """Without what this method does not read."""
+    if transport.method == Method.SINKHORN:
+        return replace(transport, workers=1)
+    return TransportOptions(Method.EXACT, transport.power, seed=transport.seed)
 
 
 def _unlabelled(hierarchy: Hierarchy) -> Hierarchy:

@@ -86,7 +86,18 @@ def test_smooth_paths_depend_on_the_neighbours(scans, baked):
     [
         ({"decay": "fade"}, 0),  # nothing is lost
         ({"workers": 2}, 0),
-        ({"colors": "segment"}, 4),
+        ({"colors": "segment"}, 0),
+        ({"colors": "none"}, 0),
+        ({"unit": "mm"}, 0),
+        ({"neighbors": 7}, 0),  # those of Sinkhorn's support
+        ({"transport": "exact"}, 0),
+        ({"graph_neighbors": 7}, 0),  # there are labels
+        ({"bifurcation": 3}, 0),
+        ({"missing": "fill"}, 0),  # nothing is missing
+        ({"labels": "consistent"}, 0),
+        ({"bud": 12}, 2),  # in two of them an organ is born
+        ({"transport": "sinkhorn"}, 4),
+        ({"even": 0.5}, 4),
         ({"paths": "straight"}, 4),
         ({"precision": "float32"}, 4),
     ],
@@ -95,6 +106,25 @@ def test_smooth_paths_depend_on_the_neighbours(scans, baked):
 def test_an_option_costs_what_depends_on_it(scans, baked, change, solved):
     baked(scans, clean=False)
     assert baked(scans, replace(PLAIN, **change)) == (4 - solved, solved)
+
+
+@pytest.mark.parametrize(("paths", "reverse"), [("curved", True), ("smooth", False)])
+def test_colors_cost_nothing(write_scans, baked, reverse, paths):
+    """Nor do scans of other colours: the movers are the same."""
+    scans = sorted(write_scans(days=(0, 1, 2), reverse=reverse).iterdir())
+    for k, scan in enumerate(scans):
+        rows = np.loadtxt(scan)
+        colors = np.random.default_rng(k).integers(0, 256, (len(rows), 3))
+        np.savetxt(scan, np.column_stack([rows[:, :3], colors, rows[:, 3]]), fmt="%.4f")
+    options = replace(PLAIN, paths=paths, even=1.0)
+    assert baked(scans, options) == (0, 2)
+    for colors in ("segment", "none", "scan"):
+        assert baked(scans, replace(options, colors=colors)) == (2, 0)
+    for scan in scans:
+        rows = np.loadtxt(scan)
+        rows[:, 3:6] = 255 - rows[:, 3:6]
+        np.savetxt(scan, rows, fmt="%.4f")
+    assert baked(scans, options) == (2, 0)
 
 
 def test_other_times_and_names_cost_nothing(scans, baked, tmp_path):
