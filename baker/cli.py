@@ -173,7 +173,7 @@ def bake_command(
         Precision, typer.Option(help="auto stores 16 bits a coordinate where that is fine enough.")
     ] = Precision.auto,
     unit: Annotated[str, typer.Option(help="The scans' length unit, e.g. mm.")] = "",
-    workers: Annotated[int, typer.Option(min=0, help="Threads; 0 takes all cores.")] = 0,
+    workers: Annotated[int, typer.Option(min=0, help="Cores to use; 0 takes all.")] = 0,
     cache: Annotated[
         Path | None,
         typer.Option(

@@ -16,8 +16,9 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from baker.errors import InputError
+from baker.executor import Executor, Threads
 from baker.job import IntervalJob
-from baker.workers import Crew, Done
+from baker.workers import Crew, Done, Pool
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -29,9 +30,14 @@ MANY = 16  # items for each fork from which on it is given one ahead, not to wai
 DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 
-def can_fork() -> bool:
-    """Whether forks are safe here: other systems' own libraries don't survive them."""
-    return sys.platform == "linux"
+def on_cores(workers: int) -> tuple[Executor, Pool | None]:
+    """Where a command solves its intervals, and where it looks at single scans.
+
+    Forks where they are safe, else threads: other systems' own libraries don't survive them.
+    """
+    if sys.platform != "linux" or workers <= 1:
+        return Threads(workers), None
+    return Forks(workers), ForkPool(workers)
 
 
 class Forks:
@@ -49,7 +55,7 @@ class Forks:
     ) -> Iterator[tuple[int, Result]]:
         """See `baker.executor.Executor`. Raises InputError where a fork dies."""
         pool = ForkPool(self._workers, done)
-        if self._workers > 1 and 2 * len(jobs) > self._workers:
+        if 2 * len(jobs) > self._workers:
             yield from pool.unordered(lambda job: function(job, done=pool.tell), jobs)
         else:
             for index, job in enumerate(jobs):

@@ -17,8 +17,6 @@ LONG = 64 * 2**20  # bytes of scans
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from baker.executor import Executor
-    from baker.workers import Pool
     from gclip.clip import Clip
 
 
@@ -49,7 +47,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     from rich.console import Console
 
     from baker.cache import IntervalCache
-    from baker.forks import ForkPool, Forks, can_fork
+    from baker.forks import on_cores
     from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
     from baker.summary import print_summary
@@ -61,11 +59,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     cache = wanted.cache or own
     kept = None if cache is None else IntervalCache(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
-        executor: Executor | None = None
-        pool: Pool | None = None
-        if can_fork():
-            workers = worker_count(options.workers)
-            executor, pool = Forks(workers), ForkPool(workers)
+        executor, pool = on_cores(worker_count(options.workers))
         if wanted.cluster is not None:
             from baker.greenhouse.cluster import intervals_on
 

@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
-from baker.greenhouse.local import lost, with_threads
+from baker.greenhouse.local import lost, with_cores
 from baker.greenhouse.work import Job, Outcome, bake_plant
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _bake(
 ) -> Generator[Outcome, None, None]:
     from distributed import as_completed
 
-    waiting = (with_threads(_absolute(job), 1) for job in jobs)
+    waiting = (with_cores(_absolute(job), 1) for job in jobs)
     under_way: dict[Future, Job] = {}
     ready = as_completed([], loop=client.loop)
     cores, counted = 0, float("-inf")

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from baker.forks import on_cores
 from baker.greenhouse.work import Job, Outcome, bake_plant
 from gclip.console import BAD_INPUT
 
@@ -20,7 +21,12 @@ ATTEMPTS = 2  # of a plant whose process dies
 
 def bake_here(jobs: Sequence[Job], workers: int) -> Generator[Outcome, None, None]:
     """`share_out` for baking."""
-    return share_out(bake_plant, jobs, workers)
+    return share_out(bake_on_cores, jobs, workers)
+
+
+def bake_on_cores(job: Job) -> Outcome:
+    """Bake a plant on as many cores as its options say."""
+    return bake_plant(job, *on_cores(job.options.workers))
 
 
 def share_out(
@@ -30,13 +36,13 @@ def share_out(
 
     work: top-level, so that other processes can import it; it does not raise.
 
-    Where there are fewer plants than cores, each plant takes as many threads as are its share.
+    Where there are fewer plants than cores, each plant takes as many cores as are its share.
     A process that dies (for want of memory, say) is replaced, and its plant tried once more.
     """
     from multiprocessing.connection import wait
 
     processes = max(1, min(workers, len(jobs)))
-    threads = max(1, workers // processes)
+    share = max(1, workers // processes)
     waiting = deque((job, 1) for job in jobs)
     crew: list[_Process] = []
     try:
@@ -46,7 +52,7 @@ def share_out(
             for process in crew:
                 if waiting and not process.busy:
                     job, attempt = waiting.popleft()
-                    process.begin(with_threads(job, threads), attempt)
+                    process.begin(with_cores(job, share), attempt)
             ready = wait([process.pipe for process in crew if process.busy])
             for process in [p for p in crew if p.pipe in ready]:
                 job, attempt = process.under_way
@@ -65,9 +71,9 @@ def share_out(
             process.end()
 
 
-def with_threads(job: Job, threads: int) -> Job:
-    """The same, in so many threads."""
-    return replace(job, options=replace(job.options, workers=threads))
+def with_cores(job: Job, cores: int) -> Job:
+    """The same, on so many cores."""
+    return replace(job, options=replace(job.options, workers=cores))
 
 
 def lost(name: str, how: str) -> Outcome:

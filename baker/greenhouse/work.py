@@ -14,6 +14,7 @@ from gclip.console import OUR_FAULT, verdict
 
 if TYPE_CHECKING:
     from baker.executor import Executor
+    from baker.workers import Pool
     from gclip.clip import Clip
 
 About = tuple[str, str]
@@ -63,14 +64,15 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-def bake_plant(job: Job, executor: Executor | None = None) -> Outcome:
+def bake_plant(job: Job, executor: Executor | None = None, pool: Pool | None = None) -> Outcome:
     """Bake one plant, or find that its clip stands. Whatever goes wrong is in the outcome.
 
-    executor: where its intervals are solved; by default on threads of this process.
+    executor: where its intervals are solved; pool: where its scans are looked at; both by default
+    on threads of this process.
     """
     began = time.perf_counter()
     try:
-        clip, state = _baked_or_standing(job, executor)
+        clip, state = _baked_or_standing(job, executor, pool)
         traits = _traits(clip, job) if job.traits else ""
     except Exception as error:
         code, sentence = verdict(error)
@@ -91,7 +93,7 @@ def bake_plant(job: Job, executor: Executor | None = None) -> Outcome:
 
 
 def _baked_or_standing(
-    job: Job, executor: Executor | None
+    job: Job, executor: Executor | None, pool: Pool | None
 ) -> tuple[Clip, Literal["baked", "unchanged"]]:
     from baker.greenhouse.fresh import standing_clip
 
@@ -99,17 +101,17 @@ def _baked_or_standing(
         clip = standing_clip(job.clip, job.folder, job.options)
         if clip is not None:
             return clip, "unchanged"
-    return _baked(job, executor), "baked"
+    return _baked(job, executor, pool), "baked"
 
 
-def _baked(job: Job, executor: Executor | None) -> Clip:
+def _baked(job: Job, executor: Executor | None, pool: Pool | None) -> Clip:
     from baker.cache import IntervalCache
     from baker.pipeline import bake_recorded
     from baker.report import write_report
     from baker.verify import verify
 
     cache = None if job.cache is None else IntervalCache(job.cache)
-    clip, record = bake_recorded([job.folder], job.options, executor=executor, cache=cache)
+    clip, record = bake_recorded([job.folder], job.options, None, executor, cache, pool)
     if job.report is not None:
         # Before the clip: a clip that stands has its report.
         errors = verify(clip, record, _silent)
