@@ -16,6 +16,7 @@ from baker.segment.hierarchy import NO_PARENT, Hierarchy
 from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
+MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
 ASKED = 50  # points of an organ that bound how far it is from its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
@@ -87,19 +88,31 @@ def _interval(
     organs: IntervalOrgans,
     motions: Motions,
 ) -> list[Moved]:
-    carried = _carried(clouds[1], match, motions)
-    segments = {organs.second[b]: b for b in carried}
+    segments = {organs.second[b]: b for b in match.second.from_the_root()}
+    found = [segments.get(int(m.movers.tracks[0])) if len(m.movers) else None for m in tasks]
+    bows: dict[int, NDArray[np.float64]] = {}
+    for moved, segment in zip(tasks, found, strict=True):
+        if segment in motions and moved.start_points is not None and not moved.born:
+            bow = motions[segment].bow(clouds[0][moved.start_points])
+            if _to_be_trusted(bow, moved):
+                bows[segment] = bow
+    carried = _carried(clouds[1], match, {b: motions[b] for b in bows})
     done = []
-    for moved in tasks:
-        segment = segments.get(int(moved.movers.tracks[0])) if len(moved.movers) else None
+    for moved, segment in zip(tasks, found, strict=True):
         if segment is None or moved.start_points is None:
             done.append(moved)
             continue
-        bow = np.broadcast_to(carried[segment], (len(moved.movers), 3))
-        if segment in motions and not moved.born:
-            bow = bow + motions[segment].bow(clouds[0][moved.start_points])
-        done.append(_bowed(moved, bow) if bow.any() else moved)
+        shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
+        if segment in bows and not moved.born:
+            shift = shift + bows[segment]
+        done.append(_bowed(moved, shift) if shift.any() else moved)
     return done
+
+
+def _to_be_trusted(bow: NDArray[np.float64], moved: Moved) -> bool:
+    """Whether movers go far enough for such a bow, (M, 3): else the spine was found wrongly."""
+    way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
+    return bool((bow**2).sum() <= MOST**2 * (way**2).sum())
 
 
 def _carried(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,19 @@ def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
     for moved in after[2:]:
         shift = (middle(moved) - chord(moved)).mean(axis=0)
         np.testing.assert_allclose(shift, leafs, atol=1.5)
+
+
+def test_what_hardly_moves_is_not_bent_by_a_wrong_spine(baked: tuple) -> None:
+    clouds, match, before, _ = baked
+    organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
+    motions = organ_motions(clouds, [match], lowest(clouds), 1.0)
+    standing = []
+    for moved in before:
+        origin, target = moved.movers.curve
+        near = (origin, (origin + 0.02 * (target - origin)).astype(np.float32))
+        standing.append(replace(moved, movers=replace(moved.movers, curve=near)))
+    after = curved([standing], clouds, [match], [organs], motions)[0]
+    assert all(one is two for one, two in zip(standing, after, strict=True))
 
 
 def test_workers_make_no_difference(baked: tuple) -> None:
