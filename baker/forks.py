@@ -12,6 +12,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -113,38 +114,43 @@ class ForkPool:
 
         Raises what a function raises, and InputError where a fork dies of an item.
         """
-        if self._parent is not None or self._workers <= 1 or len(items) <= 1:
-            yield from ((index, function(item)) for index, item in enumerate(items))
-            return
-        from multiprocessing.connection import wait
-
-        _load_late()
-        waiting = iter(range(len(items)))
+        forks = 0 if self._parent is not None else min(self._workers, len(items))
         crew: dict[Connection, int] = {}
         try:
-            for _ in range(min(self._workers, len(items))):
-                pipe, process = self._fork(function, items, list(crew))
-                crew[pipe] = process
-            ahead = 2 if len(items) >= MANY * self._workers else 1
-            for pipe, index in zip(ahead * list(crew), waiting, strict=False):
-                pipe.send(index)
-            missing = len(items)
-            while missing:
-                for ready in wait(list(crew)):
-                    pipe = cast("Connection", ready)
-                    found = _received(pipe, crew[pipe])
-                    if isinstance(found, int):
-                        self._done(found)
-                        continue
-                    missing -= 1
-                    for index in islice(waiting, 1):
-                        pipe.send(index)
-                    yield found
+            with suppress(OSError):  # where no more processes are to be had, fewer do it
+                for _ in range(forks if forks > 1 else 0):
+                    pipe, process = self._fork(function, items, list(crew))
+                    crew[pipe] = process
+            if crew:
+                yield from self._shared_out(list(crew), len(items))
+            else:
+                yield from ((index, function(item)) for index, item in enumerate(items))
         finally:
             for pipe, process in crew.items():
                 pipe.close()
                 os.kill(process, signal.SIGKILL)
                 os.waitpid(process, 0)
+
+    def _shared_out(self, crew: Sequence[Connection], count: int) -> Iterator[tuple[int, Any]]:
+        """Send forks the numbers of items, a new one for every result."""
+        from multiprocessing.connection import wait
+
+        waiting = iter(range(count))
+        ahead = 2 if count >= MANY * len(crew) else 1
+        for pipe, index in zip(ahead * list(crew), waiting, strict=False):
+            _send(pipe, index)
+        missing = count
+        while missing:
+            for ready in wait(crew):
+                pipe = cast("Connection", ready)
+                found = _received(pipe)
+                if isinstance(found, int):
+                    self._done(found)
+                    continue
+                missing -= 1
+                for index in islice(waiting, 1):
+                    _send(pipe, index)
+                yield found
 
     def _fork(
         self,
@@ -155,6 +161,7 @@ class ForkPool:
         """A fork that does the items whose numbers it is sent: its end of a pipe, and its id."""
         from multiprocessing import Pipe
 
+        _load_late()
         ours, theirs = Pipe()
         process = os.fork()
         if process:
@@ -186,7 +193,12 @@ def _serve(function: Callable[[Item], Result], items: Sequence[Item], pipe: Conn
         pipe.send((index, found))
 
 
-def _received(pipe: Connection, process: int) -> int | tuple[int, Any]:
+def _send(pipe: Connection, index: int) -> None:
+    with suppress(OSError):  # it has died: what is received from it will tell
+        pipe.send(index)
+
+
+def _received(pipe: Connection) -> int | tuple[int, Any]:
     """Steps done, or an item's number and its result. Raises what the item raised."""
     try:
         found = pipe.recv()

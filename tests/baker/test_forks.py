@@ -95,6 +95,21 @@ def test_a_fork_that_is_killed_is_told_in_a_sentence() -> None:
         list(ForkPool(2).map(die, range(3)))
 
 
+@pytest.mark.parametrize("possible", [0, 1, 2])
+def test_fewer_forks_than_wanted_do_it_too(monkeypatch, possible: int) -> None:
+    """A limit on processes: as many as there may be do the work, if need be this one."""
+    fork, forked = os.fork, []
+
+    def limited() -> int:
+        if len(forked) == possible:
+            raise BlockingIOError(11, "Resource temporarily unavailable")
+        forked.append(1)
+        return fork()
+
+    monkeypatch.setattr(os, "fork", limited)
+    assert list(ForkPool(3).map(lambda k: k * k, range(9))) == [k * k for k in range(9)]
+
+
 def test_leaving_early_stops_the_forks() -> None:
     found = ForkPool(2).unordered(lambda k: time.sleep(60 * (k > 0)), range(4))
     next(found)
