@@ -14,6 +14,7 @@ PATCHES = (10, 20, 40, 80, 160)  # neighbours that a patch may be fitted to
 LARGEST = 40  # of them where no more points are known than are to be smoothed
 BENT = 0.4  # how much what is no noise counts: a patch misses less at its middle than over all
 FEWEST = 36  # points of an organ that say something about the noise
+UNLIKE = 1.25  # times as much noise as usual: the most that an organ's points are taken to have
 AT_ONCE = 1024
 
 
@@ -22,6 +23,16 @@ class Smoothed(NamedTuple):
 
     points: Points
     left: float
+
+
+class Noise(NamedTuple):
+    """Deviations of a scanner's noise: the usual one, and those on organs that differ."""
+
+    usual: float
+    own: dict[int, float]
+
+    def of(self, track: int) -> float:
+        return self.own.get(track, self.usual)
 
 
 class Fit(NamedTuple):
@@ -34,18 +45,24 @@ class Fit(NamedTuple):
     left: NDArray[np.float64]
 
 
-def noise_of(organs: list[tuple[Points, Points]]) -> float:
-    """The deviation of the scanner's noise, from points of organs and all the points they have.
+def noise_of(organs: dict[int, tuple[Points, Points]]) -> Noise:
+    """The deviation of the scanner's noise on each organ, by points of it and all that it has.
 
     Points scatter about a paraboloid through their neighbours by noise, and where the surface is
-    finer than they are, by more. So a quarter of the organs counts, those with the least.
+    finer than they are, by more. So the quarter of the plant's points with the least tells what
+    noise there is; but organs may also differ, as thin leaves seen from both sides do from stems.
     """
-    found = [
-        float(np.sqrt(np.median(_fit(points, *_nearest(points, cloud, PROBE)).missed)))
-        for points, cloud in organs
-        if len(points) >= FEWEST
-    ]
-    return float(np.quantile(found, 0.25)) if found else 0.0
+    found, weights = {}, {}
+    for track, (points, cloud) in organs.items():
+        if len(points) >= FEWEST:
+            missed = _fit(points, *_nearest(points, cloud, PROBE)).missed
+            found[track], weights[track] = float(np.sqrt(np.median(missed))), len(cloud)
+    if not found:
+        return Noise(0.0, {})
+    order = sorted(found, key=lambda track: found[track])
+    passed = np.cumsum([weights[track] for track in order])
+    usual = found[order[int(np.searchsorted(passed, passed[-1] / 4))]]
+    return Noise(usual, {track: min(own, UNLIKE * usual) for track, own in found.items()})
 
 
 def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from measure.axis import axis_of
 from measure.organs import Organ, samples_at
 from measure.smooth import noise_of, smoothed
-from measure.surface import surface_of
+from measure.surface import Surface, surface_of
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -22,7 +22,8 @@ LACKING = 1.35  # of what half the points lack more: volume falls short by about
 LIFTED = 0.6  # deviations of the noise by which it lifts a hull's faces
 INSIDE = 0.12  # mean distances by which points half of one scan and half of another lie in it
 SEEN = 100  # points of an organ whose length is sure
-BORDER, LEFT = 0.3, 0.6  # shares, of points at a border and of noise: below them, areas are sure
+BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, areas are sure
+SLIGHT = 0.05  # mean distances: noise that hardly matters
 MOSTLY = 0.8  # of a plant's area that must be sure, for its area to be
 TRAITS = ("height", "length", "area", "hull", "angle")
 
@@ -97,17 +98,20 @@ class _Plant:
             for track, organ in sorted(seen.items())
             if track in needed and (day not in self.scans or self.born[track] <= day)
         }
-        noise = noise_of([(organ.points, organ.cloud) for organ in alive.values()])
+        noise = noise_of(
+            {track: (one.points, one.cloud) for track, one in alive.items() if one.seen}
+        )
         smooth = {
-            track: smoothed(organ.points, organ.cloud, noise) for track, organ in alive.items()
+            track: smoothed(one.points, one.cloud, noise.of(track)) for track, one in alive.items()
         }
         found, nothing = [], np.zeros((0, 3))
-        for track in (track for track in alive if track in wanted):
-            points, left = smooth[track]
+        for track, organ in ((track, organ) for track, organ in alive.items() if track in wanted):
+            (points, left), own = smooth[track], noise.of(track)
             parent = self.parents.get(track)
             bearer = nothing if parent not in smooth else smooth[parent].points
             axis = axis_of(points, bearer, self.up)
-            surface = surface_of(points, left * noise**2, alive[track].mixed)
+            surface = surface_of(points, left * own**2, organ.mixed)
+            sure = _sure(surface, len(points), own, left) if organ.seen else frozenset()
             found.append(
                 Measurement(
                     time=day,
@@ -116,18 +120,16 @@ class _Plant:
                     height=float((points @ self.up).max()) - self.floor,
                     length=None if axis is None else axis.length,
                     area=surface.area or None,
-                    hull=_hull(points, _outward(points, surface.area, alive[track].mixed, noise)),
+                    hull=_hull(points, _outward(points, surface.area, organ.mixed, own)),
                     angle=None if axis is None else axis.angle(self.up),
-                    sure=_sure(len(points), surface.border, left)
-                    if alive[track].seen
-                    else frozenset(),
+                    sure=sure,
                 )
             )
         if only is not None or not found:
             return found
         every = np.concatenate([organ.points for organ in smooth.values()])
         mixed = max(organ.mixed for organ in alive.values())
-        return [_whole(day, found, every, mixed, noise), *found]
+        return [_whole(day, found, every, mixed, noise.usual), *found]
 
 
 def _whole(
@@ -149,15 +151,16 @@ def _whole(
     )
 
 
-def _sure(count: int, border: float, left: float) -> frozenset[str]:
-    """What can be told of an organ of so many points, with such a share of them at its border, and
-    of the noise left in them: where it is finer than its points, they can't be freed from it.
+def _sure(surface: Surface, count: int, noise: float, left: float) -> frozenset[str]:
+    """What can be told of an organ from so many points, with such a share of the noise left: where
+    its form is finer than its points are apart, they lie at borders, or can't be freed from noise.
     """
     sure = {"height"}
     if count >= SEEN:
         sure |= {"length", "angle"}
-    if count >= SEEN and border < BORDER and left < LEFT:
-        sure |= {"area", "hull"}
+        clean = left < LEFT or noise < SLIGHT * np.sqrt(surface.area / count)
+        if surface.border < BORDER and clean:
+            sure |= {"area", "hull"}
     return frozenset(sure)
 
 

@@ -69,8 +69,8 @@ def test_smoothing_takes_noise_away_and_leaves_a_stem_its_radius() -> None:
     )
     assert after.mean() == pytest.approx(8.0, rel=0.02)
     assert after.std() < 0.6 * before.std()
-    assert noise_of([(noisy, noisy)]) == pytest.approx(0.4, rel=0.1)
-    assert noise_of([(stem, stem)]) < 0.04
+    assert noise_of({0: (noisy, noisy)}).usual == pytest.approx(0.4, rel=0.1)
+    assert noise_of({0: (stem, stem)}).usual < 0.04
 
 
 def test_the_axis_of_a_bent_strip_starts_at_its_parent_and_ends_at_its_tip() -> None:
