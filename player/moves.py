@@ -19,6 +19,7 @@ STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line a
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
 SHADINGS = (0.0, 1.0, 2.0)
 NO_ORGAN = "Click an organ first."
+QUIT_NEXT = "Press Esc again to quit."
 
 
 def switched(name: str) -> Move:
@@ -232,11 +233,15 @@ def cut_out(scene: Scene) -> Scene:
 
 
 def left(scene: Scene) -> Scene:
-    """Esc leaves the help first, then what is picked, then the full screen, then the window."""
+    """Esc leaves the help first, then what is picked, then the full screen, then the window: but
+    there it asks, for who pressed it once too often would lose a view and a camera path.
+    """
     if scene.help:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:
         return scene.styled(picked=None, alone=None)
     if scene.fullscreen and not scene.kiosk:
         return replace(scene, fullscreen=False)
-    return replace(scene, closed=True)
+    if scene.kiosk or scene.notice == QUIT_NEXT:
+        return replace(scene, closed=True)
+    return scene.told(QUIT_NEXT)

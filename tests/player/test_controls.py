@@ -7,6 +7,7 @@ import pytest
 from player.camera import Camera
 from player.controls import Controls
 from player.layout import PANEL, arrange
+from player.moves import QUIT_NEXT
 from player.scene import Scene
 from player.style import Style
 from player.timeline import Timeline
@@ -131,6 +132,15 @@ def test_escape_leaves_one_thing_at_a_time(controls: Controls) -> None:
     controls.key("escape")
     assert not controls.scene.fullscreen
     assert not controls.scene.closed
+    controls.key("escape")
+    assert not controls.scene.closed
+    assert controls.scene.notice == QUIT_NEXT
+    controls.key("escape")
+    assert controls.scene.closed
+
+
+def test_escape_once_leaves_a_kiosk(controls: Controls) -> None:
+    controls.scene = replace(controls.scene, kiosk=True)
     controls.key("escape")
     assert controls.scene.closed
 
