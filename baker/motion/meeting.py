@@ -49,6 +49,26 @@ class _Cloud:
         positions = _along(curve, instants)
         return cls(positions, balls(positions))
 
+    def only(self, points: Indices) -> _Cloud:
+        """Some of the points, in their order."""
+        from baker.motion.closest import balls
+
+        positions = self.positions[:, points]
+        return _Cloud(positions, balls(positions))
+
+    def within(self, other: _Cloud, instant: int, reach: float) -> Indices:
+        """The points within reach of the other cloud, the nearest ones where they are many."""
+        from baker.motion.closest import distances
+
+        away = distances(
+            self.positions[instant], other.positions[instant],
+            self.balls[instant], other.balls[instant], reach,
+        )  # fmt: skip
+        found = np.flatnonzero(np.isfinite(away))
+        if len(found) <= NEAREST:
+            return found
+        return np.sort(found[np.argpartition(away[found], NEAREST)[:NEAREST]])
+
 
 @dataclass(frozen=True)
 class Organ:
@@ -69,16 +89,16 @@ class Organ:
 
     def met_by(self, other: Organ, spacing: float) -> Meeting:
         """Where another organ's movers and these come near each other."""
-        from baker.motion.closest import closest, distances
+        from baker.motion.closest import closest
 
         mine, theirs = other.keys, self.keys
         gaps = closest(mine.positions, theirs.positions, mine.balls, theirs.balls)[0]
         near, nearby = np.zeros(len(other.order), bool), np.zeros(len(self.order), bool)
         for k, gap in enumerate(gaps):
-            both = (mine.positions[k], theirs.positions[k], mine.balls[k], theirs.balls[k])
             reach = (1.0 + 1e-9) * float(gap) + MARGIN * spacing
-            near[_nearest(distances(*both, reach))] = True
-            nearby[_nearest(distances(both[1], both[0], both[3], both[2], reach))] = True
+            beside = mine.within(theirs, k, reach)
+            near[beside] = True
+            nearby[theirs.within(mine.only(beside), k, reach)] = True
         return Meeting(
             bearer=self.moved,
             mine=other.order[near],
@@ -86,14 +106,6 @@ class Organ:
             gap=float(max(gaps[0], gaps[-1])),
             spacing=spacing,
         )
-
-
-def _nearest(away: Points) -> Indices:
-    """The points within reach, the nearest ones where they are many."""
-    within = np.flatnonzero(np.isfinite(away))
-    if len(within) <= NEAREST:
-        return within
-    return within[np.argpartition(away[within], NEAREST)[:NEAREST]]
 
 
 @dataclass(frozen=True)

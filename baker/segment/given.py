@@ -64,17 +64,18 @@ def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], thresh
     """Smallest distance between each two segments that come closer than the threshold."""
     from scipy.spatial import cKDTree
 
-    k = min(NEIGHBORS, len(points))
     near = np.flatnonzero(_near_others(points, owner, threshold))
+    k = min(NEIGHBORS, len(near))
     if k < 2 or not len(near):
         return {}
     near = near[np.argsort(morton_codes(points[near]), kind="stable")]  # side by side is faster
-    distances, neighbors = cKDTree(points).query(
+    # Points of two segments that are near each other are both among these.
+    distances, neighbors = cKDTree(points[near]).query(
         points[near], k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
     )
     found = np.isfinite(distances)
     a = np.broadcast_to(owner[near, None], distances.shape)[found]
-    b, gap = owner[neighbors[found]], distances[found]
+    b, gap = owner[near[neighbors[found]]], distances[found]
     foreign = a != b
     a, b, gap = np.minimum(a, b)[foreign], np.maximum(a, b)[foreign], gap[foreign]
     order = np.lexsort((gap, b, a))
