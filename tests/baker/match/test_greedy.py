@@ -145,6 +145,9 @@ def test_dummies_are_used_where_they_are_cheaper():
     price = np.array([4.0, 4.0])
     assert assign_with_dummies(costs, price, price) == [(0, 0)]
     assert assign_with_dummies(costs, 2 * price, 2 * price) == [(0, 0), (1, 1)]
+    # However dear it is to stay alone, nobody takes another one's place to.
+    assert len(assign_with_dummies(np.full((2, 2), 5.0), 9 * price, price / 4)) == 2
+    assert assign_with_dummies(np.full((2, 2), 50.0), 9 * price, price) == []
 
 
 @pytest.mark.parametrize("by_label", [False, True])

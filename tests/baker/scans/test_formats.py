@@ -166,3 +166,20 @@ def test_unknown_suffix_names_the_known_ones(tmp_path):
 def test_suffix_in_any_case(tmp_path):
     (tmp_path / "SCAN.XYZ").write_text("1 2 3\n")
     assert len(read(tmp_path / "SCAN.XYZ")) == 1
+
+
+@pytest.mark.parametrize("last", ["", "\n"], ids=["no newline", "newline"])
+def test_the_shortest_rows_there_can_be_have_room(tmp_path, last):
+    """A header is believed as long as the file can hold what it says."""
+    axes = "property float x\nproperty float y\nproperty float z\n"
+    for count in (1, 3):
+        rows = "\n".join(["1 2 3"] * count) + last
+        header = f"ply\nformat ascii 1.0\nelement vertex {count}\n{axes}end_header\n"
+        (tmp_path / "s.ply").write_text(header + rows)
+        header = f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS {count}\nDATA ascii\n"
+        (tmp_path / "s.pcd").write_text(header + rows)
+        for name in ("s.ply", "s.pcd"):
+            columns = read_columns(tmp_path / name)
+            assert [columns.values[axis].tolist() for axis in "xyz"] == [
+                [1.0] * count, [2.0] * count, [3.0] * count
+            ]  # fmt: skip

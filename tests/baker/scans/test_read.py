@@ -136,3 +136,11 @@ def test_the_package_imports_nothing_heavy():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "set()"
+
+
+def test_every_nth_scan_needs_two(make_folder):
+    folder = make_folder({f"day{day}.txt": "0 0 0\n1 1 1" for day in range(4)})
+    for every, days in ((2, [0, 2]), (3, [0, 3])):
+        assert [scan.time for scan in read_series([folder], ReadOptions(every=every)).scans] == days
+    with pytest.raises(InputError, match="--every 4 leaves only the first one"):
+        read_series([folder], ReadOptions(every=4))

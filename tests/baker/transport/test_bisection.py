@@ -26,6 +26,14 @@ def test_coupling_is_feasible_for_any_sizes(n, m, seed):
     assert len(plan[1]) <= n + m - 1
 
 
+def test_one_cloud_twice_is_coupled_with_itself_whatever_the_order():
+    """Halves are halved down to single points, or partners would lie anywhere in a block."""
+    start = leaf(300)
+    end = start[np.random.default_rng(5).permutation(300)]
+    (rows, columns), _ = bisection.couple(start, end, *uniform_masses(300, 300), seed=2)
+    np.testing.assert_array_equal(start[rows], end[columns])
+
+
 @settings(deadline=None)
 @given(st.integers(2, 60), st.integers(2, 60), st.integers(1, 9), st.integers(1, 9))
 def test_expanding_a_plan_of_blocks_keeps_it(n, m, blocks_n, blocks_m):

@@ -7,7 +7,7 @@ from transport_clouds import grown_leaf, leaf
 
 from baker.transport.linear import share_that_can_flow
 from baker.transport.movers import movers
-from baker.transport.plan import TransportOptions
+from baker.transport.plan import TransportOptions, costs
 from baker.transport.sinkhorn import scale
 from baker.transport.solve import solve
 from baker.transport.support import nearest
@@ -83,6 +83,23 @@ def test_infeasible_support_is_said_and_the_plan_stays_usable():
     rows, columns, _ = movers(plan, 500, 640)
     assert (len(np.unique(rows)), len(np.unique(columns))) == (500, 640)
     assert len(rows) <= 1140
+
+
+def test_on_an_infeasible_support_it_stops_when_five_blocks_gain_less_than_a_percent():
+    start, end = grown_leaf(500, 700)
+    support = nearest(start, end, 10)
+    cost = costs(start, end, support, 1)
+    cost = cost / (0.01 * np.median(cost))
+
+    def after(iterations):
+        return scale(support, cost, 500, 700, 1e-3, iterations, feasible=False)
+
+    found, block = after(2000), 51
+    assert found.iterations < 2000
+    assert found.error > 0.99 * after(found.iterations - 5 * block).error
+    # Not a block too late.
+    before = found.iterations - block
+    assert after(before).error <= 0.99 * after(before - 5 * block).error
 
 
 def test_a_point_without_mass_keeps_its_nearest_neighbour():
