@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 HALVES = 4  # samples of half of an organ's points that tell what its hull still lacks
 LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
-LIFTED = 0.6  # deviations of the noise by which it lifts a hull's faces
+LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
 INSIDE = 0.12  # mean distances by which points half of one scan and half of another lie in it
 SEEN = 100  # points of an organ whose length is sure
 BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, areas are sure
@@ -38,9 +38,9 @@ class Measurement:
     area:   of the scanned surface: of a leaf one side, where both were scanned both.
     hull:   volume of the convex hull of the surface, not of its points alone.
     angle:  degrees between the vertical and the first quarter of the axis.
-    sure:   the traits that are within 5 % (5 degrees) in nine of ten such cases: of organs shown by
-            few points, or whose forms are finer than what lies between points, others are not; of
-            organs that no scan has seen yet, none.
+    sure:   the traits that are within 5 % (5 degrees, hulls 10 %) in nine of ten such cases: of
+            organs shown by few points, or with forms finer than what lies between points, others
+            are not; of organs that no scan has seen yet, none.
     """
 
     time: float

@@ -55,8 +55,12 @@ class OrganFacts:
         if found is None:
             return [("length now", "not there")]
         unit = self._clip.unit or "units"
-        values = [("length now", found.length, unit), ("area now", found.area, f"{unit}²")]
-        return [(name, f"{value:.4g} {u}") for name, value, u in values if value is not None]
+        values = [("length", found.length, unit), ("area", found.area, f"{unit}²")]
+        return [
+            (f"{name} now", f"{'' if name in found.sure else 'about '}{value:.4g} {of}")
+            for name, value, of in values
+            if value is not None
+        ]
 
     def _ask(self, track: int, day: float) -> None:
         new = self._asked is None or self._asked[0] != track
