@@ -17,6 +17,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from random import Random
@@ -37,8 +38,8 @@ def main() -> int:
     import atheris
 
     with atheris.instrument_imports(include=["gclip"]):
-        import gclip.check
-        import gclip.evaluate
+        for name in ("gclip.check", "gclip.evaluate"):
+            import_module(name)
     with tempfile.TemporaryDirectory() as folder:
         corpus = Path(folder, "corpus")
         corpus.mkdir()
