@@ -168,6 +168,34 @@ def test_fewer_movers_leave_no_gaps(opened: Any, make_clip: Any) -> None:
         assert tab.evaluate(covered, [every, True]) == pytest.approx(whole, rel=0.25)
 
 
+def test_a_picture_drawn_slice_by_slice_is_the_same(opened: Any, make_clip: Any) -> None:
+    """At rest, where a machine is slow, movers are drawn a few at a time."""
+    tab = opened(make_clip())
+    tab.evaluate("viewer.seek(1.5)")
+    compared = """() => {
+        const { renderer, camera, look } = viewer, { canvas, gl } = renderer;
+        const { width, height } = canvas;
+        const [[few, whole], [many, sliced]] = [Infinity, 7].map((slice) => {
+            const bytes = new Uint8Array(4 * width * height), size = [width, height];
+            const steps = [...renderer.steps(1.5, camera, look, size, 1, false, () => slice)];
+            gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            return [steps.length, bytes];
+        });
+        const apart = whole.map((value, i) => Math.abs(value - sliced[i]));
+        return [few, many, apart.reduce((most, one) => Math.max(most, one), 0)];
+    }"""
+    few, many, apart = tab.evaluate(compared)
+    assert many > few + 10
+    assert apart <= 2, "the last bits of sums depend on how a driver splits what it adds up"
+
+    tab.evaluate("Object.assign(viewer.state, { slice: 100, level: 2 })")
+    tab.keyboard.press("+")
+    until(tab, "viewer.state.steps !== null")
+    until(tab, "viewer.state.steps === null")
+    assert tab.evaluate("viewer.state.slice") >= 100
+    assert tab.evaluate("viewer.renderer.canvas.width") == 480, "sharp again"
+
+
 def test_the_page_explains_the_colors_of_errors(opened: Any, make_clip: Any) -> None:
     clip = make_clip()
     real = HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local + np.float32(2.0))

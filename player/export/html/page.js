@@ -4,6 +4,9 @@
 // as long as FEWEST are left, passes over them.
 const LEVELS = [[1, 1, 2], [1, 1, 1], [0.8, 2, 1], [0.62, 4, 1], [0.5, 8, 1], [0.4, 16, 1]];
 const FEWEST = 60000;
+const SLICE = 100000;  // movers drawn in one go at rest, to begin with
+const PATIENCE = 30;  // milliseconds that one go may take: who comes back to the page waits no longer
+const HEAVY = 150000, FIRST = 3;  // movers from which a page begins at that level, not at the best
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 
 const byId = (id) => document.getElementById(id);
@@ -14,7 +17,11 @@ function start(about, shaders) {
     const clock = new Clock(clip.times);
     const camera = new Camera({ ...clip.home, target: [...clip.home.target] }, clip.up, clip.radius);
     const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1 };
-    const state = { dirty: true, moved: 0, turning: clip.look.turning, level: 0, pace: 0, fitted: true };
+    const state = {
+        dirty: true, moved: 0, turning: clip.look.turning, fitted: true,
+        level: Math.max(...clip.intervals.map(({ count }) => count)) > HEAVY ? FIRST : 0, pace: 0,
+        steps: null, slice: SLICE, fence: null, sent: 0,
+    };
     const show = () => { state.dirty = true; };
     const move = () => { state.dirty = true; state.fitted = false; state.moved = performance.now(); };
 
@@ -49,7 +56,7 @@ function start(about, shaders) {
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
         help: () => byId("help").toggleAttribute("hidden"),
-        picture: () => { draw(1, LEVELS[0]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
+        picture: () => { draw(LEVELS[0]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
         leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
     };
     const act = (name) => { actions[name](); refresh(); show(); };
@@ -66,15 +73,47 @@ function start(about, shaders) {
         page.refresh(state.turning, look);
     }
 
-    function draw(ratio, level) {
-        const pixels = Math.min(window.devicePixelRatio || 1, 2) * ratio;
-        const width = Math.max(Math.round(canvas.clientWidth * pixels * level[0]), 1);
-        const height = Math.max(Math.round(canvas.clientHeight * pixels * level[0]), 1);
-        if (canvas.width !== width || canvas.height !== height) {
-            Object.assign(canvas, { width, height });
-        }
+    function sizeOf(level) {
+        const pixels = Math.min(window.devicePixelRatio || 1, 2) * level[0];
+        return [canvas.clientWidth, canvas.clientHeight].map(
+            (length) => Math.max(Math.round(length * pixels), 1));
+    }
+
+    function draw(level) {
         const every = Math.min(level[1], renderer.thinned(clock.day, FEWEST));
-        renderer.draw(clock.day, camera, look, [width, height], every, level[2] === 1);
+        state.steps = null;
+        renderer.draw(clock.day, camera, look, sizeOf(level), every, level[2] === 1);
+    }
+
+    // The whole picture, at rest: at once where that is quick, else slice by slice, each sent when
+    // the one before is done, so that the next touch is never kept waiting.
+    function settle(fresh) {
+        const quick = 2 * renderer.count(clock.day) <= state.slice;
+        if (quick || state.level === 0) {
+            draw(LEVELS[0]);
+            return;
+        }
+        if (fresh) draw(LEVELS[state.level]);
+        state.steps = renderer.steps(
+            clock.day, camera, look, sizeOf(LEVELS[0]), 1, false, () => Math.round(state.slice));
+    }
+
+    function goOn() {
+        const gl = renderer.gl, now = performance.now();
+        if (state.fence) {
+            if (gl.getSyncParameter(state.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+            gl.deleteSync(state.fence);
+            state.fence = null;
+            const change = PATIENCE / Math.max(now - state.sent, 1);
+            state.slice = Math.max(state.slice * Math.min(Math.max(change, 0.5), 2), 2000);
+        }
+        if (state.steps.next().done) {
+            state.steps = null;
+            return;
+        }
+        state.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        state.sent = now;
+        gl.flush();
     }
 
     // Fewer pixels and movers while things move on a slow machine; all of them at rest.
@@ -106,11 +145,11 @@ function start(about, shaders) {
         if (!renderer.ready(clip.locate(clock.day)[0])) return;
         if (state.turning) camera.orbit((0.35 * passed) / 1000, 0);
         if (moving && lively) paced(passed);
-        if (moving || state.dirty || lively) {
-            draw(1, moving ? LEVELS[state.level] : LEVELS[0]);
-            page.move();
-            state.dirty = false;
-        }
+        if (moving) draw(LEVELS[state.level]);
+        else if (state.dirty || lively) settle(state.dirty);
+        else if (state.steps) goOn();
+        if (moving || state.dirty || lively) page.move();
+        state.dirty = false;
         lively = moving;
     }
 
@@ -132,8 +171,9 @@ function start(about, shaders) {
             const [index] = clip.locate(day);
             for (const k of [index, index - 1]) if (k >= 0) await renderer.wait(k);
             refresh();
-            draw(1, LEVELS[0]);
+            draw(LEVELS[0]);
             page.move();
+            state.dirty = false;
         },
         positions: (day) => renderer.positions(day),
     };

@@ -97,16 +97,25 @@ class Renderer {
         return arrays.get(every);
     }
 
+    count(day) {
+        return this.clip.intervals[this.clip.locate(day)[0]].count;
+    }
+
     // Of how many movers one may be left at a time when `wanted` are enough: 1, 2, 4, ... 32.
     thinned(day, wanted) {
-        const { count } = this.clip.intervals[this.clip.locate(day)[0]];
-        return 2 ** Math.min(Math.max(Math.floor(Math.log2(count / wanted)), 0), 5);
+        return 2 ** Math.min(Math.max(Math.floor(Math.log2(this.count(day) / wanted)), 0), 5);
     }
 
     // look: { light, byTrack, chosen, pointSize, eyeDome, depthCue, floor };
     // every: of so many movers one is drawn; quick: in one pass, without soft rims.
     draw(day, camera, look, size, every = 1, quick = false) {
-        const gl = this.gl, [width, height] = size;
+        for (const _ of this.steps(day, camera, look, size, every, quick)) continue;
+    }
+
+    // The same, step by step, at most slice() movers in each; what is shown changes in the last one.
+    // Nothing else may be drawn in between: begin anew after that.
+    *steps(day, camera, look, size, every = 1, quick = false, slice = () => Infinity) {
+        const [width, height] = size;
         if (!this.targets || this.targets.width !== width || this.targets.height !== height) {
             this.release(this.targets);
             this.targets = this.makeTargets(width, height);
@@ -119,18 +128,21 @@ class Renderer {
             scale: camera.radius,
             middle: camera.distance,
         };
-        this.drawSurface(layers, camera, look, disc, every, quick);
+        yield* this.drawSurface(layers, camera, look, disc, every, quick, slice);
         this.smooth(disc);
+        yield;
         this.castShadow(day, layers, quick ? SHADOW_EVERY : 1);
+        yield;
         this.compose(camera, look, disc);
     }
 
-    drawSurface(layers, camera, look, disc, every, quick) {
+    *drawSurface(layers, camera, look, disc, every, quick, slice) {
         const gl = this.gl, { surface, width, height } = this.targets;
         const seen = {
             ...disc, view: camera.view(), projection: camera.projection(width / height),
         };
         this.into(surface);
+        gl.disable(gl.BLEND);
         gl.enable(gl.DEPTH_TEST);
         gl.depthMask(true);
         gl.colorMask(true, true, true, true);
@@ -142,17 +154,18 @@ class Renderer {
             ...seen, palette: [this.palette, 0], by_track: look.byTrack, chosen: look.chosen,
         };
         if (quick) {
-            this.drawMovers("splat", "nearest", layers, paint, every);
+            yield* this.drawSlices("splat", "nearest", layers, paint, every, slice);
             gl.disable(gl.DEPTH_TEST);
             return;
         }
         gl.colorMask(false, false, false, false);
-        this.drawMovers("surface", "surface", layers, { ...seen, thickness: THICKNESS }, every);
+        const near = { ...seen, thickness: THICKNESS };
+        yield* this.drawSlices("surface", "surface", layers, near, every, slice);
         gl.colorMask(true, true, true, true);
         gl.depthMask(false);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawMovers("splat", "splat", layers, paint, every);
+        yield* this.drawSlices("splat", "splat", layers, paint, every, slice);
         gl.disable(gl.BLEND);
         gl.disable(gl.DEPTH_TEST);
     }
@@ -202,6 +215,9 @@ class Renderer {
         const gl = this.gl, clip = this.clip, { surface, distances, width, height } = this.targets;
         const slope = Math.tan(camera.fieldOfView / 2);
         const rows = camera.frame(), up = camera.axes[2];
+        if (this.canvas.width !== width || this.canvas.height !== height) {
+            Object.assign(this.canvas, { width, height });
+        }
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         gl.viewport(0, 0, width, height);
         this.fill("picture", {
@@ -247,23 +263,34 @@ class Renderer {
     }
 
     drawMovers(vertex, fragment, layers, uniforms, every, feedback = false) {
+        const whole = () => Infinity;
+        const slices = this.drawSlices(vertex, fragment, layers, uniforms, every, whole, feedback);
+        for (const _ of slices) continue;
+    }
+
+    *drawSlices(vertex, fragment, layers, uniforms, every, slice, feedback = false) {
         const gl = this.gl;
         for (const layer of layers) {
             const { degree, colored } = this.buffers.get(layer.interval), { group } = layer;
             const { low, step } = this.clip.intervals[layer.interval];
-            const program = this.program(vertex, fragment, { DEGREE: degree, SCAN_COLORS: +colored });
-            this.use(program, {
-                ...uniforms, box_low: low, box_step: step, alpha: layer.alpha, blend: layer.blend,
-                weights: bernstein(degree, layer.parameter),
-            });
-            gl.bindVertexArray(this.array(layer.interval, every));
-            const first = Math.ceil(group.first / every);
             const stop = Math.ceil((group.first + group.count) / every);
-            if (feedback) gl.beginTransformFeedback(gl.POINTS);
-            gl.drawArrays(gl.POINTS, first, stop - first);
-            if (feedback) gl.endTransformFeedback();
+            for (let first = Math.ceil(group.first / every); first < stop;) {
+                const program = this.program(
+                    vertex, fragment, { DEGREE: degree, SCAN_COLORS: +colored });
+                this.use(program, {
+                    ...uniforms, box_low: low, box_step: step, alpha: layer.alpha,
+                    blend: layer.blend, weights: bernstein(degree, layer.parameter),
+                });
+                const count = Math.min(stop - first, slice());
+                gl.bindVertexArray(this.array(layer.interval, every));
+                if (feedback) gl.beginTransformFeedback(gl.POINTS);
+                gl.drawArrays(gl.POINTS, first, count);
+                if (feedback) gl.endTransformFeedback();
+                gl.bindVertexArray(null);
+                first += count;
+                yield;
+            }
         }
-        gl.bindVertexArray(null);
     }
 
     fill(name, uniforms) {
