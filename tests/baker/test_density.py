@@ -72,6 +72,21 @@ def test_movers_that_share_a_point_share_its_surface():
     assert surface == pytest.approx([2.0, 2.0])
 
 
+def test_movers_of_one_point_spread_out_and_never_beyond_one_another():
+    """Additions keep apart by the distance from the mean of those that share a point."""
+    count = 24
+    along = np.linspace(-1.0, 1.0, count)
+    start = np.zeros((count, 3))
+    end = np.column_stack([along, np.zeros((count, 2))])
+    movers = Movers(Motion.MOVE, (start, end), np.zeros(count, int))
+    task = Moved(movers, None, np.ones(count), np.zeros(count, int), np.arange(count))
+    (filled,) = with_even_density([replace(task, surface=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
+    assert len(filled) > count
+    middle = half_way(filled.curve)
+    assert np.abs(middle[:, 0]).max() <= 1.0
+    assert np.abs(middle[:, 1:]).max() == 0.0
+
+
 def test_a_bud_has_no_surface():
     whole = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
     born = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3), birth=True)

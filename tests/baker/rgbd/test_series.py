@@ -225,6 +225,11 @@ def test_times_from_names(
     np.testing.assert_allclose(found, times)
 
 
+def test_the_rule_names_the_first_and_the_last(make_images: FolderMaker) -> None:
+    rule = read_series([make_images(names=("000_00", "000_03", "002_03"))]).rule
+    assert rule == ("times from day and number in the names, 6 images a day: day 0.00 to day 2.50.")
+
+
 def test_times_from_a_file(make_images: FolderMaker, tmp_path: Path) -> None:
     folder = make_images()
     times = tmp_path / "times.txt"
