@@ -31,6 +31,7 @@ from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import ReadOptions, Series, read_series
+from baker.segment.foot import standing_bases
 from baker.segment.given import root_point
 from baker.segmentation import segment_scans
 from baker.spacing import point_spacing
@@ -94,6 +95,8 @@ def bake_recorded(
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
     bases = crew.map(partial(root_point, vertical=vertical, root=root), clouds)
+    if root is None and not chosen.paper:
+        bases = standing_bases(clouds, bases, vertical)
     labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell, crew)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
