@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from player.choices import SIZES, Compare, Wish
 
 if TYPE_CHECKING:
+    from player.camera import Camera
     from player.scene import Scene
 
 Move = Callable[["Scene"], "Scene"]
@@ -18,6 +19,7 @@ NUDGE = 0.01  # share of the series that an arrow key goes on
 STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
 SHADINGS = (0.0, 1.0, 2.0)
+FREE = 0.7  # share of a window's height that a plant has for itself
 NO_ORGAN = "Click an organ first."
 QUIT_NEXT = "Press Esc again to quit."
 
@@ -70,11 +72,23 @@ def looked(yaw: float, pitch: float = 0.0) -> Move:
     """Look from a side, in degrees: yaw from where the plant looks widest, pitch from level."""
 
     def look(scene: Scene) -> Scene:
+        home = scene.home.flattened(scene.camera.flat)
         turned = scene.home.yaw + math.radians(yaw)
         scene = scene.seen(lambda c: c.looking(turned, math.radians(pitch)))
+        near, far = home.distance, _roomy(home)
+        if any(math.isclose(scene.camera.distance, whole) for whole in (near, far)):
+            distance = far if pitch else near
+            scene = scene.seen(lambda c: replace(c, distance=distance))
         return replace(scene, turning=False)
 
     return look
+
+
+def _roomy(home: Camera) -> float:
+    """From how far away a plant seen whole from its side is whole from above too: the home view is
+    fitted to one side, and a crown may reach farther.
+    """
+    return max(home.distance, home.radius / (FREE * math.tan(home.field_of_view / 2)))
 
 
 def flattened(scene: Scene) -> Scene:

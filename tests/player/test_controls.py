@@ -1,5 +1,6 @@
 """Keys and mouse change the scene; no window is needed to see it."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -201,3 +202,21 @@ def test_a_click_on_the_panel_is_held_until_it_was_drawn(controls: Controls) -> 
     assert controls.held == PANEL
     controls.release("left")
     assert controls.held is None
+
+
+def test_from_above_the_whole_plant_is_seen_unless_someone_came_nearer(controls: Controls) -> None:
+    home = replace(controls.scene.home, radius=controls.scene.home.distance)
+    controls.scene = replace(controls.scene, home=home, camera=home)
+    for flat in (False, True):
+        near = controls.scene.camera.distance
+        controls.key("4")
+        far = controls.scene.camera.distance
+        assert far * math.tan(controls.scene.camera.field_of_view / 2) > home.radius
+        controls.key("1")
+        assert controls.scene.camera.distance == pytest.approx(near)
+        if not flat:
+            controls.key("5")
+    controls.scene = controls.scene.seen(lambda camera: camera.zoom(1.5))
+    nearer = controls.scene.camera.distance
+    controls.key("4")
+    assert controls.scene.camera.distance == nearer
