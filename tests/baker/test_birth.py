@@ -12,11 +12,11 @@ from gclip.evaluate import bernstein
 FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
 
 
-def write(folder, lengths):
+def write(folder, lengths, days=(0, 1, 2)):
     """A stem, and from the second scan on a leaf of these lengths."""
     rng = np.random.default_rng(0)
     stem = rng.random((600, 3)) * [0.2, 0.2, 10]
-    for day, length in enumerate(lengths):
+    for day, length in zip(days, lengths, strict=True):
         leaf = rng.random((300 if length else 0, 3)) * [length, 0.5, 0.1] + [0.2, 0, 8]
         table = np.c_[np.concatenate([stem, leaf]), np.repeat([0, 1], [600, len(leaf)])]
         np.savetxt(folder / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
@@ -44,6 +44,17 @@ def test_an_organ_that_grows_fast_comes_late(tmp_path):
     fast = write(tmp_path, (0, 4, 14))
     assert reach(fast, 0.5) == pytest.approx(LATE * 4, rel=0.15)
     assert reach(fast, 0.5) < 0.95 * reach(slow, 0.5)
+
+
+def test_growth_is_told_by_the_day(tmp_path):
+    """As much growth in more days is slow, whatever the unit of time."""
+    fast = reach(write(tmp_path, (0, 4, 14), (0, 1, 2)), 0.5)
+    for days in (0, 1, 5), (0, 3, 15):
+        folder = tmp_path / str(days[-1])
+        folder.mkdir()
+        slow = reach(write(folder, (0, 4, 14), days), days[1] / 2)
+        assert slow == pytest.approx(EVEN * 4, rel=0.1)
+        assert fast < 0.95 * slow
 
 
 def test_it_never_goes_back(tmp_path):

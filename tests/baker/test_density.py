@@ -72,10 +72,10 @@ def test_movers_that_share_a_point_share_its_surface():
     assert surface == pytest.approx([2.0, 2.0])
 
 
-def test_movers_of_one_point_spread_out_and_never_beyond_one_another():
-    """Additions keep apart by the distance from the mean of those that share a point."""
+def test_movers_of_one_point_spread_out_from_their_mean():
+    """An addition goes on from its mover as far as that is from the mean, and no farther."""
     count = 24
-    along = np.linspace(-1.0, 1.0, count)
+    along = np.linspace(0.0, 2.0, count)
     start = np.zeros((count, 3))
     end = np.column_stack([along, np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (start, end), np.zeros(count, int))
@@ -83,7 +83,8 @@ def test_movers_of_one_point_spread_out_and_never_beyond_one_another():
     (filled,) = with_even_density([replace(task, surface=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
     assert len(filled) > count
     middle = half_way(filled.curve)
-    assert np.abs(middle[:, 0]).max() <= 1.0
+    assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
+    assert 0.5 < np.abs(middle[:, 0] - 0.5).max() <= 1.0 + 1e-12
     assert np.abs(middle[:, 1:]).max() == 0.0
 
 

@@ -58,7 +58,14 @@ def test_four_numbers_are_enough_and_json_will_do(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("unit", "millimetres"),
-    [("0.25", 0.25), ('"m"', 1000), ('"mm"', 1), ('"100 um"', 0.1), ('"1e-4m"', 0.1), ("1e-9", 1e-9)],
+    [
+        ("0.25", 0.25),
+        ('"m"', 1000),
+        ('"mm"', 1),
+        ('"100 um"', 0.1),
+        ('"1e-4m"', 0.1),
+        ("1e-9", 1e-9),
+    ],
 )
 def test_units_of_depth(tmp_path: Path, unit: str, millimetres: float) -> None:
     path = tmp_path / "camera.toml"
