@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -45,21 +46,26 @@ class Fit(NamedTuple):
     left: NDArray[np.float64]
 
 
-def noise_of(organs: dict[int, tuple[Points, Points]]) -> Noise:
+def noise_of(
+    organs: dict[int, tuple[Points, Points]], unseen: Collection[int] = frozenset()
+) -> Noise:
     """The deviation of the scanner's noise on each organ, by points of it and all that it has.
 
     Points scatter about a paraboloid through their neighbours by noise, and where the surface is
     finer than they are, by more. So the quarter of the plant's points with the least tells what
     noise there is; but organs may also differ, as thin leaves seen from both sides do from stems.
+
+    unseen: organs that say nothing about the others: no scan has seen them yet.
     """
     found, weights = {}, {}
     for track, (points, cloud) in organs.items():
         if len(points) >= FEWEST:
             missed = _fit(points, *_nearest(points, cloud, PROBE)).missed
             found[track], weights[track] = float(np.sqrt(np.median(missed))), len(cloud)
-    if not found:
+    telling = found.keys() - unseen or found.keys()
+    if not telling:
         return Noise(0.0, {})
-    order = sorted(found, key=lambda track: found[track])
+    order = sorted(telling, key=lambda track: (found[track], track))
     passed = np.cumsum([weights[track] for track in order])
     usual = found[order[int(np.searchsorted(passed, passed[-1] / 4))]]
     return Noise(usual, {track: min(own, UNLIKE * usual) for track, own in found.items()})

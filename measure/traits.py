@@ -99,7 +99,8 @@ class _Plant:
             if track in needed and (day not in self.scans or self.born[track] <= day)
         }
         noise = noise_of(
-            {track: (one.points, one.cloud) for track, one in alive.items() if one.seen}
+            {track: (one.points, one.cloud) for track, one in alive.items()},
+            unseen={track for track, one in alive.items() if not one.seen},
         )
         smooth = {
             track: smoothed(one.points, one.cloud, noise.of(track)) for track, one in alive.items()
