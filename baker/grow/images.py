@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.grow.faults import Faults, misplace_labels, spoil_depth
 from baker.grow.model import Plant
-from baker.grow.output import TRUTH, whole_series
+from baker.grow.output import LARGEST_NOISE, TRUTH, whole_series
 from baker.grow.picture import View, take_picture
 
 UNIT = 0.125  # mm of one count of depth
@@ -128,8 +128,9 @@ def _check(plan: ImagePlan, plant: Plant) -> None:
         raise InputError(
             f"images of {plan.size[0]}x{plan.size[1]} pixels: each side must have 32 to {LARGEST}."
         )
-    if not 0 <= plan.faults.noise < np.inf:
-        raise InputError(f"the noise is {plan.faults.noise:g} mm; it must be 0 or more.")
+    if not 0 <= plan.faults.noise <= LARGEST_NOISE:
+        noise = plan.faults.noise
+        raise InputError(f"the noise is {noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
     if not 0 <= plan.faults.labels < 100:
         raise InputError(
             f"labels misplaced by {plan.faults.labels:g} pixels: 0 to 100 are possible."

@@ -11,6 +11,7 @@ from baker.errors import InputError
 from gclip.draft import draft_folder
 
 TRUTH = "truth"
+LARGEST_NOISE = 1e6  # mm
 
 
 @contextmanager

@@ -14,7 +14,10 @@ from baker.errors import InputError
 from baker.grow import plant
 from baker.grow.formats import WRITERS, record
 from baker.grow.model import Plant
-from baker.grow.output import TRUTH, whole_series
+from baker.grow.output import LARGEST_NOISE, TRUTH, whole_series
+
+MOST_SCANS = 10_000
+MOST_POINTS = 1_000_000_000  # of a scan
 
 
 @dataclass(frozen=True)
@@ -89,12 +92,16 @@ def day_names(days: Sequence[float]) -> list[str]:
 def _check(plan: Plan) -> None:
     if plan.scans is not None and plan.scans < 2:
         raise InputError(f"{plan.scans} scans are no series; at least 2 are needed.")
+    if plan.scans is not None and plan.scans > MOST_SCANS:
+        raise InputError(f"{plan.scans} scans are too many; at most {MOST_SCANS} are grown.")
     if plan.days is not None and not 0 < plan.days < np.inf:
         raise InputError(f"a series can't span {plan.days:g} days; give a number above 0.")
     if plan.points is not None and min(plan.points) < 10:
         raise InputError(f"{min(plan.points)} points show no plant; at least 10 are needed.")
-    if plan.noise is not None and not 0 <= plan.noise < np.inf:
-        raise InputError(f"the noise is {plan.noise:g} mm; it must be 0 or more.")
+    if plan.points is not None and max(plan.points) > MOST_POINTS:
+        raise InputError(f"{max(plan.points)} points are too many; at most {MOST_POINTS} are grown.")
+    if plan.noise is not None and not 0 <= plan.noise <= LARGEST_NOISE:
+        raise InputError(f"the noise is {plan.noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
     if plan.shuffle and not plan.labels:
         raise InputError("labels can't be both shuffled and left out.")
     if plan.suffix not in WRITERS:
