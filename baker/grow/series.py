@@ -99,7 +99,9 @@ def _check(plan: Plan) -> None:
     if plan.points is not None and min(plan.points) < 10:
         raise InputError(f"{min(plan.points)} points show no plant; at least 10 are needed.")
     if plan.points is not None and max(plan.points) > MOST_POINTS:
-        raise InputError(f"{max(plan.points)} points are too many; at most {MOST_POINTS} are grown.")
+        raise InputError(
+            f"{max(plan.points)} points are too many; at most {MOST_POINTS} are grown."
+        )
     if plan.noise is not None and not 0 <= plan.noise <= LARGEST_NOISE:
         raise InputError(f"the noise is {plan.noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
     if plan.shuffle and not plan.labels:
