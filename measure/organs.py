@@ -23,12 +23,14 @@ class Organ(NamedTuple):
 
     mixed: how much of the points is of one scan and how much of another, 0 (all of one) to 1.
     seen:  no later than at the scan before; how large others are until the next, nobody knows.
+    known: 0 until an organ is seen, 1 from the next scan on.
     """
 
     points: Points
     cloud: Points
     mixed: float = 0.0
     seen: bool = True
+    known: float = 1.0
 
 
 class Sample(NamedTuple):
@@ -48,22 +50,20 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     """
     from gclip.evaluate import layers_at, locate
 
-    passed = locate(clip, day)[1]
+    index, passed = locate(clip, day)
+    begin = clip.intervals[index].start
     born = {track.id: track.born for track in clip.track_table}
     lost = {track.id: track.lost for track in clip.track_table}
     weights = (1.0 - passed, passed)
     moved: set[int] = set()
-    newborns: set[int] = set()
     parts: tuple[dict[int, list[Points]], dict[int, list[Points]]] = ({}, {})
     for layer in layers_at(clip, day):
         if layer.litter:
             continue
         interval = clip.intervals[layer.interval]
         for track, now, start, end in _moving(interval, layer):
-            newborn = born[track] > interval.start
-            if newborn:
-                newborns.add(track)
-            elif lost[track] != interval.start:
+            newborn = born[track] > begin
+            if not newborn and lost[track] != begin:
                 moved.add(track)
             for kept, weight, given in zip(parts, weights, (start, end), strict=True):
                 if weight:
@@ -76,7 +76,8 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
                 track: Organ(
                     *_sample(np.concatenate(part)),
                     mixed=mixed if track in moved else 0.0,
-                    seen=track not in newborns or passed == 1.0,
+                    seen=born[track] <= begin or passed == 1.0,
+                    known=passed if born[track] == begin else float(born[track] < begin),
                 )
                 for track, part in kept.items()
             },

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +46,7 @@ class Fit(NamedTuple):
 
 
 def noise_of(
-    organs: dict[int, tuple[Points, Points]], unseen: Collection[int] = frozenset()
+    organs: dict[int, tuple[Points, Points]], known: dict[int, float] | None = None
 ) -> Noise:
     """The deviation of the scanner's noise on each organ, by points of it and all that it has.
 
@@ -55,19 +54,21 @@ def noise_of(
     finer than they are, by more. So the quarter of the plant's points with the least tells what
     noise there is; but organs may also differ, as thin leaves seen from both sides do from stems.
 
-    unseen: organs that say nothing about the others: no scan has seen them yet.
+    known: how much each organ has to say about the others, 0 to 1; 1 for all by default.
     """
-    found, weights = {}, {}
-    for track, (points, cloud) in organs.items():
-        if len(points) >= FEWEST:
-            missed = _fit(points, *_nearest(points, cloud, PROBE)).missed
-            found[track], weights[track] = float(np.sqrt(np.median(missed))), len(cloud)
-    telling = found.keys() - unseen or found.keys()
-    if not telling:
+    found = {
+        track: float(np.sqrt(np.median(_fit(points, *_nearest(points, cloud, PROBE)).missed)))
+        for track, (points, cloud) in organs.items()
+        if len(points) >= FEWEST
+    }
+    if not found:
         return Noise(0.0, {})
-    order = sorted(telling, key=lambda track: (found[track], track))
-    passed = np.cumsum([weights[track] for track in order])
-    usual = found[order[int(np.searchsorted(passed, passed[-1] / 4))]]
+    order = sorted(found, key=lambda track: (found[track], track))
+    sizes = np.array([len(organs[track][1]) for track in order], float)
+    weights = sizes * [1.0 if known is None else known[track] for track in order]
+    weights = weights if weights.any() else sizes
+    middles = weights.cumsum() - weights / 2
+    usual = float(np.interp(weights.sum() / 4, middles, [found[track] for track in order]))
     return Noise(usual, {track: min(own, UNLIKE * usual) for track, own in found.items()})
 
 

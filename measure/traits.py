@@ -100,7 +100,7 @@ class _Plant:
         }
         noise = noise_of(
             {track: (one.points, one.cloud) for track, one in alive.items()},
-            unseen={track for track, one in alive.items() if not one.seen},
+            known={track: one.known for track, one in alive.items()},
         )
         smooth = {
             track: smoothed(one.points, one.cloud, noise.of(track)) for track, one in alive.items()
