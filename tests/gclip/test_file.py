@@ -13,6 +13,7 @@ from safetensors.numpy import save_file
 
 import gclip
 from gclip.clip import Motion
+from gclip.pack import Movers, pack_interval
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -230,3 +231,17 @@ def test_damage_is_refused_or_harmless(make_clip, tmp_path, data):
         sentence = ""
     assert "\n" not in sentence
     assert np.isfinite(positions).all()
+
+
+@pytest.mark.parametrize("precision", ["auto", "float32"])
+def test_flat_clips_and_those_of_one_place_are_clips(make_clip, tmp_path, precision):
+    """A box may be as low as it is high."""
+    for flat in ([1, 1, 0], [0, 0, 0]):
+        points = np.random.default_rng(0).random((50, 3)) * flat + 2.0
+        movers = Movers(Motion.MOVE, (points, points[::-1] + flat), np.zeros(50, int))
+        interval = pack_interval(0.0, 2.0, [movers], spacing=5.0, precision=precision)
+        clip = replace(make_clip(), scans=make_clip().scans[:2], intervals=(interval,))
+        clip.save(tmp_path / "flat.gclip")
+        opened = gclip.open(tmp_path / "flat.gclip")
+        assert np.ptp(opened.at(1.0).positions[:, 2]) == 0
+        assert (opened.intervals[0].box is None) == (precision == "float32")

@@ -80,6 +80,24 @@ def test_pieces_of_an_organ_are_neither_born_nor_lost():
         assert all(set(n[t == 0]) == {stem} for n, t in zip(named, truth, strict=True))
 
 
+def test_an_organ_born_in_pieces_is_one_when_it_is_seen_whole():
+    rng = np.random.default_rng(3)
+    plants = [growing_plant(day, rng) for day in (2, 5, 6)]
+    old = [labels <= 5 for _, labels in plants]
+    clouds = [points[kept] for (points, _), kept in zip(plants, old, strict=True)]
+    truth = [labels[kept] for (_, labels), kept in zip(plants, old, strict=True)]
+    leaf = truth[1] == 5
+    assert not (truth[0] == 5).any()
+    pieces = [labels.copy() for labels in truth]
+    outer = leaf & (np.linalg.norm(clouds[1][:, :2], axis=1) > 1.7)
+    pieces[1][outer] = 99
+    named = consistent_pieces(clouds, pieces, [0] * len(clouds))
+    (name,) = set(named[2][truth[2] == 5])
+    assert set(named[1][leaf]) == {name}
+    for organ in range(5):
+        assert len({int(n[t == organ][0]) for n, t in zip(named, truth, strict=True)}) == 1
+
+
 def test_whole_organs_are_never_merged(series):
     clouds, truth = series
     pieces = [labels.copy() for labels in truth]
