@@ -120,7 +120,9 @@ def test_sizes_in_a_laz_that_lie_do_not_end_the_process(tmp_path):
     points = struct.unpack_from("<I", sound, 96)[0]
     table = struct.unpack_from("<q", sound, points)[0]
     layers = points + 8 + 40 + 4
-    for place, value in ((table + 4, 2**31), (layers, 2**32 - 1), (layers + 8, 2**31)):
+    one_more = struct.unpack_from("<I", sound, layers)[0] + 1
+    huge = ((table + 4, 2**31), (layers, 2**32 - 1), (layers + 8, 2**31))
+    for place, value in (*huge, (layers, one_more)):
         lying = sound[:place] + struct.pack("<I", value) + sound[place + 4 :]
         assert "compressed chunks don't fit" in refused(tmp_path / "a.laz", lying)
 

@@ -42,6 +42,14 @@ def test_labels_of_any_type(kind):
     assert labels.tolist() == [0, 100]
 
 
+@pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf])
+def test_labels_beyond_64_bits_are_none(beyond):
+    for kind in (np.float32, np.float64):
+        with np.errstate(over="ignore"), pytest.raises(InputError, match="'label' holds .*whole"):
+            choose_fields(columns(label=np.array([0, beyond]).astype(kind)), HERE)
+    assert choose_fields(columns(label=[0, 2.0**62]), HERE).labels.tolist() == [0, 2**62]
+
+
 def test_extreme_labels():
     extreme = np.array([-(2**63), 2**63 - 1])
     assert choose_fields(columns(label=extreme), HERE).labels.tolist() == extreme.tolist()

@@ -24,7 +24,7 @@ def test_series_in_every_format(make_series):
     series = read_series([folder])
     assert [scan.time for scan in series.scans] == [1, 9, 10]
     assert [scan.date for scan in series.scans] == ["day 1", "day 9", "day 10"]
-    assert series.unit == "days"
+    assert (series.unit, series.fixed, series.length, series.root) == ("days", False, "", None)
     for scan, sample in zip(series.scans, samples, strict=True):
         assert scan.path.parent == folder
         assert scan.name == scan.path.name
