@@ -45,7 +45,7 @@ def test_labels_of_any_type(kind):
 @pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf])
 def test_labels_beyond_64_bits_are_none(beyond):
     for kind in (np.float32, np.float64):
-        with np.errstate(over="ignore"), pytest.raises(InputError, match="'label' holds .*whole"):
+        with np.errstate(over="ignore"), pytest.raises(InputError, match=r"'label' holds .*whole"):
             choose_fields(columns(label=np.array([0, beyond]).astype(kind)), HERE)
     assert choose_fields(columns(label=[0, 2.0**62]), HERE).labels.tolist() == [0, 2**62]
 
