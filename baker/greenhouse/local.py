@@ -144,7 +144,7 @@ def _serve(work: Callable[[Job], Outcome], pipe: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all: the command decides
     signal.signal(signal.SIGTERM, _stop)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # read when numpy is loaded: there is one plant a core
+        os.environ[name] = "1"  # read when numpy is loaded: there is one plant a core
     try:
         while True:
             pipe.send(work(pipe.recv()))

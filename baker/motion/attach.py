@@ -24,7 +24,7 @@ from baker.segment.hierarchy import NO_PARENT
 from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
-FEWEST, TOGETHER = 8, 16  # groups that are worth sharing out; organs in one
+FEWEST, TOGETHER = 4, 8  # groups that are worth sharing out; organs in one
 
 Pair = tuple[int, int]  # an organ and what bears it, by their places among the tasks
 

@@ -123,3 +123,15 @@ def test_help_needs_nothing_heavy():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "--align" in done.stdout
+
+
+def test_sums_are_rounded_alike_on_every_machine():
+    """Threads of the linear algebra would share out sums by the number of cores."""
+    code = (
+        "from baker.cli import main; main(['--help']); import os;"
+        "print({os.environ[n] for n in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS')})"
+    )
+    command = [sys.executable, "-c", code]
+    many = {**os.environ, "OMP_NUM_THREADS": "4"}
+    done = subprocess.run(command, capture_output=True, text=True, env=many)
+    assert done.stdout.endswith("{'1'}\n")
