@@ -302,8 +302,8 @@ def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] |
 
 def main(argv: list[str] | None = None) -> int:
     """Run `bake` with arguments (the process's own by default); returns the exit code."""
-    # Read when numpy is loaded. How many threads share a sum decides how it is rounded: the bytes of
-    # a clip must not depend on the machine's cores, which have other work anyway.
+    # Read when numpy is loaded. How many threads share a sum decides how it is rounded: a clip's
+    # bytes must not depend on the machine's cores, which have other work anyway.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     return run_app(app, "bake", argv)
