@@ -27,12 +27,14 @@ class LabelUse:
     consistent: the same organ has the same label in all scans.
     sentence:   how they came about, for the user.
     renamed:    they are numbers of ours, not the scans' own.
+    found:      the organs themselves are our finding.
     """
 
     labels: tuple[NDArray[np.int64], ...] | None
     consistent: bool
     sentence: str
     renamed: bool = False
+    found: bool = False
 
 
 def use_of_labels(
@@ -90,7 +92,7 @@ def labels_of_organs(
     """
     named = track_organs(clouds, numbers, root_points, stem=True)
     sentence = f"{origin}: organs found and matched by shape"
-    return LabelUse(tuple(named), True, sentence, renamed=True)
+    return LabelUse(tuple(named), True, sentence, renamed=True, found=True)
 
 
 def labels_of_pieces(

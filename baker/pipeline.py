@@ -108,7 +108,7 @@ def bake_recorded(
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(
-        series, keyframes, bases, matches, named, vertical, recipe, chosen, crew
+        series, keyframes, bases, matches, named, vertical, recipe, chosen, crew, labels.found
     )
     intervals = solve_intervals(
         jobs,
@@ -219,11 +219,14 @@ def _interval_jobs(
     recipe: Recipe,
     options: Options,
     crew: Crew,
+    found: bool,
 ) -> tuple[list[IntervalJob], float, float]:
     """What each interval is worked out from, and the series' point spacing and floor.
 
     Here everything is settled that spans intervals: spacing, floor, steadied organs, parts that
     are missing for a while, how fast new organs unfold.
+
+    found: whether the organs are our own finding.
     """
     clouds = [frame.positions for frame in keyframes]
     spacings = crew.map(point_spacing, clouds)
@@ -265,6 +268,7 @@ def _interval_jobs(
                     options.bud,
                     whole.parts[k],
                     born[k],
+                    found and options.decay == "fall",
                 )
             ),
             vertical=vertical,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from baker.birth import Birth
 from baker.match import IntervalOrgans, Match
 from baker.missing import Part
+from baker.scraps import is_scrap
 from baker.segment.hierarchy import NO_PARENT
 from gclip.clip import Motion
 
@@ -45,10 +46,12 @@ def interval_tasks(
     bud_points: int | None = None,
     parts: Sequence[Part] = (),
     born: Mapping[int, Birth] = MappingProxyType({}),
+    scraps: bool = False,
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
     parts: what matched organs lose; born: by organ, how new ones unfold.
+    scraps: whether what is lost may be scraps of our own cutting: these fade, they don't fall.
     bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
@@ -77,7 +80,23 @@ def interval_tasks(
     for part in parts:
         tasks = [task if task.organ != part.organ else _without(task, part) for task in tasks]
         tasks.append(Task("part", part.organ, part.points, nothing, leaves=part.leaves))
-    return [task for task in tasks if len(task.start) or len(task.end)]
+    tasks = [task for task in tasks if len(task.start) or len(task.end)]
+    return _scraps_fading(tasks, points) if scraps else tasks
+
+
+def _scraps_fading(
+    tasks: Sequence[Task], points: tuple[NDArray[np.floating], NDArray[np.floating]]
+) -> list[Task]:
+    """The tasks; what is lost and was no organ of its own fades."""
+    from scipy.spatial import cKDTree
+
+    later = cKDTree(points[1])
+    return [
+        replace(task, leaves=Motion.FADE)
+        if not len(task.end) and is_scrap(points[0][task.start], later)
+        else task
+        for task in tasks
+    ]
 
 
 def _without(task: Task, part: Part) -> Task:
