@@ -62,10 +62,10 @@ def births(
     spans = np.diff(times)
     attached = [_Attachments(*scan) for scan in zip(clouds[1:], matches, strict=True)]
     found = []
-    roots = [(k, top) for k, match in enumerate(matches) for top in sorted(_tops(match))]
-    places = crew.map(lambda at: attached[at[0]].base(at[1]), roots, fewest=MANY)
+    unfolding = [(k, top) for k, match in enumerate(matches) for top in sorted(_tops(match))]
+    places = crew.map(lambda at: attached[at[0]].base(at[1]), unfolding, fewest=MANY)
     for k in range(len(matches)):
-        bases = {top: place for (at, top), place in zip(roots, places, strict=True) if at == k}
+        bases = {top: place for (at, top), place in zip(unfolding, places, strict=True) if at == k}
         sizes = {
             top: _size_half_way(attached, organs, spans, k, top, base)
             for top, base in bases.items()

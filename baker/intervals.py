@@ -11,7 +11,7 @@ from baker.executor import Executor
 from baker.interval import Moved
 from baker.job import IntervalJob, move_interval, packed_interval, solve_interval
 from baker.through import Velocity, smooth_through, velocity_at
-from baker.workers import Done
+from baker.workers import Done, Steps
 from gclip.clip import Interval
 
 Numbered = Iterator[tuple[int, Interval]]
@@ -42,14 +42,7 @@ def solve_intervals(
         found = {k: interval for k, interval in kept if interval is not None}
     wanted = [k for k in range(len(jobs)) if k not in found]
     needed = sorted({n for k in wanted for n in _near(jobs, k)}) if smooth else wanted
-    total, finished = sum(len(jobs[k]) for k in needed), 0
-
-    def done(steps: int) -> None:
-        nonlocal finished
-        finished += steps
-        tell(finished, total)
-
-    tell(0, total)
+    done = Steps(tell, sum(len(jobs[k]) for k in needed))
     solve = _smooth_intervals if smooth else _single_intervals
     for k, interval in solve(jobs, wanted, needed, executor, done):
         found[k] = interval

@@ -7,8 +7,8 @@ fresh     between the scans, of a scan taken on that very day: errors of the mea
 between   between the scans, of the clip: errors of the motion on top.
 
 For organs of `--least` points and more, by how many they are, and for all whose trait is said to be
-sure: how many organs, the median error, what nine in ten
-stay below, and how many stay below 5 % (angles: 5 degrees). Of a branch with leaves the length is
+sure: how many organs, the median error, what nine in ten stay below, and how many stay below 5 %
+(angles: 5 degrees). Of a branch with leaves the length is
 that to the tip of its farthest leaf: a scan can't tell its last leaf from the others. `jump` is
 the largest change, in %, of any organ's trait from just before a scan to it, or to just after.
 """

@@ -52,7 +52,6 @@ class _Side:
     points: NDArray[np.floating]
     hierarchy: Hierarchy
     groups: dict[int, list[int]] = field(default_factory=dict)
-
     moments: dict[int, Moments] = field(default_factory=dict)
 
     def cloud(self, group: list[int]) -> NDArray[np.floating]:
