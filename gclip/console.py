@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+AGAIN = 0.01
+"""Seconds until a stop that came at a bad moment is asked for again."""
 ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 """Errors of the system that no program can help, whatever file they are about."""
 
@@ -60,13 +62,31 @@ def run(command: str, work: Callable[[], int | None]) -> int:
 def _stopped_by(signals: list[int]) -> Iterator[None]:
     """Being asked to end is a KeyboardInterrupt, as Ctrl-C is; `signals` tells by which.
 
-    Once is enough: what comes while things are put away is ignored.
+    Once is enough: what comes while things are put away is ignored. A stop that an import or Python
+    itself would swallow is asked for again a moment later: modules written in C take what is raised
+    while they load for a failure of theirs or for none, and what is raised in a callback of a weak
+    reference or in ``__del__`` is dropped.
     """
+    again: list[threading.Timer] = []
+
+    def ask_again(number: int) -> None:
+        again.append(threading.Timer(AGAIN, _ask, [number]))
+        again[-1].start()
 
     def stop(number: int, frame: FrameType | None) -> None:
+        if not signals and _importing(frame):
+            ask_again(number)
+            return
         signals.append(number)
         if len(signals) == 1:
             raise KeyboardInterrupt
+
+    def dropped(unraisable: sys.UnraisableHookArgs) -> None:
+        if signals and issubclass(unraisable.exc_type, KeyboardInterrupt):
+            ask_again(signals[0])
+            signals.clear()
+        else:
+            hook(unraisable)
 
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -76,13 +96,35 @@ def _stopped_by(signals: list[int]) -> Iterator[None]:
     stops = [getattr(signal, name) for name in names if hasattr(signal, name)]
     before = {number: signal.getsignal(number) for number in stops}
     before = {number: handler for number, handler in before.items() if handler in usual}
+    hook = sys.unraisablehook
     try:
+        sys.unraisablehook = dropped
         for number in before:
             signal.signal(number, stop)
         yield
     finally:
+        sys.unraisablehook = hook
+        for timer in again:
+            timer.cancel()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    """Whether a module is being loaded in `frame`, by the work of this command."""
+    while frame is not None and frame.f_code is not run.__code__:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _ask(number: int) -> None:
+    """Send the process itself a signal; it wakes its main thread, where the system can do that."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+    else:
+        signal.raise_signal(number)
 
 
 def verdict(error: Exception) -> tuple[int, str]:
