@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from player.colors import Colors
@@ -86,10 +87,16 @@ class Film:
         return [first + min(max(share, 0.0), 1.0) * (last - first) for share in shares]
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
-        """(height, width, 4) uint8 pictures, one after the other; memory stays constant."""
+        """(height, width, 4) uint8 pictures, one after the other; memory stays constant.
+
+        While film and camera rest, the same picture comes again, undrawn.
+        """
         draw = self.painter(clip, offscreen)
-        for day, camera in zip(self.days(clip), self.cameras(clip), strict=True):
-            yield draw(day, camera)
+        views = zip(self.days(clip), self.cameras(clip), strict=True)
+        for (day, camera), resting in groupby(views):
+            picture = draw(day, camera)
+            for _ in resting:
+                yield picture
 
     def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
         """Draws the picture of a day, with all that is written into it."""

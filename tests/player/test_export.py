@@ -15,6 +15,7 @@ from gclip.clip import Clip
 from player import render
 from player.errors import PlayerError
 from player.export import Film, export
+from player.offscreen import Offscreen
 
 SMALL = Film(size=(64, 48), fps=10, seconds=0.6)
 
@@ -114,6 +115,19 @@ def test_the_turntable_turns_and_the_still_camera_does_not(make_clip) -> None:
     clip = make_clip()
     film = Film(size=(64, 48), fps=4, seconds=1.0, turning=True)
     assert film.camera(clip).distance >= Film(size=(64, 48)).camera(clip).distance
+
+
+def test_what_rests_is_drawn_once(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    film = Film(size=(64, 48), fps=10, seconds=5.0)
+    drawn: list[float] = []
+    monkeypatch.setattr(
+        Offscreen, "_picture", lambda self, day, *_: drawn.append(day) or np.full((48, 64, 4), day)
+    )
+    with Offscreen(clip, film.size) as offscreen:
+        shown = [picture[0, 0, 0] for picture in film.frames(clip, offscreen)]
+    assert shown == film.days(clip)
+    assert drawn == sorted(set(shown))
+    assert len(drawn) < len(shown) - 5
 
 
 def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) -> None:
