@@ -62,6 +62,9 @@ class _Side:
             self.moments[segment] = Moments.of(self.cloud([segment]))
         return self.moments[segment]
 
+    def moments_of_group(self, group: list[int]) -> Moments:
+        return sum((self.moments_of(s) for s in group[1:]), self.moments_of(group[0]))
+
     def children(self, head: int) -> list[int]:
         """Children of a merged segment that are not part of it; an empty one has no shape."""
         group = self.groups.get(head, [head])
@@ -78,6 +81,83 @@ class _Side:
         alone = [[s] for s in range(len(self.hierarchy.segments)) if s not in inside]
         groups = sorted([*self.groups.values(), *alone], key=lambda group: group[0])
         return self.hierarchy.merged(groups), {g[0]: index for index, g in enumerate(groups)}
+
+
+@dataclass(frozen=True)
+class _Greedy:
+    """Both scans, how their segments are compared, and the greedy choices that follow."""
+
+    first: _Side
+    second: _Side
+    distance: Distance
+    bound: Bound
+    rules: GreedyRules
+
+    def merge(self, a: int, b: int) -> list[Merge]:
+        """Merge children into the matched segments, the largest gain first, while one gains."""
+        merges: list[Merge] = []
+        one, other = self.first.groups[a], self.second.groups[b]
+        if not (len(self.first.cloud(one)) and len(self.second.cloud(other))):
+            return merges
+        current = self.distance(self.first.cloud(one), self.second.cloud(other))
+        while True:
+            trials = [(1, child) for child in self.second.children(b)]
+            if self.rules.merge_first:
+                trials += [(0, child) for child in self.first.children(a)]
+            trials.sort()  # the lowest of those tied
+
+            def joined(trial: int, trials: list[tuple[int, int]] = trials) -> float:
+                side, child = trials[trial]
+                return self.distance(
+                    self.first.cloud(one if side else [*one, child]),
+                    self.second.cloud([*other, child] if side else other),
+                )
+
+            found = least(
+                self._bounds(one, other, trials),
+                joined,
+                limit=current * (1.0 - self.rules.least_gain),
+            )
+            if found is None:
+                return merges
+            best, (side, child) = found[0], trials[found[1]]
+            (other if side else one).append(child)
+            merges.append(Merge(side, b if side else a, child, current, best))
+            current = best
+
+    def _bounds(
+        self, one: list[int], other: list[int], trials: Sequence[tuple[int, int]]
+    ) -> NDArray[np.floating]:
+        """What two merged segments' distances are at least with one more child in either."""
+        own, its = self.first.moments_of_group(one), self.second.moments_of_group(other)
+        found = np.zeros(len(trials))
+        for side, whole, across, scan in ((1, its, own, self.second), (0, own, its, self.first)):
+            chosen = [k for k, trial in enumerate(trials) if trial[0] == side]
+            if chosen:
+                joined = [whole + scan.moments_of(trials[k][1]) for k in chosen]
+                found[chosen] = self.bound(across, joined)
+        return found
+
+    def match_children(self, a: int, b: int) -> list[tuple[int, int]]:
+        """Pairs of the children of two matched segments."""
+        first, second = self.first, self.second
+        ours, theirs = first.children(a), second.children(b)
+        if not ours or not theirs:
+            return []
+        moments = [second.moments_of(q) for q in theirs]
+        costs = LazyCosts(
+            np.array([self.bound(first.moments_of(p), moments) for p in ours]),
+            lambda i, j: self.distance(first.cloud([ours[i]]), second.cloud([theirs[j]])),
+        )
+        if self.rules.dummies:
+            pairs = assign_with_dummies(
+                costs.all(),
+                np.array([_to_bud(first, p, first.cloud(first.groups[a])) for p in ours]),
+                np.array([_to_bud(second, q, second.cloud(second.groups[b])) for q in theirs]),
+            )
+        else:
+            pairs = assign_by_minima(costs)
+        return [(ours[i], theirs[j]) for i, j in pairs]
 
 
 def match_greedily(
@@ -102,106 +182,19 @@ def match_greedily(
         return distance(one, other)
 
     first, second = (_Side(p, h) for p, h in zip(points, hierarchies, strict=True))
+    greedy = _Greedy(first, second, measured, bound, rules)
     queue = [(first.hierarchy.root, second.hierarchy.root)]
     matched, merges = [], []
     while queue:
         a, b = queue.pop(0)
         matched.append((a, b))
         first.groups[a], second.groups[b] = [a], [b]
-        merges += _merge(first, a, second, b, measured, bound, rules)
-        queue += _match_children(first, a, second, b, measured, bound, rules)
+        merges += greedy.merge(a, b)
+        queue += greedy.match_children(a, b)
     merged_first, number_first = first.merged()
     merged_second, number_second = second.merged()
     pairs = [(number_first[a], number_second[b]) for a, b in matched]
     return from_pairs(merged_first, merged_second, pairs, tuple(merges))
-
-
-def _merge(
-    first: _Side,
-    a: int,
-    second: _Side,
-    b: int,
-    distance: Distance,
-    bound: Bound,
-    rules: GreedyRules,
-) -> list[Merge]:
-    """Merge children into the matched segments, the largest gain first, while one gains."""
-    merges: list[Merge] = []
-    one, other = first.groups[a], second.groups[b]
-    if not (len(first.cloud(one)) and len(second.cloud(other))):
-        return merges
-    current = distance(first.cloud(one), second.cloud(other))
-    while True:
-        trials = [(1, child) for child in second.children(b)]
-        if rules.merge_first:
-            trials += [(0, child) for child in first.children(a)]
-        trials.sort()  # the lowest of those tied
-
-        def joined(trial: int, trials: list[tuple[int, int]] = trials) -> float:
-            side, child = trials[trial]
-            return distance(
-                first.cloud(one if side else [*one, child]),
-                second.cloud([*other, child] if side else other),
-            )
-
-        found = least(
-            _bounds(first, one, second, other, trials, bound),
-            joined,
-            limit=current * (1.0 - rules.least_gain),
-        )
-        if found is None:
-            return merges
-        best, (side, child) = found[0], trials[found[1]]
-        (other if side else one).append(child)
-        merges.append(Merge(side, b if side else a, child, current, best))
-        current = best
-
-
-def _bounds(
-    first: _Side,
-    one: list[int],
-    second: _Side,
-    other: list[int],
-    trials: Sequence[tuple[int, int]],
-    bound: Bound,
-) -> NDArray[np.floating]:
-    """What the distances of two merged segments are at least with one more child in either."""
-    own = sum((first.moments_of(s) for s in one[1:]), first.moments_of(one[0]))
-    its = sum((second.moments_of(s) for s in other[1:]), second.moments_of(other[0]))
-    found = np.zeros(len(trials))
-    for side, whole, across, scan in ((1, its, own, second), (0, own, its, first)):
-        chosen = [k for k, trial in enumerate(trials) if trial[0] == side]
-        if chosen:
-            found[chosen] = bound(across, [whole + scan.moments_of(trials[k][1]) for k in chosen])
-    return found
-
-
-def _match_children(
-    first: _Side,
-    a: int,
-    second: _Side,
-    b: int,
-    distance: Distance,
-    bound: Bound,
-    rules: GreedyRules,
-) -> list[tuple[int, int]]:
-    ours, theirs = first.children(a), second.children(b)
-    if not ours or not theirs:
-        return []
-    moments = [second.moments_of(q) for q in theirs]
-    costs = LazyCosts(
-        np.array([bound(first.moments_of(p), moments) for p in ours]),
-        lambda i, j: distance(first.cloud([ours[i]]), second.cloud([theirs[j]])),
-    )
-    if rules.dummies:
-        pairs = assign_with_dummies(
-            costs.all(),
-            np.array([_to_bud(first, p, first.cloud(first.groups[a])) for p in ours]),
-            np.array([_to_bud(second, q, second.cloud(second.groups[b])) for q in theirs]),
-        )
-    else:
-        pairs = assign_by_minima(costs)
-    return [(ours[i], theirs[j]) for i, j in pairs]
 
 
 def _to_bud(side: _Side, segment: int, parent: NDArray[np.floating]) -> float:
