@@ -9,23 +9,18 @@ from __future__ import annotations
 import errno
 import io
 import os
-import signal
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
+from gclip.stopping import until_stopped
 from gclip.text import printable
 
 if TYPE_CHECKING:
     from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-AGAIN = 0.01
-"""Seconds until a stop that came at a bad moment is asked for again."""
 ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 """Errors of the system that no program can help, whatever file they are about."""
 
@@ -41,8 +36,7 @@ def run(command: str, work: Callable[[], int | None]) -> int:
         sys.stdout.reconfigure(errors="replace")  # where the terminal can't show a name's letters
     signals: list[int] = []
     try:
-        with _stopped_by(signals):
-            return work() or DONE
+        return until_stopped(work, signals) or DONE
     except KeyboardInterrupt:
         _say(command, "stopped; nothing half-written is left behind.")
         return 128 + signals[0] if signals else INTERRUPTED
@@ -56,75 +50,6 @@ def run(command: str, work: Callable[[], int | None]) -> int:
             raise
         _say(command, sentence)
         return code
-
-
-@contextmanager
-def _stopped_by(signals: list[int]) -> Iterator[None]:
-    """Being asked to end is a KeyboardInterrupt, as Ctrl-C is; `signals` tells by which.
-
-    Once is enough: what comes while things are put away is ignored. A stop that an import or Python
-    itself would swallow is asked for again a moment later: modules written in C take what is raised
-    while they load for a failure of theirs or for none, and what is raised in a callback of a weak
-    reference or in ``__del__`` is dropped.
-    """
-    again: list[threading.Timer] = []
-
-    def ask_again(number: int) -> None:
-        again.append(threading.Timer(AGAIN, _ask, [number]))
-        again[-1].start()
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        if not signals and _importing(frame):
-            ask_again(number)
-            return
-        signals.append(number)
-        if len(signals) == 1:
-            raise KeyboardInterrupt
-
-    def dropped(unraisable: sys.UnraisableHookArgs) -> None:
-        if signals and issubclass(unraisable.exc_type, KeyboardInterrupt):
-            ask_again(signals[0])
-            signals.clear()
-        else:
-            hook(unraisable)
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    usual = (signal.SIG_DFL, signal.default_int_handler)  # not those that are ignored, as by nohup
-    names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
-    stops = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    before = {number: signal.getsignal(number) for number in stops}
-    before = {number: handler for number, handler in before.items() if handler in usual}
-    hook = sys.unraisablehook
-    try:
-        sys.unraisablehook = dropped
-        for number in before:
-            signal.signal(number, stop)
-        yield
-    finally:
-        sys.unraisablehook = hook
-        for timer in again:
-            timer.cancel()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _importing(frame: FrameType | None) -> bool:
-    """Whether a module is being loaded in `frame`, by the work of this command."""
-    while frame is not None and frame.f_code is not run.__code__:
-        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
-            return True
-        frame = frame.f_back
-    return False
-
-
-def _ask(number: int) -> None:
-    """Send the process itself a signal; it wakes its main thread, where the system can do that."""
-    if hasattr(signal, "pthread_kill"):
-        signal.pthread_kill(threading.main_thread().ident or 0, number)
-    else:
-        signal.raise_signal(number)
 
 
 def verdict(error: Exception) -> tuple[int, str]:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import io
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 import typer
@@ -83,37 +79,6 @@ def test_a_reader_that_goes_away_is_no_fault() -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
         assert process.wait() == 0
-
-
-def test_a_stop_that_python_drops_is_asked_for_again(capsys: pytest.CaptureFixture[str]) -> None:
-    class Dropped:
-        def __del__(self) -> None:
-            signal.raise_signal(signal.SIGINT)
-
-    def work() -> None:
-        Dropped()
-        time.sleep(20)
-
-    assert run("bake", work) == 130
-    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
-
-
-def test_a_stop_while_a_module_loads_is_not_lost(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "swallows_stops.py").write_text(
-        "import signal\n"
-        "try:\n    signal.raise_signal(signal.SIGINT)\nexcept KeyboardInterrupt:\n    pass\n"
-        "loaded = True\n"
-    )
-    monkeypatch.syspath_prepend(tmp_path)
-
-    def work() -> None:
-        assert importlib.import_module("swallows_stops").loaded
-        time.sleep(20)
-
-    assert run("bake", work) == 130
-    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
 
 
 def test_letters_that_a_terminal_lacks_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
