@@ -69,14 +69,15 @@ def _load_late() -> None:
     import scipy.sparse.csgraph
     import scipy.spatial  # noqa: F401
 
-    from baker.motion.closest import balls, closest, distances
+    from baker.motion.follow import along, beside, follow
     from baker.transport.solve import solve
 
     few = np.eye(3)
     solve(np.tile(few, (2, 1)), few)
-    around = balls(few[None])
-    closest(few[None], few[None], around, around)
-    distances(few, few, around[0], around[0], 1.0)
+    curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
+    keys, around = along(curve, every, weights)
+    beside(keys, keys, around, around, 1.0, 1)
+    follow(curve, every, curve, every, weights, 1.0, 1.0, 1.0, 1, 1.0, 1.0)
 
 
 class ForkPool:

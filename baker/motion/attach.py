@@ -87,13 +87,7 @@ def _meet(
 ) -> list[tuple[Curve | None, Tie | None]]:
     """For each organ that one bearer bears: its paths where they are drawn to it, and its tie."""
     bearer = Organ.of(moving[group[0][1]])
-    results = []
-    for own, _ in group:
-        meeting = bearer.met_by(Organ.of(moving[own]), spacing)
-        organ = meeting.drawn(moving[own]) if draw else moving[own]
-        curve = None if organ is moving[own] else organ.movers.curve
-        results.append((curve, meeting.tied(organ)))
-    return results
+    return [bearer.met_by(Organ.of(moving[own]), spacing).settled(draw) for own, _ in group]
 
 
 def _of_one_bearer(pairs: Sequence[Pair]) -> list[list[Pair]]:

@@ -7,6 +7,8 @@ their pairs. It is fast where neighbours lie side by side, as along a Morton cur
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,7 @@ LEAST = 16  # points in a ball
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
+Number = TypeVar("Number", np.int64, np.float64)
 
 
 @compiled
@@ -34,7 +37,7 @@ def balls(points: Floats) -> Floats:
             found[k, ball, 0], found[k, ball, 1], found[k, ball, 2] = x, y, z
             widest = 0.0
             for i in range(first, last):
-                widest = max(widest, _squared(points[k, i], found[k, ball]))
+                widest = max(widest, _squared(points[k], i, found[k], ball))
             # Rounding must not leave a point outside.
             found[k, ball, 3] = np.sqrt(widest) * (1.0 + 1e-9)
     return found
@@ -67,7 +70,7 @@ def _closest(
     nearest, p, q = np.inf, 0, 0
     for a in range(len(my_balls)):
         for b in range(len(their_balls)):
-            squared = _squared(my_balls[a], their_balls[b])
+            squared = _squared(my_balls, a, their_balls, b)
             if squared < nearest:
                 nearest, p, q = squared, a, b
     least, first, second = np.inf, 0, 0
@@ -76,11 +79,11 @@ def _closest(
         for b in range(-1 if a < 0 else 0, 0 if a < 0 else len(their_balls)):
             one, two = (p, q) if a < 0 else (a, b)
             beyond = reach + my_balls[one, 3] + their_balls[two, 3]
-            if _squared(my_balls[one], their_balls[two]) > beyond * beyond:
+            if _squared(my_balls, one, their_balls, two) > beyond * beyond:
                 continue
             for i in range(one * size, min((one + 1) * size, len(mine))):
                 beyond = reach + their_balls[two, 3]
-                if _squared(mine[i], their_balls[two]) > beyond * beyond:
+                if _squared(mine, i, their_balls, two) > beyond * beyond:
                     continue
                 px, py, pz = mine[i, 0], mine[i, 1], mine[i, 2]
                 for j in range(two * other, min((two + 1) * other, len(theirs))):
@@ -93,31 +96,55 @@ def _closest(
 
 
 @compiled
-def distances(
+def within(
     mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats, reach: float
-) -> Floats:
-    """(a,) each point's distance to the nearest of theirs, infinity where none is within reach.
+) -> tuple[Ints, Floats]:
+    """Which points are within reach of theirs, and (w,) their distances to the nearest of them.
 
     mine, theirs: (a, 3) and (b, 3), at one instant; my_balls, their_balls: of both.
+
+    In their order. Most points are far off, and nothing is written down for them.
     """
     size, other = _size(len(mine)), _size(len(theirs))
-    found = np.full(len(mine), reach * reach)
-    near = np.zeros(len(mine), np.bool_)
+    found, away = np.empty(size, np.int64), np.empty(size)
+    beside = np.empty(len(their_balls), np.int64)
+    count = 0
     for a in range(len(my_balls)):
+        count_beside = 0
         for b in range(len(their_balls)):
             beyond = reach + my_balls[a, 3] + their_balls[b, 3]
-            if _squared(my_balls[a], their_balls[b]) > beyond * beyond:
-                continue
-            radius = their_balls[b, 3]
-            for i in range(a * size, min((a + 1) * size, len(mine))):
-                away = _squared(mine[i], their_balls[b])
-                if away > (reach + radius) ** 2:
+            if _squared(my_balls, a, their_balls, b) <= beyond * beyond:
+                beside[count_beside] = b
+                count_beside += 1
+        if count_beside == 0:
+            continue
+        if count + size > len(found):
+            found, away = _longer(found, 2 * (count + size)), _longer(away, 2 * (count + size))
+        for i in range(a * size, min((a + 1) * size, len(mine))):
+            x, y, z = mine[i, 0], mine[i, 1], mine[i, 2]
+            least, bound, near = reach * reach, reach, False
+            for place in range(count_beside):
+                b = beside[place]
+                beyond = bound + their_balls[b, 3]
+                if _squared(mine, i, their_balls, b) > beyond * beyond:
                     continue
+                nearest = np.inf
                 for j in range(b * other, min((b + 1) * other, len(theirs))):
-                    squared = _squared(mine[i], theirs[j])
-                    if squared <= found[i]:
-                        found[i], near[i] = squared, True
-    return np.where(near, np.sqrt(found), np.inf)
+                    u, v, w = x - theirs[j, 0], y - theirs[j, 1], z - theirs[j, 2]
+                    nearest = min(nearest, u * u + v * v + w * w)
+                if nearest <= least:
+                    least, bound, near = nearest, np.sqrt(nearest), True
+            if near:
+                found[count], away[count] = i, bound
+                count += 1
+    return found[:count].copy(), away[:count].copy()
+
+
+@compiled
+def _longer(values: NDArray[Number], count: int) -> NDArray[Number]:
+    longer = np.empty(count, values.dtype)
+    longer[: len(values)] = values
+    return longer
 
 
 @compiled
@@ -126,6 +153,6 @@ def _size(count: int) -> int:
 
 
 @compiled
-def _squared(a: Floats, b: Floats) -> float:
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+def _squared(a: Floats, i: int, b: Floats, j: int) -> float:
+    x, y, z = a[i, 0] - b[j, 0], a[i, 1] - b[j, 1], a[i, 2] - b[j, 2]
     return x * x + y * y + z * z

@@ -7,7 +7,7 @@ where it is narrow then.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,74 +33,41 @@ Tie = tuple[Moved, Moved]  # one mover of the organ, and one of its bearer
 
 
 @dataclass(frozen=True)
-class _Cloud:
-    """Moving points, neighbours side by side: at each instant where they are, and balls around.
-
-    positions: (instants, n, 3) float64; balls: as `closest.balls` finds them.
-    """
-
-    positions: Points
-    balls: Points
-
-    @classmethod
-    def along(cls, curve: Curve, instants: tuple[float, ...]) -> _Cloud:
-        from baker.motion.closest import balls
-
-        positions = _along(curve, instants)
-        return cls(positions, balls(positions))
-
-    def only(self, points: Indices) -> _Cloud:
-        """Some of the points, in their order."""
-        from baker.motion.closest import balls
-
-        positions = self.positions[:, points]
-        return _Cloud(positions, balls(positions))
-
-    def within(self, other: _Cloud, instant: int, reach: float) -> Indices:
-        """The points within reach of the other cloud, the nearest ones where they are many."""
-        from baker.motion.closest import distances
-
-        away = distances(
-            self.positions[instant], other.positions[instant],
-            self.balls[instant], other.balls[instant], reach,
-        )  # fmt: skip
-        found = np.flatnonzero(np.isfinite(away))
-        if len(found) <= NEAREST:
-            return found
-        return np.sort(found[np.argpartition(away[found], NEAREST)[:NEAREST]])
-
-
-@dataclass(frozen=True)
 class Organ:
     """An organ or what bears it, as it moves.
 
-    order: its movers in the order of a Morton curve half-way, as they are in `keys`.
+    curve: (degree + 1, n, 3) float32 control points of its movers.
+    order: the movers in the order of a Morton curve half-way.
+    keys, balls: at each key instant where they are in that order, (3, n, 3) float64, and the balls
+                 around them as `closest.balls` finds them.
     """
 
     moved: Moved
+    curve: Points
     order: Indices
-    keys: _Cloud
+    keys: Points
+    balls: Points
 
     @classmethod
     def of(cls, moved: Moved) -> Organ:
-        curve = moved.movers.curve
-        order = np.argsort(morton_codes(_at(curve, 0.5)), kind="stable")
-        return cls(moved, order, _Cloud.along(_of(curve, order), KEY_INSTANTS))
+        from baker.motion.follow import along
+
+        degree = len(moved.movers.curve) - 1
+        curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
+        half_way = along(curve, np.arange(len(moved.movers)), _weights(degree, (0.5,)))[0][0]
+        order = np.argsort(morton_codes(half_way), kind="stable")
+        return cls(moved, curve, order, *along(curve, order, _weights(degree, KEY_INSTANTS)))
 
     def met_by(self, other: Organ, spacing: float) -> Meeting:
         """Where another organ's movers and these come near each other."""
-        from baker.motion.closest import closest
+        from baker.motion.follow import beside
 
-        mine, theirs = other.keys, self.keys
-        gaps = closest(mine.positions, theirs.positions, mine.balls, theirs.balls)[0]
-        near, nearby = np.zeros(len(other.order), bool), np.zeros(len(self.order), bool)
-        for k, gap in enumerate(gaps):
-            reach = (1.0 + 1e-9) * float(gap) + MARGIN * spacing
-            beside = mine.within(theirs, k, reach)
-            near[beside] = True
-            nearby[theirs.within(mine.only(beside), k, reach)] = True
+        gaps, near, nearby = beside(
+            other.keys, self.keys, other.balls, self.balls, MARGIN * spacing, NEAREST
+        )
         return Meeting(
-            bearer=self.moved,
+            own=other,
+            bearer=self,
             mine=other.order[near],
             theirs=self.order[nearby],
             gap=float(max(gaps[0], gaps[-1])),
@@ -117,78 +84,61 @@ class Meeting:
     gap:          the larger one of those at the scans.
     """
 
-    bearer: Moved
+    own: Organ
+    bearer: Organ
     mine: Indices
     theirs: Indices
     gap: float
     spacing: float
 
-    def drawn(self, moved: Moved) -> Moved:
-        """The organ drawn to its bearer, the worst instant first."""
-        curve, bearer = moved.movers.curve, self.bearer.movers.curve
-        best, least = moved, np.inf
-        for _ in range(ROUNDS + 1):
-            gaps, mine, theirs = self._gaps(curve)
-            worst = int(np.argmax(gaps))
-            gap, base, touched = float(gaps[worst]), int(mine[worst]), int(theirs[worst])
-            if gap < least:
-                best, least = (
-                    on_curve(moved, curve) if curve is not moved.movers.curve else moved,
-                    gap,
-                )
-            if gap <= self.gap + DRAWN * self.spacing:
-                break
-            u = INSTANTS[worst]
-            points = _at(curve, u)
-            way = _at(_of(bearer, [touched]), u)[0] - points[base]
-            way *= 1.0 - (self.gap + LEFT * self.spacing) / gap
-            curve = _shifted(curve, u, way * _followers(points, points[base]))
-        return best
+    def settled(self, draw: bool) -> tuple[Curve | None, Tie | None]:
+        """The organ's paths where it has to be drawn to its bearer, and the tie between both.
 
-    def tied(self, moved: Moved) -> Tie | None:
+        draw: whether paths may be bent for it.
+        """
+        from baker.motion.follow import follow
+
+        degree = max(len(self.own.curve), len(self.bearer.curve), 3 if draw else 2) - 1
+        curve, changed, gaps, mine, theirs = follow(
+            _of_degree(self.own.curve, degree),
+            self.mine,
+            _of_degree(self.bearer.curve, degree),
+            self.theirs,
+            _weights(degree, INSTANTS),
+            self.gap,
+            DRAWN * self.spacing,
+            LEFT * self.spacing,
+            ROUNDS if draw else 0,
+            GENTLE,
+            REACH,
+        )
+        drawn = tuple(curve) if changed else self.own.moved.movers.curve
+        tie = self._tie(on_curve(self.own.moved, drawn), gaps, mine, theirs)
+        return (drawn if changed else None), tie
+
+    def _tie(self, moved: Moved, gaps: Points, own: Indices, touched: Indices) -> Tie | None:
         """A mover of the organ and one of its bearer that are never farther apart than at a scan.
+
+        gaps, own, touched: at each instant the gap, and the movers of both that are nearest then.
 
         None where the organ does not part from its bearer by more anyway.
 
         Both go between the points that are nearest to each other at the scans, with the bow that
         their surroundings have; were they to part by it, they meet half-way.
         """
-        gaps, own, touched = self._gaps(moved.movers.curve)
         if gaps.max() <= self.gap + TIED * self.spacing:
             return None
+        bearer = self.bearer.moved
         a, b, p, q = own[0], own[-1], touched[0], touched[-1]
-        degree = max(len(moved.movers.curve), len(self.bearer.movers.curve)) - 1
+        degree = max(len(moved.movers.curve), len(bearer.movers.curve)) - 1
         mine = _link(raised(moved.movers.curve, degree), a, b)
-        theirs = _link(raised(self.bearer.movers.curve, degree), p, q)
+        theirs = _link(raised(bearer.movers.curve, degree), p, q)
         # A Bézier curve stays within the ball that holds its control points.
         for k in range(1, degree):
             way = mine[k] - theirs[k]
             beyond = max(0.0, 1.0 - self.gap / max(float(np.linalg.norm(way)), 1e-30))
             mine[k], theirs[k] = mine[k] - beyond / 2 * way, theirs[k] + beyond / 2 * way
-        return _tie(moved, a, b, mine), _tie(self.bearer, p, q, theirs)
-
-    def _gaps(self, curve: Curve) -> tuple[Points, Indices, Indices]:
-        """At each instant the gap, and the movers that are nearest to each other there."""
-        from baker.motion.closest import closest
-
-        own, other = _Cloud.along(_of(curve, self.mine), INSTANTS), self._beside
-        gaps, a, b = closest(own.positions, other.positions, own.balls, other.balls)
-        return gaps, self.mine[a], self.theirs[b]
-
-    @cached_property
-    def _beside(self) -> _Cloud:
-        """Where the bearer's movers are."""
-        return _Cloud.along(_of(self.bearer.movers.curve, self.theirs), INSTANTS)
-
-
-def _at(curve: Curve, u: float) -> Points:
-    """(N, 3) positions on Bézier curves."""
-    return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
-
-
-def _along(curve: Curve, instants: tuple[float, ...]) -> Points:
-    """(instants, N, 3) positions on Bézier curves, in double precision."""
-    return np.tensordot(_weights(len(curve) - 1, instants), np.stack(curve).astype(float), axes=1)
+        return _tie(moved, a, b, mine), _tie(bearer, p, q, theirs)
 
 
 @cache
@@ -197,22 +147,8 @@ def _weights(degree: int, instants: tuple[float, ...]) -> Points:
     return np.array([bernstein(degree, u) for u in instants])
 
 
-def _of(curve: Curve, movers: Indices | list[int]) -> Curve:
-    return tuple(points[movers] for points in curve)
-
-
-def _followers(points: Points, base: Points) -> NDArray[np.float64]:
-    """(N, 1) how far points follow their base: 1 at the base, less the farther from it."""
-    size = ((points - points.mean(axis=0)) ** 2).sum(axis=1).mean()
-    away = ((points - base) ** 2).sum(axis=1, keepdims=True)
-    return np.exp(-away / max(REACH**2 * size, 1e-30))
-
-
-def _shifted(curve: Curve, u: float, way: Points) -> Curve:
-    """Curves whose movers are `way` aside at u, nowhere at their ends, and near these less."""
-    first, *control, last = raised(curve, max(2, len(curve) - 1))
-    weight = max(float(bernstein(len(control) + 1, u)[1:-1].sum()), GENTLE)
-    return (first, *((inner + way / weight).astype(np.float32) for inner in control), last)
+def _of_degree(curve: Points, degree: int) -> Points:
+    return curve if len(curve) == degree + 1 else np.stack(raised(tuple(curve), degree))
 
 
 def on_curve(moved: Moved, curve: Curve) -> Moved:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.closest import LEAST, balls, closest, distances
+from baker.motion.closest import LEAST, balls, closest, within
 
 COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 25 * LEAST + 3]
 
@@ -30,11 +30,12 @@ def test_the_closest_of_all_pairs(mine: int, theirs: int) -> None:
 @pytest.mark.parametrize("mine", COUNTS)
 @pytest.mark.parametrize("theirs", COUNTS)
 @pytest.mark.parametrize("reach", [0.0, 1.5, np.inf])
-def test_distances_within_reach(mine: int, theirs: int, reach: float) -> None:
+def test_points_within_reach(mine: int, theirs: int, reach: float) -> None:
     a, b, apart = clouds(mine, theirs)
-    found = distances(a[0], b[0], balls(a)[0], balls(b)[0], reach)
+    found, away = within(a[0], b[0], balls(a)[0], balls(b)[0], reach)
     nearest = apart[0].min(axis=1)
-    np.testing.assert_allclose(found, np.where(nearest <= reach, nearest, np.inf), rtol=1e-12)
+    assert found.tolist() == np.flatnonzero(nearest <= reach).tolist()
+    np.testing.assert_allclose(away, nearest[found], rtol=1e-12)
 
 
 def test_points_that_touch() -> None:
@@ -42,7 +43,9 @@ def test_points_that_touch() -> None:
     gap, a, b = closest(same, same, balls(same), balls(same))
     assert gap.tolist() == [0.0, 0.0]
     assert a.tolist() == b.tolist() == [0, 0]
-    assert distances(same[0], same[0], balls(same)[0], balls(same)[0], 0.0).tolist() == [0.0] * 20
+    found, away = within(same[0], same[0], balls(same)[0], balls(same)[0], 0.0)
+    assert found.tolist() == [*range(20)]
+    assert away.tolist() == [0.0] * 20
 
 
 @pytest.mark.parametrize("count", COUNTS)
