@@ -17,12 +17,12 @@ from player.errors import PlayerError
 from player.glsl import give, program
 from player.movers import LOOK, Movers
 from player.rasteriser import Discs
+from player.region import Region, whole
 
 if TYPE_CHECKING:
     import moderngl
 
     from player.chunks import Portion
-    from player.region import Region
     from player.targets import Targets
 
 LARGEST = 2.0  # disc radius in samples up to which a centre may be rounded to a sample
@@ -47,8 +47,9 @@ class Dots:
          there sooner without.
     """
 
-    def __init__(self, movers: Movers, way: Way = Way.AUTO) -> None:
+    def __init__(self, movers: Movers, way: Way = Way.AUTO, supersample: int = 1) -> None:
         self._movers = movers
+        self._supersample = supersample
         self.way = Way.POINTS if movers.context.version_code < 430 else way
         self._opened = False
         self._targets: DotTargets | None = None
@@ -59,34 +60,47 @@ class Dots:
             self.way = self._faster_way(portions, discs)
         self._opened = True
         try:
-            self.scatter(Way.COMPUTE if self.way is Way.AUTO else self.way, portions, discs)
+            way = Way.COMPUTE if self.way is Way.AUTO else self.way
+            self.scatter(way, portions, discs, region)
         except PlayerError:  # a driver that promises compute shaders and can't compile ours
             if self.way is Way.POINTS:
                 raise
             self.way = Way.POINTS
-            self.scatter(self.way, portions, discs)
+            self.scatter(self.way, portions, discs, region)
         self._gather(targets, discs, region)
 
-    def scatter(self, way: Way, portions: list[Portion], discs: Discs) -> None:
-        """Find the nearest mover in every sample: the one pass over all of them."""
+    def scatter(
+        self, way: Way, portions: list[Portion], discs: Discs, region: Region | None = None
+    ) -> None:
+        """Find the nearest mover in every sample: the one pass over all of them.
+
+        region: of samples, that holds them all; else it may be the whole picture.
+        """
         import moderngl
 
         context, dots = self._movers.context, self._targets_for(discs.samples)
+        drawn = region or whole(discs.samples)
+        emptied_part = drawn.joined(dots.drawn).rectangle
+        dots.drawn = drawn
         uniforms, named = self._uniforms(discs), self._ten_bits_name_colors(discs)
         framebuffer = dots.named if named else dots.picked_too
         self._movers.palette.use(2)
         if way is Way.POINTS:
+            framebuffer.scissor = emptied_part
             framebuffer.use()
             context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
             context.depth_func = "1"
             self._fill("empty")
+            framebuffer.scissor = None  # type: ignore[assignment]
             context.depth_func = "<"
             self._movers.draw("dots", portions, uniforms)
             return
         context.enable_only(0)
         for emptied in (dots.nearest_alone,) if named else (dots.nearest_alone, dots.picked_alone):
+            emptied.scissor = emptied_part
             emptied.use()
             self._fill("none", number=EMPTY if emptied is dots.nearest_alone else 0)
+            emptied.scissor = None  # type: ignore[assignment]
         dots.nearest.bind_to_image(0, read=True, write=True)
         self._movers.compute("dots", portions, uniforms, PICK=0)
         if not named:
@@ -106,9 +120,9 @@ class Dots:
         self._fill("tiles", reach, nearest=0)
 
         # Points are clipped by their middles: the last ones may lie beyond the picture.
-        across, up = dots.tiles.size
-        targets.gathered.viewport = (0, 0, across * TILE, up * TILE)
-        targets.gathered.use()
+        (across, up), side = dots.tiles.size, TILE // self._supersample
+        targets.surface.viewport = (0, 0, across * side, up * side)
+        targets.surface.use()
         self._movers.context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         self._movers.context.depth_func = "1"
         dots.tiles.use(3)
@@ -122,6 +136,7 @@ class Dots:
             nearest=0,
             picked=1,
         )
+        targets.surface.viewport = (0, 0, *targets.size)
 
     def _ten_bits_name_colors(self, discs: Discs) -> bool:
         clip = self._movers.clip
@@ -162,6 +177,7 @@ class Dots:
         if key not in self._screen:
             context, vertex = self._movers.context, "tile" if tiles else "screen"
             chosen = LOOK | {"REACH": reach, "TILE": TILE, "BY_SEGMENT": by_segment}
+            chosen["SUPERSAMPLE"] = self._supersample
             self._screen[key] = context.vertex_array(program(context, vertex, name, **chosen), [])
         array = self._screen[key]
         give(array.program, **uniforms)
@@ -195,6 +211,7 @@ class DotTargets:
         self.tiles = context.texture((-(-size[0] // TILE), -(-size[1] // TILE)), 1)
         self.tiles.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self.tiled = context.framebuffer([self.tiles])
+        self.drawn = whole(size)  # where it may not be empty
         self.named = context.framebuffer([self.nearest], self._depth)
         self.picked_too = context.framebuffer([self.nearest, self.picked], self._depth)
         self.nearest_alone, self.picked_alone = (

@@ -38,12 +38,10 @@ def program(
 
 
 def feedback(
-    context: moderngl.Context, vertex: str, varying: str, **definitions: int | float
+    context: moderngl.Context, vertex: str, *varyings: str, **definitions: int | float
 ) -> moderngl.Program:
-    """Compile `<vertex>.vert` alone, to write `varying` into a buffer."""
-    return context.program(
-        vertex_shader=source(f"{vertex}.vert", **definitions), varyings=(varying,)
-    )
+    """Compile `<vertex>.vert` alone, to write `varyings` into a buffer, one after the other."""
+    return context.program(vertex_shader=source(f"{vertex}.vert", **definitions), varyings=varyings)
 
 
 def compute(

@@ -20,38 +20,30 @@ if TYPE_CHECKING:
 DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at
 SMOOTHING = 1.3  # reach of the blur of distances, in disc radii
 STEEP = 1.0  # depth over width of a pixel from which on its samples are lit one by one
+WIDE = 6.0  # samples from which on the blur's places are whole pixels
+FARTHEST = 8  # samples across which a slope is looked for
 NEXT = 1.5  # samples up to which the blur reaches no farther than the next one
 
 
 class Lighting:
-    """Lights plants in pictures of `size` pixels, `supersample` samples along each one's sides.
+    """Lights the plants that rasterisers leave in `targets`.
 
     picture: the finished one, sRGB; it has to hold the ground already.
     """
 
-    def __init__(
-        self,
-        context: moderngl.Context,
-        size: tuple[int, int],
-        supersample: int,
-        targets: Targets,
-        passes: Passes,
-    ) -> None:
+    def __init__(self, context: moderngl.Context, targets: Targets, passes: Passes) -> None:
         self._context = context
-        self._supersample = supersample
         self._targets = targets
         self._passes = passes
-        self.texture = texture(context, size, 4, "f1")
+        self.texture = texture(context, targets.size, 4, "f1")
         self.picture = context.framebuffer([self.texture])
-        self._own_mask = context.depth_renderbuffer(size) if supersample > 1 else None
-        self._mask = self._own_mask or targets.mask
-        self._lit = context.framebuffer([self.texture], self._mask)
+        self._lit = context.framebuffer([self.texture], targets.mask)
         self._lit.depth_mask = False
 
     def smooth(self, discs: Discs, region: Region) -> int:
         """Take the scanner's noise out of the distances; gives which of the two holds them then.
 
-        region: of samples, where the plant is.
+        region: of pixels, where the plant is.
         """
         self._test_mask(">")
         reach = SMOOTHING * discs.typical_radius
@@ -69,8 +61,15 @@ class Lighting:
         target.scissor = region.rectangle
         target.use()
         self._targets.distances[source].use(1)
-        uniforms = {"distances": 1, "direction": direction} | _disc(discs)
-        self._passes.fill("smooth", uniforms, CROSS=cross, SMOOTHING=SMOOTHING)
+        uniforms = {
+            "distances": 1,
+            "direction": direction,
+            "radius": discs.radius,
+            "magnification": discs.magnification,
+            "smallest": discs.smallest,
+        }
+        wide = int(SMOOTHING * discs.typical_radius >= WIDE)
+        self._passes.fill("smooth", uniforms, CROSS=cross, SMOOTHING=SMOOTHING, WHOLE=wide)
         target.scissor = None  # type: ignore[assignment]
 
     def light(
@@ -83,14 +82,16 @@ class Lighting:
         distances: int,
     ) -> None:
         """radius: of the scene; ground: what shines through the rims; distances: which of two."""
-        camera, colors, (width, height) = discs.camera, GROUNDS[style.ground], self._targets.size
+        targets, camera, colors = self._targets, discs.camera, GROUNDS[style.ground]
+        width, height = targets.size
         up = camera.view()[:3, :3] @ axes(camera.up)[2]
         key = up + np.array([-0.75, 0.10, 0.65])
         dome, steepness = _surroundings(max(1.0, 1.2 * height / 720), radius)
-        uniforms = _disc(discs) | {
-            "color_sum": 0,
-            "distances": 1,
-            "ground": 2,
+        uniforms = {
+            "distances": 0,
+            "ground": 1,
+            "radius": discs.radius,
+            "magnification": discs.magnification / targets.supersample,
             "half_field": half_field(camera, width / height),
             "sky": tuple(up),
             "key": tuple(key / np.linalg.norm(key)),
@@ -105,13 +106,15 @@ class Lighting:
             "lamp_light": colors.lamp_light,
             "haze": colors.haze,
         }
-        self._targets.color_sum.use(0)
-        self._targets.distances[distances].use(1)
-        ground.use(2)
+        targets.distances[distances].use(0)
+        ground.use(1)
+        for number, light in enumerate(targets.light):
+            light.use(2 + number)
+            uniforms[f"light{number}"] = 2 + number
         chosen = {"DIRECTIONS": DIRECTIONS, "RINGS": RINGS}
-        pixels = region.scaled(self.texture.size, self._supersample)
-        self._lit.scissor = pixels.rectangle
-        if self._own_mask:
+        chosen["FARTHEST"] = FARTHEST // targets.supersample
+        self._lit.scissor = region.rectangle
+        if targets.supersample > 1:
             self._find_edges(discs)
             self._test_mask(">")
             self._passes.fill("shade", uniforms, BY_SAMPLE=0, DEPTH=0.25, **chosen)
@@ -124,12 +127,12 @@ class Lighting:
         self._lit.scissor = None  # type: ignore[assignment]
 
     def _find_edges(self, discs: Discs) -> None:
-        """Leaves 0 in the mask inside of surfaces, a half at edges, and 1 elsewhere."""
+        """Raises the mask at edges to a half; inside of surfaces it stays 0, elsewhere 1."""
         self._lit.depth_mask, self._lit.color_mask = True, (False,) * 4
         self._lit.use()
-        self._test_mask("1")
-        steep = STEEP * self._supersample / discs.magnification
-        uniforms = {"distances": 1, "steep": steep}
+        self._test_mask(">")
+        steep = STEEP * self._targets.supersample / discs.magnification
+        uniforms = {"distances": 0, "steep": steep}
         self._passes.fill("edges", uniforms, INSIDE=0.0, EDGE=0.5)
         self._lit.depth_mask, self._lit.color_mask = False, (True,) * 4
         self._lit.use()
@@ -141,23 +144,14 @@ class Lighting:
         self._context.depth_func = function
 
     def release(self) -> None:
-        for part in (self.picture, self._lit, self.texture, self._own_mask):
-            if part is not None:
-                part.release()
-
-
-def _disc(discs: Discs) -> dict[str, float]:
-    return {
-        "radius": discs.radius,
-        "magnification": discs.magnification,
-        "smallest": discs.smallest,
-    }
+        for part in (self.picture, self._lit, self.texture):
+            part.release()
 
 
 def _surroundings(radius: float, scale: float) -> tuple[list[tuple[int, int]], tuple[float, ...]]:
-    """Where eye-dome lighting looks, in samples, and one by the depth that counts most there.
+    """Where eye-dome lighting looks, in pixels, and one by the depth that counts most there.
 
-    radius: of the innermost ring, in samples; scale: radius of the scene.
+    radius: of the innermost ring, in pixels; scale: radius of the scene.
     """
     places = []
     for ring in range(RINGS):

@@ -28,6 +28,7 @@ LOOK = {
 }
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 RAMP, MARKS = 6, 7  # texture units of a value's colours, and of what is hidden
+CAPTURED = {"positions": ("out_position",), "discs": ("out_disc", "out_light")}
 WORKGROUP = 128  # invocations of a compute shader
 EACH = 4  # movers of an invocation
 
@@ -92,27 +93,42 @@ class Movers:
             shader.run(-(-count // (EACH * WORKGROUP * portion.every)))
             self.context.memory_barrier()
 
+    def captured(
+        self, name: str, width: int, portions: list[Portion], uniforms: dict[str, Any]
+    ) -> NDArray[np.float32]:
+        """(N, width) what the vertex shader `name` makes of the movers, read back.
+
+        Nothing is drawn, yet OpenGL wants a complete framebuffer in use.
+        """
+        parts = [np.zeros((0, width), np.float32)]
+        for portion, buffers, count in self._batches(portions):
+            shader = self._ready(name, "feedback", portion.layer, buffers, uniforms)
+            some = -(-count // portion.every)
+            result = self.context.buffer(reserve=4 * width * max(some, 1))
+            buffers.array(shader, portion.every).transform(result, vertices=some)
+            read = result.read(4 * width * some)
+            parts.append(np.frombuffer(read, np.float32).reshape(-1, width))
+            result.release()
+        return np.concatenate(parts)
+
     def positions(self, layers: list[Layer], computed: bool = False) -> NDArray[np.float32]:
         """(N, 3) positions of the layers' movers, read back from the GPU, for tests.
 
         computed: from the compute shaders' interpolation; else by transform feedback from the
-        vertex shaders'. Nothing is drawn, yet GL wants a complete framebuffer in use.
+        vertex shaders'.
         """
+        portions = [Portion(layer, layer.group.count) for layer in layers]
+        if not computed:
+            return self.captured("positions", 3, portions, {})
         parts = [np.zeros((0, 3), np.float32)]
-        for portion, buffers, count in self._batches(
-            [Portion(ly, ly.group.count) for ly in layers]
-        ):
+        for portion, buffers, count in self._batches(portions):
             result = self.context.buffer(reserve=12 * max(count, 1))
-            kind = "compute" if computed else "feedback"
-            shader = self._ready("positions", kind, portion.layer, buffers, {})
-            if computed:
-                give(shader, count=count)
-                buffers.bind()
-                result.bind_to_storage_buffer(7)
-                shader.run(-(-count // (EACH * WORKGROUP)))
-                self.context.memory_barrier()
-            else:
-                buffers.array(shader).transform(result, vertices=count)
+            shader = self._ready("positions", "compute", portion.layer, buffers, {})
+            give(shader, count=count)
+            buffers.bind()
+            result.bind_to_storage_buffer(7)
+            shader.run(-(-count // (EACH * WORKGROUP)))
+            self.context.memory_barrier()
             parts.append(np.frombuffer(result.read(12 * count), np.float32).reshape(-1, 3))
             result.release()
         return np.concatenate(parts)
@@ -171,7 +187,7 @@ class Movers:
             self._programs[key] = (
                 compute(self.context, name, WORKGROUP=WORKGROUP, **defined)
                 if kind == "compute"
-                else feedback(self.context, name, "out_position", **defined)
+                else feedback(self.context, name, *CAPTURED[name], **defined)
                 if kind == "feedback"
                 else program(self.context, name, name, **LOOK, **defined)
             )

@@ -56,7 +56,7 @@ class Discs:
 
 
 class Rasteriser(Protocol):
-    """Leaves the nearest surface in `color_sum`, `distances[0]` and `mask` of the cleared targets.
+    """Leaves the nearest surface in the cleared targets' `surface` (leave.glsl).
 
     region: the samples that the discs may cover.
     """

@@ -22,17 +22,19 @@ from player.camera import Camera, axes, outline
 from player.chunks import Portion
 from player.closing import ClosingDistances
 from player.colors import Colors, Value
+from player.context import on_cpu
 from player.dots import LARGEST, Dots, Way
 from player.faults import pictures_of
 from player.lighting import Lighting
 from player.movers import LOOK, Movers
 from player.passes import Passes
-from player.rasteriser import Discs, Rasteriser
+from player.rasteriser import Discs
 from player.region import Region, corners, seen, spanned
 from player.shadow import BLURRED, SIDE, Shadow
 from player.splats import Splats
 from player.style import Style
 from player.targets import Targets
+from player.tiled import TiledSplats
 
 if TYPE_CHECKING:
     import moderngl
@@ -65,8 +67,9 @@ class Renderer:
         self.clip = clip
         self.supersample = supersample
         self._movers = Movers(context, clip, memory)
-        self._dots = Dots(self._movers, way)
-        self._splats = Splats(self._movers)
+        self._dots = Dots(self._movers, way, supersample)
+        self._splats = Splats(self._movers, supersample)
+        self._tiled = TiledSplats(self._movers, supersample) if on_cpu(context) else None
         self._shadow = Shadow(self._movers)
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
@@ -104,10 +107,12 @@ class Renderer:
         """
         targets, lighting, backdrop = self._targets_for(size)
         portions = self._portions(layers_at(self.clip, day), every, patience)
-        discs = self._discs(day, camera, style, targets.size, portions, patience is None)
+        samples = (size[0] * self.supersample, size[1] * self.supersample)
+        discs = self._discs(day, camera, style, samples, portions, patience is None)
         area = self._mover_area(day, self._closing.at(*locate(self.clip, day), patience is None))
         self._movers.paint(self._colors, day, style)
         region, shadowed = self._plant_region(discs, portions), self._shadow_region(size, camera)
+        pixels = region.scaled(size, self.supersample)
         from_above = self._from_above()
         to_floor = from_above @ np.linalg.inv(camera.view())
         framebuffer.viewport = (0, 0, *size)
@@ -115,10 +120,10 @@ class Renderer:
             if style.show_ground:
                 self._shadow.cast(stage, from_above, self._floor_side, area, self._above)
             backdrop.draw(lighting.picture, camera, style, self._shadow, to_floor, shadowed)
-            targets.clear()
-            self._rasteriser(discs).draw(targets, stage, discs, region)
-            smoothed = lighting.smooth(discs, region)
-            lighting.light(discs, style, region, self._radius, backdrop.small, smoothed)
+            targets.clear(pixels)
+            self._rasterise(targets, stage, discs, region)
+            smoothed = lighting.smooth(discs, pixels)
+            lighting.light(discs, style, pixels, self._radius, backdrop.small, smoothed)
             self._show(framebuffer, lighting, opacity)
         if patience is not None:
             self._closing.measure(locate(self.clip, day)[0])
@@ -148,6 +153,8 @@ class Renderer:
         parts = (self._movers, self._dots, self._splats, self._shadow, self._passes, *self._sized)
         for part in parts:
             part.release()
+        if self._tiled is not None:
+            self._tiled.release()
 
     def _discs(
         self,
@@ -188,20 +195,24 @@ class Renderer:
         there = self._movers.store.load(wanted, patience)
         return [replace(portion, count=n) for portion, n in zip(wanted, there, strict=True)]
 
-    def _rasteriser(self, discs: Discs) -> Rasteriser:
-        return self._dots if discs.typical_radius <= LARGEST else self._splats
+    def _rasterise(
+        self, targets: Targets, stage: list[Portion], discs: Discs, region: Region
+    ) -> None:
+        if discs.typical_radius <= LARGEST:
+            self._dots.draw(targets, stage, discs, region)
+        elif self._tiled is None or not self._tiled.draw(targets, stage, discs, region):
+            self._splats.draw(targets, stage, discs, region)
 
     def _targets_for(self, size: tuple[int, int]) -> tuple[Targets, Lighting, Backdrop]:
-        samples = (size[0] * self.supersample, size[1] * self.supersample)
-        if not self._sized or self._sized[0].size != samples:
+        if not self._sized or self._sized[0].size != size:
             for part in self._sized:
                 part.release()
             self._sized = ()
             with pictures_of(size):
-                targets = Targets(self.context, *samples)
+                targets = Targets(self.context, size, self.supersample)
                 self._sized = (
                     targets,
-                    Lighting(self.context, size, self.supersample, targets, self._passes),
+                    Lighting(self.context, targets, self._passes),
                     Backdrop(self.context, size, self._passes),
                 )
         return self._sized

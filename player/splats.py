@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING
 from player.glsl import give, program
 from player.movers import LOOK, Movers
 from player.rasteriser import Discs
+from player.targets import texture
 
 if TYPE_CHECKING:
+    import moderngl
+
     from player.chunks import Portion
     from player.region import Region
     from player.targets import Targets
@@ -19,44 +22,72 @@ NOTHING, EVERYTHING = [(False,) * 4] * 2, [(True,) * 4] * 2
 class Splats:
     """Two passes over the movers: the nearest surface's depth, then the sum of the discs on it."""
 
-    def __init__(self, movers: Movers) -> None:
+    def __init__(self, movers: Movers, supersample: int = 1) -> None:
         self._movers = movers
-        self._resolve = movers.context.vertex_array(
-            program(movers.context, "screen", "resolve", **LOOK), []
-        )
+        self._supersample = supersample
+        self._sums: SplatSums | None = None
+        self._resolve: moderngl.VertexArray | None = None
 
     def draw(self, targets: Targets, portions: list[Portion], discs: Discs, region: Region) -> None:
         import moderngl
 
-        context, surface = self._movers.context, targets.surface
-        surface.depth_mask = True
-        surface.use()
-        surface.clear(0.0, 0.0, 0.0, 0.0, viewport=region.rectangle)
+        context, sums = self._movers.context, self._sums_for(discs.samples)
+        summing = sums.framebuffer
+        summing.depth_mask = True
+        summing.use()
+        summing.clear(0.0, 0.0, 0.0, 0.0, viewport=region.rectangle)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         uniforms = discs.uniforms() | {"projection": discs.projection}
-        surface.color_mask = NOTHING  # type: ignore[assignment]
+        summing.color_mask = NOTHING  # type: ignore[assignment]
         self._movers.draw("surface", portions, uniforms)
 
-        surface.color_mask = EVERYTHING  # type: ignore[assignment]
-        surface.depth_mask = False
+        summing.color_mask = EVERYTHING  # type: ignore[assignment]
+        summing.depth_mask = False
         context.enable(moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
         self._movers.palette.use(0)
         self._movers.draw("splat", portions, uniforms | {"palette": 0})
 
-        resolved = targets.smoothed[0]
-        resolved.depth_mask, resolved.scissor = True, region.rectangle
-        resolved.use()
+        targets.surface.scissor = region.scaled(targets.size, self._supersample).rectangle
+        targets.surface.use()
         context.enable_only(moderngl.DEPTH_TEST)
         context.depth_func = "1"
-        targets.color_sum.use(0)
-        targets.away_sum.use(1)
+        sums.color.use(0)
+        sums.away.use(1)
+        if self._resolve is None:
+            chosen = LOOK | {"SUPERSAMPLE": self._supersample}
+            self._resolve = context.vertex_array(
+                program(context, "screen", "resolve", **chosen), []
+            )
         give(self._resolve.program, color_sum=0, away_sum=1)
         self._resolve.render(vertices=3)
-        resolved.depth_mask = False
-        resolved.scissor = None  # type: ignore[assignment]
+        targets.surface.scissor = None  # type: ignore[assignment]
+
+    def _sums_for(self, size: tuple[int, int]) -> SplatSums:
+        if self._sums is None or self._sums.color.size != size:
+            if self._sums is not None:
+                self._sums.release()
+            self._sums = SplatSums(self._movers.context, size)
+        return self._sums
 
     def release(self) -> None:
-        self._resolve.program.release()
-        self._resolve.release()
+        if self._sums is not None:
+            self._sums.release()
+        if self._resolve is not None:
+            self._resolve.program.release()
+            self._resolve.release()
+
+
+class SplatSums:
+    """The nearest surface's depth, and the splats summed upon it, for so many samples."""
+
+    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
+        self.color = texture(context, size, 4, "f4")
+        self.away = texture(context, size, 1, "f4")
+        self._depth = context.depth_renderbuffer(size)
+        self.framebuffer = context.framebuffer([self.color, self.away], self._depth)
+
+    def release(self) -> None:
+        for part in (self.framebuffer, self.color, self.away, self._depth):
+            part.release()

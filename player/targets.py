@@ -4,46 +4,55 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from player.region import Region
+
 if TYPE_CHECKING:
     import moderngl
 
 
 class Targets:
-    """Textures and framebuffers for a picture of `width` × `height` samples.
+    """Textures and framebuffers for a picture of `size` = (width, height) pixels.
 
-    surface:  the nearest surface's depth, then the splats summed upon it.
-    gathered: the same surface as dots leave it.
-    smoothed: distances from the eye, without the scanner's noise.
-    mask:     a depth buffer, 0 where the plant is: the later passes run there alone.
+    A texel is a pixel, and holds the samples of it side by side: most passes need all of them, and
+    one look brings them (samples.glsl).
+
+    supersample: samples along each side of a pixel, 1 or 2.
+    distances: from the eye, negative where there is nothing; one is smoothed into the other.
+    light:     linear light and cover, one texture for each sample.
+    mask:      a depth buffer, 0 where the plant is: the later passes run there alone.
+    surface:   what rasterisers draw into: the first distances, lights, and mask (leave.glsl).
+    smoothed:  the two distances and the mask, which stays.
     """
 
-    def __init__(self, context: moderngl.Context, width: int, height: int) -> None:
-        size = (width, height)
+    def __init__(
+        self, context: moderngl.Context, size: tuple[int, int], supersample: int = 1
+    ) -> None:
         self.size = size
-        self.color_sum = texture(context, size, 4, "f4")
-        self.away_sum = texture(context, size, 1, "f4")
-        self.depth = context.depth_renderbuffer(size)
-        self.surface = context.framebuffer([self.color_sum, self.away_sum], self.depth)
-        self.distances = [texture(context, size, 1, "f4") for _ in range(2)]
+        self.supersample = supersample
+        count = supersample**2
+        self.distances = [texture(context, size, count, "f4") for _ in range(2)]
+        self.light = [texture(context, size, 4, "f2") for _ in range(count)]
         self.mask = context.depth_renderbuffer(size)
+        self.surface = context.framebuffer([self.distances[0], *self.light], self.mask)
         self.smoothed = [context.framebuffer([found], self.mask) for found in self.distances]
-        self.smoothed[1].depth_mask = False
-        self.gathered = context.framebuffer([self.color_sum, self.distances[0]], self.mask)
+        self._drawn: Region | None = None
 
-    def clear(self) -> None:
-        """No plant anywhere: in the distances and in the mask; colours count only where it is."""
-        first, second = self.smoothed
-        first.depth_mask = True
-        first.clear(-1.0)
-        first.depth_mask = False
-        second.clear(-1.0)
+    def clear(self, region: Region) -> None:
+        """No plant anywhere, before one is drawn within a region, of pixels: in the distances and
+        in the mask; light counts only where it is.
+        """
+        cleared = None if self._drawn is None else region.joined(self._drawn).rectangle
+        for target, masked in zip(self.smoothed, (True, False), strict=True):
+            target.depth_mask = masked
+            target.clear(-1.0, -1.0, -1.0, -1.0, viewport=cleared)
+            target.depth_mask = False
+        self._drawn = region
 
     def release(self) -> None:
-        for framebuffer in (self.surface, *self.smoothed, self.gathered):
+        for framebuffer in (self.surface, *self.smoothed):
             framebuffer.release()
-        for found in (self.color_sum, self.away_sum, *self.distances):
+        for found in (*self.distances, *self.light):
             found.release()
-        self.depth.release()
         self.mask.release()
 
 
@@ -54,7 +63,7 @@ def texture(
     kind: str,
     linear: bool = False,
 ) -> moderngl.Texture:
-    """kind: "f1" for bytes, "f4" for floats; linear: smooth between texels."""
+    """kind: "f1" for bytes, "f2" and "f4" for floats; linear: smooth between texels."""
     import moderngl
 
     made = context.texture(size, components, dtype=kind)

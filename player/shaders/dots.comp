@@ -3,6 +3,7 @@
 #version 430 core
 #include "stored_mover.glsl"
 #include "dot.glsl"
+#include "packed_light.glsl"
 #include "marks.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -2,6 +2,7 @@
 #version 330 core
 #include "mover.glsl"
 #include "dot.glsl"
+#include "packed_light.glsl"
 #include "light.glsl"
 
 in uint in_track;

@@ -1,15 +1,17 @@
-// Mean distances from the splats' sums; the depth marks where the plant is, so that the passes
-// that follow spend time there alone.
+// The splats' sums, sample by sample, as a rasteriser leaves them.
 #version 330 core
+#include "leave.glsl"
 
 uniform sampler2D color_sum;
 uniform sampler2D away_sum;
-out float out_away;  // from the eye, negative where there is nothing
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-    float weight = texelFetch(color_sum, texel, 0).a;
-    bool here = weight > RIM_OUTSIDE;
-    out_away = here ? texelFetch(away_sum, texel, 0).r / weight : -1.0;
-    gl_FragDepth = here ? 0.0 : 1.0;
+    ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
+    vec4 sums[S];
+    float away_sums[S];
+    for (int i = 0; i < S; ++i) {
+        sums[i] = texelFetch(color_sum, corner + place_of(i), 0);
+        away_sums[i] = texelFetch(away_sum, corner + place_of(i), 0).r;
+    }
+    leave(sums, away_sums);
 }

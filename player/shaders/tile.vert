@@ -9,5 +9,5 @@ void main() {
     vec2 middle = (vec2(tile) + 0.5) / vec2(size);
     bool dots = texelFetch(occupied, tile, 0).r > 0.0;
     gl_Position = dots ? vec4(2.0 * middle - 1.0, 0.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = float(TILE);
+    gl_PointSize = float(TILE / SUPERSAMPLE);
 }

@@ -1,0 +1,108 @@
+"""Splats by tiles, without a GPU, are the splats that a GPU blends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+
+import player.context
+import player.tiled
+from gclip.clip import Clip
+from player.camera import Camera
+from player.renderer import Renderer
+from player.style import Style
+from player.tiled import by_tile
+
+SIZE = (161, 119)  # no multiple of a tile's side
+BOTH = ((90, 160, 60, 255), (200, 120, 40, 255))
+
+
+def picture(
+    context: moderngl.Context, clip: Clip, style: Style, supersample: int, tiled: bool, **draw: int
+) -> np.ndarray:
+    renderer = Renderer(context, clip, supersample)
+    if not tiled:
+        renderer._tiled = None
+    framebuffer = context.simple_framebuffer(SIZE)
+    camera = Camera.fit(clip.bounds, clip.up, SIZE[0] / SIZE[1])
+    camera = replace(camera, yaw=math.radians(-70), pitch=0.2)
+    renderer.draw(framebuffer, 2.3, camera, style, SIZE, **draw)
+    pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
+    renderer.release()
+    return pixels.reshape(SIZE[1], SIZE[0], 3).astype(int)
+
+
+@pytest.fixture
+def cpu_context(context: moderngl.Context) -> moderngl.Context:
+    if not player.context.on_cpu(context):
+        pytest.skip("a GPU blends splats itself")
+    return context
+
+
+@pytest.mark.parametrize("supersample", [1, 2])
+@pytest.mark.parametrize(
+    ("colors", "style"),
+    [
+        (None, Style(show_ground=False)),
+        (BOTH, Style(show_ground=False)),
+        (None, Style(color_by="height")),
+        (None, Style(hidden=frozenset({1}))),
+    ],
+    ids=["tracks", "scan colours", "values", "hidden"],
+)
+def test_tiles_make_the_picture_of_splats(
+    cpu_context: moderngl.Context, make_clip, colors, style: Style, supersample: int
+) -> None:
+    clip = make_clip(degree=2, colors=colors)
+    tiled, blended = (picture(cpu_context, clip, style, supersample, way) for way in (True, False))
+    assert (blended.max(axis=2) > 60).sum() > 1500
+    # Where a distance is on one side of a threshold by rounding alone, a few may differ more.
+    assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
+
+
+def test_the_same_picture_from_run_to_run(cpu_context: moderngl.Context, make_clip) -> None:
+    clip = make_clip(degree=2)
+    first, second = (picture(cpu_context, clip, Style(), 2, True) for _ in range(2))
+    assert (first == second).all()
+
+
+def test_fewer_movers_are_fewer_discs(cpu_context: moderngl.Context, make_clip) -> None:
+    clip, style = make_clip(degree=2), Style(show_ground=False)
+    tiled, blended = (picture(cpu_context, clip, style, 1, way, every=2) for way in (True, False))
+    assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
+
+
+@pytest.mark.parametrize("limit", ["MOVERS", "ENTRIES"])
+def test_too_many_discs_are_blended(
+    cpu_context: moderngl.Context, make_clip, monkeypatch: pytest.MonkeyPatch, limit: str
+) -> None:
+    clip = make_clip()
+    blended = picture(cpu_context, clip, Style(), 1, tiled=False)
+    monkeypatch.setattr(player.tiled, limit, 100)
+    assert (picture(cpu_context, clip, Style(), 1, tiled=True) == blended).all()
+
+
+def test_every_tile_has_the_discs_that_reach_it() -> None:
+    random = np.random.default_rng(5)
+    places = random.uniform(-40, 200, (300, 2)).astype(np.float32)
+    radii = random.uniform(0.5, 25, 300).astype(np.float32)
+    tiles, side = (10, 7), 16
+    order, runs = by_tile(places, radii, tiles, side)
+    found = {(x, y): list(order[first : first + count]) for x, y, first, count in runs.tolist()}
+    for x in range(tiles[0]):
+        for y in range(tiles[1]):
+            low = np.array([x, y]) * side
+            reach = (places + radii[:, None] >= low) & (places - radii[:, None] < low + side)
+            assert found.get((x, y), []) == np.flatnonzero(reach.all(axis=1)).tolist()
+    assert all(count for *_, count in runs.tolist())
+
+
+def test_nothing_to_see_has_no_tiles() -> None:
+    order, runs = by_tile(np.full((3, 2), -90, np.float32), np.ones(3, np.float32), (4, 4), 16)
+    assert len(order) == len(runs) == 0
+    order, runs = by_tile(np.zeros((0, 2), np.float32), np.zeros(0, np.float32), (4, 4), 16)
+    assert len(order) == len(runs) == 0
