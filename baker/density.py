@@ -26,17 +26,18 @@ if TYPE_CHECKING:
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 
 
-def point_surface(points: NDArray[np.floating], workers: int = 1) -> NDArray[np.float64]:
+def point_surface(points: NDArray[np.floating]) -> NDArray[np.floating]:
     """Surface of each of (N, 3) points up to a factor: its eighth neighbour's distance squared.
-
-    workers: threads.
 
     Points that stand alone count no more than most do.
     """
     k = min(NEIGHBORS, len(points) - 1)
-    if k < 1:
-        return np.ones(len(points))
-    surface = reach(points, k, workers) ** 2
+    return surface_of(reach(points, k)) if k > 0 else np.ones(len(points))
+
+
+def surface_of(reach: NDArray[np.floating]) -> NDArray[np.floating]:
+    """`point_surface` of points whose eighth neighbours are so far, (N,)."""
+    surface = reach**2
     return np.minimum(surface, np.quantile(surface, 0.98))
 
 

@@ -18,7 +18,7 @@ from baker.birth import Birth, births
 from baker.cache import IntervalCache
 from baker.cache.alignments import aligned
 from baker.complete import completed
-from baker.density import point_surface
+from baker.density import surface_of
 from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.executor import Executor, Threads
@@ -34,7 +34,7 @@ from baker.scans import ReadOptions, Series, read_series
 from baker.segment.foot import standing_bases
 from baker.segment.given import root_point
 from baker.segmentation import segment_scans
-from baker.spacing import point_spacing
+from baker.spacing import Surroundings
 from baker.steady import steadied
 from baker.tasks import interval_tasks
 from baker.vertical import Vertical
@@ -94,10 +94,16 @@ def bake_recorded(
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    bases = crew.map(partial(root_point, vertical=vertical, root=root), clouds)
+    measured = crew.map(Surroundings.of, clouds)
+    bases = [
+        root_point(cloud, vertical, root, around.reach)
+        for cloud, around in zip(clouds, measured, strict=True)
+    ]
     if root is None and not chosen.paper:
         bases = standing_bases(clouds, bases, vertical)
-    labels, hierarchies = segment_scans(series.scans, clouds, bases, recipe, chosen, tell, crew)
+    labels, hierarchies = segment_scans(
+        series.scans, clouds, bases, [a.spacing for a in measured], recipe, chosen, tell, crew
+    )
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
         clouds,
@@ -108,7 +114,17 @@ def bake_recorded(
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(
-        series, keyframes, bases, matches, named, vertical, recipe, chosen, crew, labels.found
+        series,
+        keyframes,
+        measured,
+        bases,
+        matches,
+        named,
+        vertical,
+        recipe,
+        chosen,
+        crew,
+        labels.found,
     )
     intervals = solve_intervals(
         jobs,
@@ -212,6 +228,7 @@ def _hold_out(
 def _interval_jobs(
     series: Series,
     keyframes: Sequence[Keyframe],
+    measured: Sequence[Surroundings],
     bases: Sequence[int],
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
@@ -228,8 +245,7 @@ def _interval_jobs(
 
     found: whether the organs are our own finding.
     """
-    clouds = [frame.positions for frame in keyframes]
-    spacings = crew.map(point_spacing, clouds)
+    spacings = [around.spacing for around in measured]
     spacing = float(np.median(spacings))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
@@ -237,8 +253,10 @@ def _interval_jobs(
     if options.smooth:
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
-        surfaces = [point_surface(frame.positions, crew.workers) for frame in keyframes]
-        keyframes = [replace(f, surface=s) for f, s in zip(keyframes, surfaces, strict=True)]
+        keyframes = [
+            replace(frame, surface=np.ones(1) if a.reach is None else surface_of(a.reach))
+            for frame, a in zip(keyframes, measured, strict=True)
+        ]
     whole = completed(
         keyframes,
         matches,

@@ -22,6 +22,7 @@ def segment_scans(
     scans: Sequence[Scan],
     clouds: Sequence[NDArray[np.float32]],
     bases: Sequence[int],
+    spacings: Sequence[float],
     recipe: Recipe,
     options: Options,
     tell: Callable[[str, int, int], None],
@@ -29,7 +30,8 @@ def segment_scans(
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy.
 
-    clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base.
+    clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base; spacings:
+            the point spacing of each.
     crew: who shares the work.
     """
     tell("segmentation", 0, len(clouds))
@@ -55,6 +57,7 @@ def segment_scans(
         bases,
         consistent=labels.consistent,
         virtual_root=options.root == "virtual",
+        spacings=spacings,
         done=done,
         crew=crew,
     )

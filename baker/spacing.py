@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,28 @@ from gclip.pack import morton_codes
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
 BATCH = 1000
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a point cloud's points have around them.
+
+    spacing: as `point_spacing` has it.
+    reach:   (N,) distance to the eighth nearest other point, or the last one of fewer; None for a
+             cloud of one point.
+    """
+
+    spacing: float
+    reach: NDArray[np.float64] | None
+
+    @classmethod
+    def of(cls, points: NDArray[np.floating]) -> Surroundings:
+        """All from one search."""
+        k = min(NEIGHBORS, len(points) - 1)
+        if k < 1:
+            return cls(0.0, None)
+        nearest, farther = _distances(points, (1, k))
+        return cls(float(np.median(nearest[:: -(-len(points) // SAMPLE)])), farther)
 
 
 def point_spacing(points: NDArray[np.floating]) -> float:
@@ -26,8 +50,14 @@ def point_spacing(points: NDArray[np.floating]) -> float:
     return float(np.median(distances[:, 1]))
 
 
-def lowest_point(points: NDArray[np.floating], heights: NDArray[np.floating]) -> int:
+def lowest_point(
+    points: NDArray[np.floating],
+    heights: NDArray[np.floating],
+    reach: NDArray[np.floating] | None = None,
+) -> int:
     """Index of the lowest point of an (N, 3) cloud that is not alone.
+
+    reach: as in the cloud's `Surroundings`, where these are known.
 
     Alone is a point whose 8th neighbour is more than ten times as far as is usual in the cloud.
     """
@@ -37,13 +67,21 @@ def lowest_point(points: NDArray[np.floating], heights: NDArray[np.floating]) ->
     k = min(NEIGHBORS, len(points) - 1)
     if k < 1:
         return int(order[0])
-    tree = cKDTree(points)
-    usual = np.median(tree.query(points[:: -(-len(points) // SAMPLE)], k=[k + 1])[0])
+    sample = slice(None, None, -(-len(points) // SAMPLE))
+    tree = cKDTree(points) if reach is None else None
+
+    def reach_of(chosen: NDArray[np.intp] | slice) -> NDArray[np.floating]:
+        if tree is None:
+            assert reach is not None
+            return reach[chosen]
+        return tree.query(points[chosen], k=[k + 1])[0][:, 0]
+
+    usual = np.median(reach_of(sample))
     for first in range(0, len(order), BATCH):
         batch = order[first : first + BATCH]
-        reach = tree.query(points[batch], k=[k + 1])[0][:, 0]
-        if (reach <= ALONE * usual).any():
-            return int(batch[np.argmax(reach <= ALONE * usual)])
+        dense = reach_of(batch) <= ALONE * usual
+        if dense.any():
+            return int(batch[np.argmax(dense)])
     return int(order[0])
 
 
@@ -63,11 +101,18 @@ def reach(points: NDArray[np.floating], k: int, workers: int = 1) -> NDArray[np.
 
     Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
     """
+    return _distances(points, (k,), workers)[0]
+
+
+def _distances(
+    points: NDArray[np.floating], ranks: tuple[int, ...], workers: int = 1
+) -> NDArray[np.float64]:
+    """(ranks, N) each point's distance to its nearest other points of these ranks, from 1 on."""
     from scipy.spatial import cKDTree
 
     order = np.argsort(morton_codes(points), kind="stable")
     sorted_points = points[order]
-    distance = np.empty(len(points))
-    tree = cKDTree(sorted_points)
-    distance[order] = tree.query(sorted_points, k=[k + 1], workers=workers)[0][:, 0]
-    return distance
+    found = cKDTree(sorted_points).query(sorted_points, [k + 1 for k in ranks], workers=workers)[0]
+    distances = np.empty((len(ranks), len(points)))
+    distances[:, order] = found.T
+    return distances

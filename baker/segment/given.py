@@ -30,14 +30,18 @@ def hierarchy_from_labels(
     points: NDArray[np.floating],
     labels: NDArray[np.integer],
     root_label: int,
+    spacing: float | None = None,
 ) -> Hierarchy:
-    """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`."""
+    """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
+
+    spacing: the cloud's point spacing, where it is known.
+    """
     names, segments = split_by_label(labels)
     owner = np.empty(len(points), np.intp)
     for index, members in enumerate(segments):
         owner[members] = index
     first = names.index(root_label)
-    spacing = point_spacing(points)
+    spacing = point_spacing(points) if spacing is None else spacing
     touching = _touching_gaps(points, owner, REACH * spacing)
     others = set(range(len(segments))) - {first}
     if len(others) > 1 and not any(first in pair for pair in touching):
@@ -49,15 +53,19 @@ def hierarchy_from_labels(
 
 
 def root_point(
-    points: NDArray[np.floating], vertical: Vertical, root: NDArray[np.floating] | None = None
+    points: NDArray[np.floating],
+    vertical: Vertical,
+    root: NDArray[np.floating] | None = None,
+    reach: NDArray[np.floating] | None = None,
 ) -> int:
     """Index of the point where the plant leaves the ground: the lowest one, outliers aside.
 
-    root: a position (3,) given by the user; then the point nearest to it.
+    root:  a position (3,) given by the user; then the point nearest to it.
+    reach: as in the cloud's `Surroundings`, where these are known.
     """
     if root is not None:
         return int(np.argmin(((points - root) ** 2).sum(axis=1)))
-    return lowest_point(points, vertical.height(points))
+    return lowest_point(points, vertical.height(points), reach)
 
 
 def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float) -> Gaps:

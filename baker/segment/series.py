@@ -43,6 +43,7 @@ def labelled_hierarchies(
     *,
     consistent: bool,
     virtual_root: bool,
+    spacings: Sequence[float],
     done: Done,
     crew: Crew = ALONE,
 ) -> list[Hierarchy]:
@@ -50,6 +51,7 @@ def labelled_hierarchies(
 
     consistent: labels name organs, so the scans elect one root between them.
     virtual_root: no label is a stem; all hang under an empty root.
+    spacings: each cloud's point spacing.
     """
 
     def hang(scan: int) -> Hierarchy:
@@ -57,7 +59,7 @@ def labelled_hierarchies(
         if virtual_root:
             return under_virtual_root(names)
         root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
-        return hierarchy_from_labels(clouds[scan], names, root)
+        return hierarchy_from_labels(clouds[scan], names, root, spacings[scan])
 
     return crew.map(hang, range(len(clouds)), done=done)
 
