@@ -23,6 +23,7 @@ from baker.workers import Crew, Done, Pool
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
+    from threading import Thread
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -38,7 +39,8 @@ def on_cores(workers: int) -> tuple[Executor, Pool | None]:
     """
     if sys.platform != "linux" or workers <= 1:
         return Threads(workers), None
-    return Forks(workers), ForkPool(workers)
+    late = _Late()
+    return Forks(workers, late), ForkPool(workers, late=late)
 
 
 class Forks:
@@ -48,14 +50,17 @@ class Forks:
     are shared out instead.
     """
 
-    def __init__(self, workers: int) -> None:
+    def __init__(self, workers: int, late: _Late | None = None) -> None:
         self._workers = workers
+        self._late = late or _Late()
 
     def run(
         self, function: Callable[..., Result], jobs: Sequence[IntervalJob], done: Done
     ) -> Iterator[tuple[int, Result]]:
         """See `baker.executor.Executor`. Raises InputError where a fork dies."""
-        pool = ForkPool(self._workers, done)
+        pool = ForkPool(self._workers, done, self._late)
+        self._late.start()
+        self._late.wait()
         if 2 * len(jobs) > self._workers:
             yield from pool.unordered(lambda job: function(job, done=pool.tell), jobs)
         else:
@@ -63,21 +68,42 @@ class Forks:
                 yield index, function(job, Crew(self._workers, pool), pool.tell)
 
 
-def _load_late() -> None:
-    """Load here what is imported and compiled late: it is there for all forks of all rounds."""
-    import numpy as np
-    import scipy.sparse.csgraph
-    import scipy.spatial  # noqa: F401
+class _Late:
+    """What is imported and compiled late, loaded beside the first round of work.
 
-    from baker.motion.follow import along, beside, follow
-    from baker.transport.solve import solve
+    A round that needs it should come after another one, or its forks load it themselves.
+    """
 
-    few = np.eye(3)
-    solve(np.tile(few, (2, 1)), few)
-    curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
-    keys, around = along(curve, every, weights)
-    beside(keys, keys, around, around, 1.0, 1)
-    follow(curve, every, curve, every, weights, 1.0, 1.0, 1.0, 1, 1.0, 1.0)
+    def __init__(self) -> None:
+        self._thread: Thread | None = None
+
+    def start(self) -> None:
+        from threading import Thread
+
+        if self._thread is None:
+            self._thread = Thread(target=self._load, daemon=True)
+            self._thread.start()
+
+    def wait(self) -> None:
+        """Until it is there if it has been started: forks would keep the locks of a thread."""
+        if self._thread is not None:
+            self._thread.join()
+
+    @staticmethod
+    def _load() -> None:
+        import numpy as np
+        import scipy.sparse.csgraph
+        import scipy.spatial  # noqa: F401
+
+        from baker.motion.follow import along, beside, follow
+        from baker.transport.solve import solve
+
+        few = np.eye(3)
+        solve(np.tile(few, (2, 1)), few)
+        curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
+        keys, around = along(curve, every, weights)
+        beside(keys, keys, around, around, 1.0, 1)
+        follow(curve, every, curve, every, weights, 1.0, 1.0, 1.0, 1, 1.0, 1.0)
 
 
 class ForkPool:
@@ -86,10 +112,13 @@ class ForkPool:
     done: called in this process, with what the functions `tell` in any.
     """
 
-    def __init__(self, workers: int, done: Done = lambda steps: None) -> None:
+    def __init__(
+        self, workers: int, done: Done = lambda steps: None, late: _Late | None = None
+    ) -> None:
         self._workers = workers
         self._done = done
         self._parent: Connection | None = None  # of a fork
+        self._late = late or _Late()
 
     def tell(self, steps: int) -> None:
         """How many more steps are done."""
@@ -117,12 +146,17 @@ class ForkPool:
         """
         forks = 0 if self._parent is not None else min(self._workers, len(items))
         crew: dict[Connection, int] = {}
+        if forks > 1:
+            import scipy.spatial  # noqa: F401  # almost every round needs it
+
+            self._late.wait()
         try:
             with suppress(OSError):  # where no more processes are to be had, fewer do it
                 for _ in range(forks if forks > 1 else 0):
                     pipe, process = self._fork(function, items, list(crew))
                     crew[pipe] = process
             if crew:
+                self._late.start()
                 yield from self._shared_out(list(crew), len(items))
             else:
                 yield from ((index, function(item)) for index, item in enumerate(items))
@@ -162,7 +196,6 @@ class ForkPool:
         """A fork that does the items whose numbers it is sent: its end of a pipe, and its id."""
         from multiprocessing import Pipe
 
-        _load_late()
         ours, theirs = Pipe()
         process = os.fork()
         if process:

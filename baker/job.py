@@ -80,14 +80,16 @@ def move_interval(
     done: Done = lambda steps: None,
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
-    transport = replace(job.transport, workers=crew.workers)
+    total = sum(map(_size, job.tasks))
 
     def solve(task: Task) -> Moved:
+        # Only what is more than one's share of the work is shared out itself.
+        threads = crew.workers if _size(task) * crew.workers > total else 1
         moved = solve_task(
             task,
             job.start,
             job.end,
-            transport=transport,
+            transport=replace(job.transport, workers=threads),
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
