@@ -123,6 +123,17 @@ class Canvas:
             text = text[:-1]
         return text.rstrip() + "…" if text else ""
 
+    def wrapped(self, text: str, size: float, room: float, most: int = 4) -> list[str]:
+        """As lines that fit, broken between words; what would be beyond `most` of them is cut."""
+        lines = [""]
+        for word in text.split():
+            longer = f"{lines[-1]} {word}".strip()
+            if not lines[-1] or self.width(longer, size) <= room or len(lines) == most:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        return [self.fitted(line, size, room) for line in lines]
+
     def text(
         self,
         x: float,

@@ -31,6 +31,7 @@ TINY_TOP_BUTTONS = ("color", "ground", "fit", "panel", "help")
 TIMELINE, PANEL, WIPE = "the timeline", "the panel", "the wipe"  # none is an action's name
 PANEL_WIDTH = 272.0
 BESIDE_PANEL = 300.0  # the least that it leaves to the plant
+LOWEST_PANEL = 200.0  # height below which it takes the whole window's
 WIPE_REACH = 9.0  # how far from the wipe's line the cursor still takes hold of it
 
 
@@ -63,7 +64,7 @@ class DateLabel:
 class Layout:
     """All positions in the canvas's units, from the top left corner.
 
-    size:    of the window without its panel, which stands at the right of that.
+    size:    of the window without its panel, where that stands at the right of it.
     times:   the scans' times.
     left, right, line: ends and height of the timeline's line.
     buttons: by the name of the action they do (keys.py).
@@ -71,6 +72,7 @@ class Layout:
     speed:   where the speed is written, None where there is no room.
     wipe:    where the wipe's line stands, None without one.
     strokes: times between the scans that a click means exactly, too.
+    panel:   where the panel is, None without one.
     """
 
     size: tuple[float, float]
@@ -83,6 +85,7 @@ class Layout:
     speed: tuple[float, float] | None
     wipe: float | None = None
     strokes: tuple[float, ...] = ()
+    panel: Rectangle | None = None
 
     @property
     def margin(self) -> float:
@@ -102,7 +105,7 @@ class Layout:
 
     def under(self, x: float, y: float) -> str | None:
         """The name of the button there, TIMELINE, PANEL, WIPE, or None for the plant."""
-        if x >= self.size[0]:
+        if x >= self.size[0] or (self.panel is not None and self.panel.holds(x, y)):
             return PANEL
         for name, place in self.buttons.items():
             if place.holds(x, y):
@@ -117,7 +120,22 @@ class Layout:
 
 def panel_width(width: float, wanted: bool) -> float:
     """What the panel takes from a window's width: nothing where it would leave too little."""
-    return PANEL_WIDTH if wanted and width >= PANEL_WIDTH + BESIDE_PANEL else 0.0
+    return PANEL_WIDTH if wanted and stands_beside(width) else 0.0
+
+
+def stands_beside(width: float) -> bool:
+    """Whether a window is wide enough for the panel beside the plant; else it lies over it."""
+    return width >= PANEL_WIDTH + BESIDE_PANEL
+
+
+def panel_place(size: tuple[float, float]) -> Rectangle:
+    """Beside the plant; in a narrow window over it, between buttons and timeline."""
+    width, height = size
+    left = max(width - PANEL_WIDTH, 0.0)
+    between = height - TOP - BAR
+    if stands_beside(width) or between < LOWEST_PANEL:
+        return Rectangle(left, 0.0, width - left, height)
+    return Rectangle(left, TOP, width - left, between)
 
 
 def arrange(

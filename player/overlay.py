@@ -10,7 +10,18 @@ from player.canvas import BOLD, ICONS, Canvas, Pointer
 from player.choices import Compare
 from player.dates import date_at, short_dates
 from player.help_card import draw_help
-from player.layout import BAR, PANEL, TIMELINE, TOP, WIPE, Layout, Rectangle, arrange, panel_width
+from player.layout import (
+    BAR,
+    PANEL,
+    TIMELINE,
+    TOP,
+    WIPE,
+    Layout,
+    Rectangle,
+    arrange,
+    panel_place,
+    panel_width,
+)
 from player.panel import Exporting, Panel
 from player.theme import DARK, LIGHT, Theme
 from player.timeline import AtEnd
@@ -27,6 +38,7 @@ if TYPE_CHECKING:
     from player.scene import Scene
 
 TITLE_SIZE, TEXT_SIZE, ICON_SIZE, PLAY_ICON_SIZE = 20.0, 15.0, 15.0, 17.0
+LINE = 20.0  # of texts of several lines
 
 # Font Awesome 6, by the name of the action that the button does.
 ICON = {
@@ -104,7 +116,8 @@ class Overlay:
         canvas.begin(size, scale, Pointer(cursor if free else None, held == PANEL, wheel))
         aside = panel_width(size[0], scene.panel and not scene.kiosk)
         wipe = scene.wipe if scene.compare is Compare.WIPE else None
-        layout = self._arranged((size[0] - aside, size[1]), wipe)
+        panel = panel_place(size) if scene.panel and not scene.kiosk else None
+        layout = replace(self._arranged((size[0] - aside, size[1]), wipe), panel=panel)
         self.chosen = scene
         if scene.kiosk:
             self._draw_kiosk(layout, theme, scene)
@@ -114,8 +127,8 @@ class Overlay:
                 over = held or layout.under(*cursor)
             self._draw_chrome(layout, theme, scene, cursor, held, over)
             self._draw_guides(layout, theme, scene, facts)
-            if aside:
-                place = (layout.size[0], 0.0, aside, size[1])
+            if panel:
+                place = (panel.x, panel.y, panel.width, panel.height)
                 self.chosen = self._panel.draw(scene, theme, place, facts.exporting)
             if over not in (None, TIMELINE, PANEL, WIPE):
                 self._draw_tip(layout, theme, str(over))
@@ -232,14 +245,16 @@ class Overlay:
         self._draw_card(text, place.middle[0], y, theme, layout.size[0])
 
     def _draw_card(self, text: str, x: float, y: float, theme: Theme, width: float) -> None:
-        """A line of text on a card about (x, y), kept inside the window."""
+        """Text on a card about x, kept inside the window, its first line at y."""
         canvas = self._canvas
-        text = canvas.fitted(text, TEXT_SIZE, width - 40.0)
-        wide = canvas.width(text, TEXT_SIZE) + 20.0
+        lines = canvas.wrapped(text, TEXT_SIZE, width - 40.0)
+        wide = max(canvas.width(line, TEXT_SIZE) for line in lines) + 20.0
+        high = 26.0 + LINE * (len(lines) - 1)
         left = min(max(x - wide / 2, 8.0), width - 8.0 - wide)
-        canvas.rectangle(left, y - 13.0, wide, 26.0, theme.card, 7.0)
-        canvas.frame(left, y - 13.0, wide, 26.0, theme.edge, 7.0)
-        canvas.text(left + 10.0, y, text, TEXT_SIZE, theme.text)
+        canvas.rectangle(left, y - 13.0, wide, high, theme.card, 7.0)
+        canvas.frame(left, y - 13.0, wide, high, theme.edge, 7.0)
+        for number, line in enumerate(lines):
+            canvas.text(left + 10.0, y + LINE * number, line, TEXT_SIZE, theme.text)
 
 
 def _icon(name: str, scene: Scene) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from player.against import Errors
 from player.camera_path import load_path
+from player.layout import stands_beside
 from player.scene import Scene
 from player.settings import Settings, load_settings, save_settings
 from player.show import Shown
@@ -44,12 +45,14 @@ def start(files: Sequence[Path], style: Style, wanted: Wanted) -> None:
     last = load_settings()
     path = None if wanted.path is None else load_path(wanted.path, shown[0].clip)
     style = replace(style, ground=wanted.ground or last.ground or style.ground)
+    size = wanted.size or last.size or SIZE
+    beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
 
     def prepare(scene: Scene) -> Scene:
         scene = replace(
             scene,
             turning=wanted.turning,
-            panel=last.panel is not False,
+            panel=last.panel is not False and beside,
             guides=last.guides is not False,
             legend=last.legend is not False,
         )
@@ -60,7 +63,8 @@ def start(files: Sequence[Path], style: Style, wanted: Wanted) -> None:
             scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
         return scene
 
-    scene, size = show(shown, style, size=wanted.size or last.size or SIZE, prepare=prepare)
+    scene, size = show(shown, style, size=size, prepare=prepare)
     if not wanted.kiosk:
         kept = last.size if wanted.size or scene.fullscreen else size
-        save_settings(Settings(kept, scene.panel, scene.style.ground, scene.guides, scene.legend))
+        panel = scene.panel if beside else last.panel
+        save_settings(Settings(kept, panel, scene.style.ground, scene.guides, scene.legend))

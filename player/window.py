@@ -35,7 +35,8 @@ from player.wishes import granted
 if TYPE_CHECKING:
     from gclip import Clip
 
-NOTICE_SECONDS = 2.5
+NOTICE_SECONDS = 2.5  # that a notice stays at least
+READING = 0.06  # seconds for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
@@ -204,7 +205,8 @@ class Window:
         if ended:
             scene = scene.told(ended)
         if scene.notice != self._notice:
-            self._notice, self._notice_ends = scene.notice, now + NOTICE_SECONDS
+            seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
+            self._notice, self._notice_ends = scene.notice, now + seconds
         elif scene.notice and now > self._notice_ends:
             scene = scene.told("")
         controls.scene = scene
@@ -224,7 +226,10 @@ class Window:
                 again = [Shown.opened(one.file) if one.file else one for one in self._shown]
                 self._take(again, fresh=False)
         except (ClipError, PlayerError) as error:
-            self._controls.scene = self._controls.scene.told(str(error))
+            told = str(error)
+            for name in dropped:  # folders would leave no room for what is wrong
+                told = told.replace(name, Path(name).name)
+            self._controls.scene = self._controls.scene.told(told)
 
     def _take(self, shown: Sequence[Shown], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""

@@ -1,10 +1,17 @@
 """What the window remembers, and that nothing can make it fail."""
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
+from player.camera import Camera
+from player.scene import Scene
 from player.settings import FILE, Settings, load_settings, save_settings
+from player.start import Wanted, start
+from player.style import Style
+from player.timeline import Timeline
 
 
 @pytest.fixture
@@ -47,3 +54,22 @@ def test_the_platform_s_own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     save_settings(Settings(panel=True))
     assert (tmp_path / "plant-growth-clips" / FILE).is_file()
+
+
+@pytest.mark.parametrize(("width", "opened"), [(1280, True), (480, False)])
+def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
+    folder: Path, clip_file: Path, monkeypatch: pytest.MonkeyPatch, width: int, opened: bool
+) -> None:
+    seen: list[bool] = []
+
+    def shown(clips: object, style: Style, size: tuple[int, int], prepare: Any) -> tuple:
+        timeline = Timeline.of((0.0, 1.0))
+        camera = Camera.fit((np.zeros(3), np.ones(3)))
+        scene = prepare(Scene(timeline, camera, camera, style, False))
+        seen.append(scene.panel)
+        return scene, size
+
+    monkeypatch.setattr("player.start.show", shown)
+    start([clip_file], Style(), Wanted(size=(width, 700)))
+    assert seen == [opened]
+    assert load_settings().panel is not False

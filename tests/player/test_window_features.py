@@ -3,6 +3,8 @@
 import json
 import os
 import shutil
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from player.layout import PANEL_WIDTH
+from player.layout import PANEL_WIDTH, panel_place
 from tests.player.shown import TIMES, Shown, layout, small_clip
 
 SIZE = (900, 600)
@@ -198,25 +200,57 @@ def test_two_clips_in_step(display: dict[str, str], clip_file: Path) -> None:
         shown.end()
 
 
-def test_dropped_files_are_opened(display: dict[str, str], clip_file: Path, tmp_path: Path) -> None:
-    """What the system reports of a drop, at the third picture."""
-    small_clip(first=1.0).save(tmp_path / "other.gclip")
-    before = f"""
-import player.window as w
-real = w.Window._draw
-count = [0]
-def draw(self):
-    count[0] += 1
-    if count[0] == 3:
-        self._dropped.append({str(tmp_path / "other.gclip")!r})
-    if count[0] == 30:
-        self._dropped.append({str(tmp_path / "missing.gclip")!r})
-    real(self)
-w.Window._draw = draw
-"""
-    shown = Shown(display, clip_file, (500, 400), before=before)
+def test_in_a_narrow_window_the_panel_lies_over_the_plant(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    shown = Shown(display, clip_file, (400, 480), panel=False)
     try:
-        assert shown.until(lambda state: "Opened other" in state["notice"])["times"][0] == 1.0
+        shown.point(50, 200)
+        shown.key("space")
+        shown.until(lambda state: not state["playing"])
+        before = shown.settled()
+        shown.key("Tab")
+        shown.until(lambda state: state["panel"])
+        assert shown.settled()["home"] == before["home"], "the plant keeps its place"
+        place = panel_place((400.0, 480.0))
+        for y in range(160, 230, 10):
+            click(shown, round(place.x) + 70, round(place.y) + y)
+            if shown.settled()["floor"] != before["floor"]:
+                break
+        after = shown.settled()
+        assert after["floor"] != before["floor"]
+        assert after["yaw"] == before["yaw"]
+        click(shown, *map(round, layout((400.0, 480.0)).buttons["panel"].middle))
+        shown.until(lambda state: not state["panel"])
+    finally:
+        shown.end()
+
+
+def dropped(shown: Shown, *files: Path) -> None:
+    drag = [sys.executable, "-m", "tests.player.drag", *map(str, files)]
+    subprocess.run(drag, env=shown.environment, check=True, cwd=Path(__file__).parents[2])
+
+
+def test_dropped_files_are_opened(display: dict[str, str], clip_file: Path, tmp_path: Path) -> None:
+    """Really dragged; what can't be shown leaves the clip that is there, and one sentence."""
+    other, broken = tmp_path / "ein andörer 100%.gclip", tmp_path / "broken.gclip"
+    small_clip(first=1.0).save(other)
+    broken.write_bytes(other.read_bytes()[:-50])
+    shown = Shown(display, clip_file, (500, 400))
+    try:
+        dropped(shown, broken)
+        told = shown.until(lambda state: "broken.gclip" in state["notice"])
+        assert told["times"] == list(TIMES)
+        assert told["notice"].startswith("broken.gclip: "), "no folders"
+        dropped(shown, other)
+        told = shown.until(lambda state: "Opened ein andörer 100%" in state["notice"])
+        assert told["times"][0] == 1.0
+        dropped(shown, tmp_path)
+        told = shown.until(lambda state: "not a growth clip" in state["notice"])
+        assert told["times"][0] == 1.0
+        dropped(shown, tmp_path / "missing.gclip")
         shown.until(lambda state: "missing.gclip" in state["notice"])
+        dropped(shown, clip_file, other)
+        shown.until(lambda state: state["compare"] == "side by side")
     finally:
         shown.end()
