@@ -96,10 +96,13 @@ class _Late:
         import scipy.spatial  # noqa: F401
 
         from baker.motion.follow import along, beside, follow
+        from baker.motion.nearest import gaps, nearest
         from baker.transport.solve import solve
 
         few = np.eye(3)
         solve(np.tile(few, (2, 1)), few)
+        nearest(few, few)
+        gaps(few[None], few, few)
         curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
         keys, around = along(curve, every, weights)
         beside(keys, keys, around, around, 1.0, 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from baker.motion import rotation
 from baker.motion.spine import Points, Spine, at_levels, levels
@@ -19,7 +20,7 @@ def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:
     Each level turns by the smallest rotation of its tangent and by one roll about it, for the
     whole organ: the smallest of those that bring the clouds nearest to each other.
     """
-    from scipy.spatial import cKDTree
+    from baker.motion.nearest import gaps
 
     turns = rotation.between(here.tangents, there.tangents)
     offset = start - at_levels(here.nodes, here.along)
@@ -27,20 +28,19 @@ def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:
     width = np.sqrt((other**2).sum(1).mean() / max((offset**2).sum(1).mean(), 1e-30))
     width = float(np.clip(width, 1 / 3, 3))
 
-    def laid(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
+    def laid(rolls: NDArray[np.float64], chosen: slice = slice(None)) -> NDArray[np.float64]:
+        """(c, n, 3) the chosen points, each level rolled by (c, LEVELS) angles."""
         along = here.along[chosen]
-        rolled = rotation.about(there.tangents, roll + twist * levels()) @ turns
-        turned = np.einsum("nij,nj->ni", at_levels(rolled, along), offset[chosen])
+        axes = np.tile(there.tangents, (len(rolls), 1))
+        rolled = rotation.about(axes, rolls.ravel()).reshape(*rolls.shape, 3, 3) @ turns
+        at_points = at_levels(rolled.swapaxes(0, 1), along).swapaxes(0, 1)
+        turned = (at_points @ offset[chosen][:, :, None])[..., 0]
         return at_levels(there.nodes, along) + width * turned
 
+    choices = np.array([(roll, twist) for roll in ROLLS for twist in TWISTS])
+    rolls = choices[:, :1] + choices[:, 1:] * levels()
     some = slice(None, None, max(len(start) // SEARCHED, 1))
-    sparse = end[:: max(len(end) // SEARCHED, 1)]
-    tree = cKDTree(end)
-
-    def price(choice: tuple[float, float]) -> float:
-        points = laid(*choice, some)
-        far = tree.query(points)[0].mean() + cKDTree(points).query(sparse)[0].mean()
-        turned = abs(choice[0]) + abs(choice[0] + choice[1])
-        return float(far * (1.0 + ROLL_PRICE * turned / np.pi))
-
-    return laid(*min(((roll, twist) for roll in ROLLS for twist in TWISTS), key=price))
+    sparse = np.ascontiguousarray(end[:: max(len(end) // SEARCHED, 1)])
+    turned = np.abs(choices[:, 0]) + np.abs(choices.sum(axis=1))
+    price = gaps(laid(rolls, some), end, sparse) * (1.0 + ROLL_PRICE * turned / np.pi)
+    return laid(rolls[[np.argmin(price)]])[0]

@@ -21,11 +21,10 @@ def draw(moving: Points, end: Points) -> Points:
     of some centres the pairs' shifts are fitted by an affine map, the nearer the more they weigh;
     the maps are blended. The kernel narrows: first the whole is moved, then its parts.
     """
-    from scipy.spatial import cKDTree
+    from baker.motion.nearest import nearest
 
     middle = moving.mean(axis=0)
     here, there = moving - middle, end - middle
-    tree = cKDTree(there)
     centres = here[spread_out(here, CENTRES)]
     size = float(np.sqrt((here**2).sum(axis=1).mean())) or 1.0
     squared = ((here[None] - centres[:, None]) ** 2).sum(axis=2)
@@ -34,15 +33,15 @@ def draw(moving: Points, end: Points) -> Points:
         weights = np.exp(-0.5 * squared / (width * size) ** 2) + 1e-12
         blend = weights / weights.sum(axis=0)
         for _ in range(ROUNDS):
-            ahead, partner = tree.query(drawn)
-            back, owner = cKDTree(drawn).query(there)
+            ahead, partner = nearest(drawn, there)
+            back, owner = nearest(there, drawn)
             rows = np.concatenate([everyone, owner])
             shift = np.concatenate([there[partner], there]) - here[rows]
             away = np.concatenate([ahead, back])
             trust = 1.0 / (1.0 + (away / (DOUBTFUL * np.median(away) + 1e-12 * size)) ** 2)
             slopes, offsets = _affine(here, rows, shift, trust, weights, width * size)
             local = (blend.T @ slopes.reshape(-1, 9)).reshape(-1, 3, 3)
-            drawn = here + np.einsum("ni,nik->nk", here, local) + blend.T @ offsets
+            drawn = here + (here[:, None] @ local)[:, 0] + blend.T @ offsets
     return drawn + middle
 
 
@@ -60,17 +59,15 @@ def _affine(
     weights: (centres, n). Returns (centres, 3, 3) and (centres, 3).
     """
     count = len(points)
-    mass, pull = np.empty(count), np.empty((count, 3))
-    mass[:] = np.bincount(rows, trust, count)
+    mass, pull = np.bincount(rows, trust, count), np.empty((count, 3))
     for axis in range(3):
         pull[:, axis] = np.bincount(rows, trust * shift[:, axis], count)
-
-    def summed(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return (weights @ values.reshape(count, -1)).reshape(-1, *values.shape[1:])
-
-    total, first, moved = summed(mass), summed(mass[:, None] * points), summed(pull)
-    second = summed(mass[:, None, None] * points[:, :, None] * points[:, None])
-    cross = summed(points[:, :, None] * pull[:, None])
+    outer = points[:, :, None] * np.concatenate([mass[:, None] * points, pull], axis=1)[:, None]
+    summed = weights @ np.concatenate(
+        [mass[:, None], mass[:, None] * points, pull, outer.reshape(count, -1)], axis=1
+    )
+    total, first, moved = summed[:, 0], summed[:, 1:4], summed[:, 4:7]
+    second, cross = np.split(summed[:, 7:].reshape(-1, 3, 6), 2, axis=2)
     mean, shifted = first / total[:, None], moved / total[:, None]
     second = second - np.einsum("ci,cj->cij", first, mean)
     cross = cross - np.einsum("ci,cj->cij", first, shifted)

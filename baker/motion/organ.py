@@ -77,16 +77,22 @@ def fit_motion(start: OrganShape, end: OrganShape, least: float = 0.0) -> OrganM
         return None
     laid = bend(start.points, end.points, start.spine, end.spine)
     warped = draw(laid, end.points)
-    if unevenness(start.points, warped) > TORN:
+    uneven = unevenness(start.points, warped)
+    if uneven > TORN:
         return None
-    motion = motion_of(start.points, start.spine.along, warped)
+    motion = motion_of(start.points, start.spine.along, warped, uneven)
     return motion if _bow_size(motion.start_nodes, motion.end_nodes, motion.pace) >= least else None
 
 
-def motion_of(sample: Points, along: NDArray[np.float64], warped: Points) -> OrganMotion:
-    """The motion that a warp of (n, 3) points at places (n,) along a spine is."""
+def motion_of(
+    sample: Points, along: NDArray[np.float64], warped: Points, uneven: float
+) -> OrganMotion:
+    """The motion that a warp of (n, 3) points at places (n,) along a spine is.
+
+    uneven: the warp's `unevenness`.
+    """
     here, there = fit_spine(sample, along).nodes, fit_spine(warped, along).nodes
-    pace = growth_pace(here, there, unevenness(sample, warped))
+    pace = growth_pace(here, there, uneven)
     return OrganMotion(sample, along, warped, here, half_way_spine(here, there, pace), there, pace)
 
 

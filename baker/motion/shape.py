@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.motion.spine import Points, Spine, fit_spine, path_lengths
+from baker.motion.spine import Neighbours, Points, Spine, fit_spine, neighbours, path_lengths
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
 SAMPLE = 1000
@@ -53,8 +53,9 @@ def organ_shapes(
         sample = points[members[_sample(len(members))]].astype(np.float64)
         parent = hierarchy.parents[segment]
         above = found[parent] if parent != NO_PARENT else None
-        seeds, head = _contact(sample, above, base)
-        lengths = path_lengths(sample, seeds, head)
+        around = neighbours(sample)
+        seeds, head = _contact(sample, around, above, base)
+        lengths = path_lengths(sample, seeds, head, around)
         found[segment] = OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
     return found
 
@@ -66,15 +67,15 @@ def _sample(count: int) -> NDArray[np.intp]:
 
 
 def _contact(
-    sample: Points, parent: OrganShape | None, base: NDArray[np.floating]
+    sample: Points, around: Neighbours, parent: OrganShape | None, base: NDArray[np.floating]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """The points where an organ touches its parent, and how far along the plant those are."""
-    from scipy.spatial import cKDTree
+    from baker.motion.nearest import nearest
 
     if parent is None:
-        nearest = int(np.argmin(((sample - base) ** 2).sum(1)))
-        return np.array([nearest]), np.zeros(1)
-    gap, touched = cKDTree(parent.points).query(sample)
-    spacing = float(np.median(cKDTree(sample).query(sample, k=2)[0][:, 1]))
+        lowest = int(np.argmin(((sample - base) ** 2).sum(1)))
+        return np.array([lowest]), np.zeros(1)
+    gap, touched = nearest(sample, parent.points)
+    spacing = float(np.median(around[0][:, 1]))
     seeds = np.flatnonzero(gap <= gap.min() + CONTACT * spacing)
     return seeds, parent.lengths[touched[seeds]] + gap[seeds]

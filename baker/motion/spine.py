@@ -36,12 +36,31 @@ def levels() -> NDArray[np.float64]:
     return np.linspace(0.0, 1.0, LEVELS)
 
 
+Neighbours = tuple[NDArray[np.float64], NDArray[np.intp]]
+
+
+def neighbours(points: Points) -> Neighbours:
+    """(n, k) how far the nearest of (n, 3) points are from each, and which they are; itself first.
+
+    Up to GRAPH_NEIGHBORS of them.
+    """
+    from scipy.spatial import cKDTree
+
+    apart, near = cKDTree(points).query(points, k=min(GRAPH_NEIGHBORS, len(points)))
+    return apart.reshape(len(points), -1), near.reshape(len(points), -1)
+
+
 def path_lengths(
-    points: Points, seeds: NDArray[np.intp], head_starts: NDArray[np.float64]
+    points: Points,
+    seeds: NDArray[np.intp],
+    head_starts: NDArray[np.float64],
+    around: Neighbours | None = None,
 ) -> NDArray[np.float64]:
     """(n,) length of the shortest path through the points from the nearest seed.
 
     head_starts: (seeds,) what the path is long already where it enters at each seed.
+    around: the points' `neighbours`, where these are known.
+
     Parts of the neighbour graph that no seed is in are joined by their shortest gaps.
     """
     from scipy.sparse import coo_matrix
@@ -49,9 +68,7 @@ def path_lengths(
     from scipy.spatial import cKDTree
 
     count = len(points)
-    tree = cKDTree(points)
-    apart, near = tree.query(points, k=min(GRAPH_NEIGHBORS, count))
-    apart, near = apart.reshape(count, -1), near.reshape(count, -1)
+    apart, near = around or neighbours(points)
     tiny = 1e-9 * float(apart.max() or 1.0)
     rows = [np.repeat(np.arange(count), near.shape[1]), np.full(len(seeds), count)]
     columns = [near.ravel(), np.asarray(seeds)]
