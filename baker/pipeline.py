@@ -173,6 +173,7 @@ def _read_options(options: Options) -> ReadOptions:
         denoise=options.denoise,
         resample=options.resample,
         use_labels=options.labels != "ignore",
+        mend_labels=not options.paper,
         every=options.every,
     )
 

@@ -31,6 +31,7 @@ class ReadOptions:
     label_field:  the field that holds the labels; None looks for the usual names
                   (`baker.scans.fields.LABEL_NAMES`).
     use_labels:   False reads the scans as if they had no labels.
+    mend_labels:  specks of one organ amid another take the label of what is around them.
     times_file:   a text file with a line `name time` for each scan; before times in file names.
     outliers:     None keeps all points; a number r drops those whose mean distance to their 16
                   nearest neighbours is more than r standard deviations above the scan's average
@@ -45,6 +46,7 @@ class ReadOptions:
 
     label_field: str | None = None
     use_labels: bool = True
+    mend_labels: bool = True
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None
@@ -79,6 +81,7 @@ def read_series(
     """
     from baker.scans import clean, place
     from baker.scans.denoise import denoised
+    from baker.scans.strays import without_strays
     from baker.scans.unchanged import read_unchanged
 
     options = options or ReadOptions()
@@ -104,6 +107,8 @@ def read_series(
             cloud = denoised(cloud, options.denoise)
         if options.resample is not None:
             cloud = clean.resampled(cloud, options.resample)
+        if options.mend_labels:
+            cloud = without_strays(cloud)
         scans.append(
             Scan(
                 name=printable(entry.name),

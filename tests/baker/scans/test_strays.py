@@ -1,0 +1,119 @@
+"""Specks of one organ amid another are mended; whatever may be an organ's own stays."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from baker.options import Options
+from baker.pipeline import bake_recorded
+from baker.scans import clean
+from baker.scans.cloud import Cloud
+from baker.scans.strays import mended, without_strays
+
+
+@pytest.fixture(scope="module")
+def plant() -> tuple[np.ndarray, np.ndarray]:
+    """A stem (0) with a level square leaf on either side (1 and 2), 3,000 points."""
+    rng = np.random.default_rng(5)
+    stem = rng.random((1000, 3)) * [1.0, 1.0, 12.0]
+    leaves = [rng.random((1000, 3)) * [8.0, 8.0, 0.1] + [x, -3.5, z] for x, z in ((1, 8), (-8, 11))]
+    points = np.concatenate([stem, *leaves]).astype(np.float32)
+    return points, np.repeat(np.arange(3, dtype=np.int64), 1000)
+
+
+@pytest.mark.parametrize("share", [0.002, 0.02, 0.1])
+def test_specks_are_mended(plant, share):
+    points, labels = plant
+    rng = np.random.default_rng(7)
+    noisy = np.where(rng.random(len(labels)) < share, rng.integers(0, 3, len(labels)), labels)
+    wrong = (noisy != labels).sum()
+    assert wrong
+    assert (mended(points, noisy) != labels).sum() <= 0.1 * wrong
+    cloud = without_strays(Cloud(points, noisy))
+    assert "what is all around" in cloud.notes[0]
+    np.testing.assert_array_equal(cloud.labels, mended(points, noisy))
+
+
+def test_clean_labels_stay(plant):
+    points, labels = plant
+    cloud = Cloud(points, labels)
+    assert without_strays(cloud) is cloud
+    assert without_strays(Cloud(points)).labels is None
+
+
+def test_a_piece_that_is_cut_off_but_not_amid_others_stays(plant):
+    points, labels = plant
+    gap = (labels == 1) & (points[:, 0] > 7.5) & (points[:, 0] < 8.7)
+    points, labels = points[~gap], labels[~gap]
+    assert 0 < ((labels == 1) & (points[:, 0] > 8.7)).sum() < 50
+    np.testing.assert_array_equal(mended(points, labels), labels)
+
+
+def test_a_piece_that_only_touches_another_organ_stays(plant):
+    points, labels = plant
+    gap = (labels == 1) & (points[:, 0] > 7.5) & (points[:, 0] < 8.7)
+    twig = np.column_stack([np.linspace(9, 12, 16), np.full(16, 0.5), np.full(16, 8.2)])
+    points = np.concatenate([points[~gap], twig]).astype(np.float32)
+    labels = np.concatenate([labels[~gap], np.full(16, 3)])
+    np.testing.assert_array_equal(mended(points, labels), labels)
+
+
+def test_a_thin_stem_through_a_leaf_stays_whole():
+    rng = np.random.default_rng(1)
+    leaf = rng.random((4000, 3)) * [10.0, 10.0, 0.1] - [5.0, 5.0, 0.05]
+    stem = np.column_stack([np.zeros((400, 2)), np.linspace(-30.0, 30.0, 400)])
+    labels = np.repeat([1, 0], [4000, 400])
+    np.testing.assert_array_equal(mended(np.concatenate([leaf, stem]), labels), labels)
+
+
+def test_a_large_piece_stays_though_amid_another_organ(plant):
+    points, labels = plant
+    rng = np.random.default_rng(2)
+    patch = rng.random((280, 3)) * [5.0, 5.0, 0.1] + [-6.5, -2.0, 11.0]
+    points = np.concatenate([points, patch]).astype(np.float32)
+    few, many = (np.concatenate([labels, np.full(280, 1)])[: len(points) - n] for n in (240, 0))
+    assert (mended(points[:-240], few)[3000:] == 2).all()
+    assert (mended(points, many)[3000:] == 1).mean() > 0.75
+
+
+def test_a_small_organ_stays(plant):
+    points, labels = plant
+    labels = labels.copy()
+    labels[np.argsort(np.linalg.norm(points - [0.5, 0.5, 6.0], axis=1))[:5]] = 9
+    np.testing.assert_array_equal(mended(points, labels), labels)
+
+
+def test_labels_that_are_all_strays_stay(plant):
+    points, _ = plant
+    labels = np.random.default_rng(3).integers(0, 300, len(points))
+    np.testing.assert_array_equal(mended(points, labels), labels)
+
+
+clouds = st.integers(1, 60).flatmap(
+    lambda n: st.tuples(
+        arrays(np.float32, (n, 3), elements=st.integers(-3, 3)),
+        arrays(np.int64, n, elements=st.integers(-2, 3)),
+    )
+)
+
+
+@given(clouds)
+def test_no_organ_vanishes_or_appears(cloud):
+    cloud = clean.drop_duplicates(Cloud(*cloud))
+    assert set(mended(cloud.points, cloud.labels)) == set(cloud.labels)
+
+
+def test_the_papers_way_leaves_labels_alone(tmp_path: Path, plant):
+    points, labels = plant
+    noisy = labels.copy()
+    noisy[[1500, 1700, 2500]] = 0
+    for day in (0, 1):
+        np.savetxt(tmp_path / f"day{day}.txt", np.column_stack([points + 0.01 * day, noisy]))
+    for paper, wanted in ((True, noisy), (False, labels)):
+        options = Options(paper=paper, align="none", workers=1)
+        _, record = bake_recorded([tmp_path], options)
+        assert all((scan.labels == wanted).all() for scan in record.series.scans)
