@@ -34,6 +34,16 @@ def test_labelled_series(shared_data, name):
         assert scan.origin.tolist() == [0, 0, 0]
 
 
+@pytest.mark.parametrize("name", [name for name in SERIES if "/" not in name])
+def test_labels_of_careful_hands_are_hardly_touched(shared_data, name):
+    as_is, mended = (
+        read_series([shared_data / name], ReadOptions(mend_labels=mend)).scans
+        for mend in (False, True)
+    )
+    for one, other in zip(as_is, mended, strict=True):
+        assert (one.labels != other.labels).sum() <= 1e-3 * len(one)
+
+
 def test_full_resolution_tomato(shared_data):
     folder = shared_data / "tomato_fullres"
     read_series([folder])  # imports
