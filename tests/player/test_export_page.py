@@ -49,14 +49,18 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     tab.on("console", lambda message: troubles.append(message.text))
     tab.on("request", lambda request: troubles.append(request.url))
 
-    def open_(clip: Clip, film: Film | None = None) -> Any:
+    def open_(clip: Clip, film: Film | None = None, before: str = "") -> Any:
+        """before: a script that runs before the page's own."""
         path = tmp_path / "plant.html"
+        if before:
+            tab.add_init_script(before)
         export(clip, film or Film(), path)
         tab.goto(path.as_uri())
         until(tab, "window.viewer !== undefined")
         tab.evaluate(f"viewer.seek({clip.times[-1]})")
         assert tab.text_content("#trouble") == ""
-        assert troubles == [path.as_uri()], "the page itself, and nothing else"
+        asked = [url for url in troubles if not url.startswith("blob:")]  # the page's own worker
+        assert asked == [path.as_uri()], "the page itself, and nothing else"
         return tab
 
     yield open_
@@ -94,6 +98,64 @@ def test_the_browser_interpolates_as_the_clip_does(
         expected = [frame.local] if frame.litter is None else [frame.local, frame.litter.local]
         seen = np.concatenate([np.array(layer).reshape(-1, 3) for layer in layers])
         assert np.abs(seen - np.concatenate(expected)).max() <= clip.spacing / 60
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "window.Worker = class { constructor() { throw new Error('not from the disk'); } };",
+        "window.Worker = class { postMessage() { setTimeout(() => this.onerror(new Event('')), 9); } };",
+        "",
+    ],
+    ids=["refused", "failing", "there"],
+)
+def test_a_page_unpacks_with_a_worker_and_without(opened: Any, make_clip: Any, broken: str) -> None:
+    clip = make_clip(degree=3, colors=((200, 40, 30, 255), (30, 90, 200, 255)))
+    tab = opened(clip, before=broken)
+    assert tab.evaluate("viewer.clip.unpacker.worker !== null") is (broken == "")
+    layers = tab.evaluate("viewer.positions(5).map((layer) => Array.from(layer.values))")
+    seen = np.concatenate([np.array(layer).reshape(-1, 3) for layer in layers])
+    frame = clip.at(5.0)
+    expected = [frame.local] if frame.litter is None else [frame.local, frame.litter.local]
+    assert np.abs(seen - np.concatenate(expected)).max() <= clip.spacing / 60
+    assert tab.evaluate("viewer.renderer.share(0)") == 1
+    assert not tab.is_visible("#waiting")
+
+
+def test_the_canvas_keeps_its_size_while_less_is_drawn(opened: Any, make_clip: Any) -> None:
+    """A canvas of another size waits for all that is being drawn."""
+    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+    whole = picture(tab)
+    draw = """() => {
+        const { renderer, clock, camera, look } = viewer;
+        renderer.draw(clock.day, camera, look, [240, 180], 1, true);
+        return [renderer.canvas.width, renderer.canvas.height];
+    }"""
+    assert tab.evaluate(draw) == [480, 360]
+    small = picture(tab)
+    assert (small != whole).any()
+    assert np.abs(small - whole).mean() < 4.0
+
+
+def test_fingers_turn_and_pinch(opened: Any, make_clip: Any) -> None:
+    tab = opened(make_clip())
+    touch = tab.context.new_cdp_session(tab)
+
+    def fingers(kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    yaw, distance = tab.evaluate("[viewer.camera.yaw, viewer.camera.distance]")
+    fingers("touchStart", (240, 150))
+    for x in range(240, 301, 20):
+        fingers("touchMove", (x, 150))
+    fingers("touchEnd")
+    until(tab, f"viewer.camera.yaw < {yaw} - 0.3")
+    fingers("touchStart", (220, 150), (260, 150))
+    for aside in range(0, 41, 10):
+        fingers("touchMove", (220 - aside, 150), (260 + aside, 150))
+    fingers("touchEnd")
+    until(tab, f"viewer.camera.distance < 0.6 * {distance}")
 
 
 def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:

@@ -61,10 +61,93 @@ class Clip {
     }
 
     // The buffers of one interval: { points: [start, controls..., end], tracks, colors }.
-    async load(index) {
+    // told: called with the share that is done.
+    load(index, told) {
         const text = document.getElementById(`interval-${index}`).textContent;
-        return unpack(await inflated(bytesOf(text.trim())), this.intervals[index]);
+        this.unpacker ||= new Unpacker();
+        return this.unpacker.unpack(text, this.intervals[index], told);
     }
+}
+
+// Unpacks in a thread of its own, so that the page answers; where there is none, piece by piece.
+class Unpacker {
+    constructor() {
+        this.asked = new Map();
+        this.last = 0;
+        try {
+            const parts = [PIECE, bytesOf, inflated, unpack, unpacked, answer].map(
+                (part) => (typeof part === "function" ? String(part) : `const PIECE = ${part};`));
+            const text = [...parts, "onmessage = answer;"].join("\n");
+            const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+            this.worker = new Worker(url);
+            this.worker.onmessage = ({ data }) => this.hear(data);
+            this.worker.onerror = (event) => { event.preventDefault(); this.doWithout(); };
+        } catch {
+            this.worker = null;
+        }
+    }
+
+    unpack(text, about, told) {
+        if (!this.worker) return unpacked(text, about, told, nextTurn);
+        const number = ++this.last;
+        return new Promise((done, failed) => {
+            this.asked.set(number, { done, failed, text, about, told });
+            this.worker.postMessage({ number, text, about });
+        });
+    }
+
+    hear({ number, share, data, trouble }) {
+        const asked = this.asked.get(number);
+        if (share !== undefined) {
+            asked.told(share);
+            return;
+        }
+        this.asked.delete(number);
+        if (data) asked.done(data);
+        else asked.failed(new Error(trouble));
+    }
+
+    // Some browsers start no worker from a page on the disk.
+    doWithout() {
+        this.worker = null;
+        for (const { done, failed, text, about, told } of this.asked.values()) {
+            unpacked(text, about, told, nextTurn).then(done, failed);
+        }
+        this.asked.clear();
+    }
+}
+
+// What the worker does with a message.
+async function answer({ data: { number, text, about } }) {
+    try {
+        const told = (share) => postMessage({ number, share });
+        const data = await unpacked(text, about, told, () => null);
+        const buffers = [...data.points, data.tracks, ...data.colors].map(({ buffer }) => buffer);
+        postMessage({ number, data }, buffers);
+    } catch (error) {
+        postMessage({ number, trouble: error.message });
+    }
+}
+
+// rest: what is waited for between pieces.
+async function unpacked(text, about, told, rest) {
+    let bytes, data;
+    for (const found of bytesOf(text.trim())) {
+        bytes = found;
+        await rest();
+    }
+    bytes = await inflated(bytes);
+    for (const [share, found] of unpack(bytes, about)) {
+        data = found;
+        told(share);
+        await rest();
+    }
+    return data;
+}
+
+// Lets the page answer what has happened meanwhile.
+function nextTurn() {
+    return new Promise((done) => setTimeout(done));
 }
 
 // The Bernstein weights of a Bezier curve's points.
@@ -75,10 +158,17 @@ function bernstein(degree, u) {
     return [v * v * v, 3 * u * v * v, 3 * u * u * v, u * u * u];
 }
 
-function bytesOf(base64) {
-    const text = atob(base64), bytes = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-    return bytes;
+const PIECE = 1 << 19;  // characters, in fours
+
+// Piece by piece; the bytes are whole at the last one.
+function* bytesOf(base64) {
+    const padding = base64.endsWith("==") ? 2 : base64.endsWith("=") ? 1 : 0;
+    const bytes = new Uint8Array((base64.length / 4) * 3 - padding);
+    for (let at = 0, put = 0; at < base64.length; at += PIECE) {
+        const text = atob(base64.slice(at, at + PIECE));
+        for (let i = 0; i < text.length; ++i) bytes[put++] = text.charCodeAt(i);
+        yield bytes;
+    }
 }
 
 async function inflated(bytes) {
@@ -86,9 +176,11 @@ async function inflated(bytes) {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Undo what packing.py did: byte planes of differences between neighbouring movers.
-function unpack(bytes, { count, degree, trackBytes, colored }) {
+// Undo what packing.py did: byte planes of differences between neighbouring movers. Piece by piece,
+// with the share that is done; the buffers are whole at the last one.
+function* unpack(bytes, { count, degree, trackBytes, colored }) {
     let at = 0;
+    const done = (data) => [at / Math.max(bytes.length, 1), data];
     const plane = () => bytes.subarray(at, (at += count));
 
     // One axis: differences, zigzag, low bytes then high bytes; added to what was foretold.
@@ -101,16 +193,20 @@ function unpack(bytes, { count, degree, trackBytes, colored }) {
             points[3 * i + offset] = sum + (foretold ? foretold(3 * i + offset) : 0);
         }
     };
-    const positions = (foretold) => {
+    function* positions(foretold) {
         const points = new Uint16Array(3 * count);
-        for (let offset = 0; offset < 3; ++offset) axis(points, offset, foretold);
+        for (let offset = 0; offset < 3; ++offset) {
+            axis(points, offset, foretold);
+            yield done();
+        }
         return points;
-    };
-    const start = positions(null);
-    const end = positions((i) => start[i]);
+    }
+    const start = yield* positions(null);
+    const end = yield* positions((i) => start[i]);
     const curve = [start];
     for (let j = 1; j < degree; ++j) {
-        curve.push(positions((i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
+        curve.push(yield* positions(
+            (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
     }
     curve.push(end);
 
@@ -118,6 +214,7 @@ function unpack(bytes, { count, degree, trackBytes, colored }) {
     for (let shift = 0; shift < 8 * trackBytes; shift += 8) {
         const part = plane();
         for (let i = 0; i < count; ++i) tracks[i] |= part[i] << shift;
+        yield done();
     }
     const colors = [];
     for (let end = 0; colored && end < 2; ++end) {
@@ -129,8 +226,9 @@ function unpack(bytes, { count, degree, trackBytes, colored }) {
                 sum += part[i];
                 paint[3 * i + offset] = sum + (end ? colors[0][3 * i + offset] : 0);
             }
+            yield done();
         }
         colors.push(paint);
     }
-    return { points: curve, tracks, colors };
+    yield done({ points: curve, tracks, colors });
 }

@@ -82,6 +82,7 @@ function start(about, shaders) {
     function draw(level) {
         const every = Math.min(level[1], renderer.thinned(clock.day, FEWEST));
         state.steps = null;
+        renderer.resize(sizeOf(LEVELS[0]));
         renderer.draw(clock.day, camera, look, sizeOf(level), every, level[2] === 1);
     }
 
@@ -138,8 +139,14 @@ function start(about, shaders) {
         const there = renderer.ready(needed);
         if (needed + 1 < clip.intervals.length && there) renderer.ready(needed + 1);
         if (needed > 0 && there) renderer.ready(needed - 1);
-        byId("waiting").hidden = there;
-        if (!there) return;
+        const waits = !renderer.compiled(clip.intervals[needed]) || !there;
+        byId("waiting").hidden = !waits;
+        if (waits) {
+            const share = `${Math.round(100 * renderer.share(needed))}`;
+            byId("waiting").style.setProperty("--share", share);
+            byId("waiting").setAttribute("aria-valuenow", share);
+            return;
+        }
         const moving = clock.playing || state.turning || now - state.moved < 200;
         if (clock.playing) clock.tick(passed / 1000);
         if (!renderer.ready(clip.locate(clock.day)[0])) return;
@@ -157,6 +164,7 @@ function start(about, shaders) {
     new ResizeObserver(() => (state.fitted ? fit() : show())).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => location.reload());
     clock.playing = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    renderer.resize(sizeOf(LEVELS[0]));
     refresh();
     fit();
     requestAnimationFrame(frame);
@@ -354,7 +362,14 @@ try {
         throw new Error("This browser is too old to unpack the plant; one from 2023 or later can.");
     }
     const read = (id) => JSON.parse(byId(id).textContent);
-    start(read("clip"), read("shaders"));
+    // The page first: a graphics driver may take a while to begin.
+    requestAnimationFrame(() => setTimeout(() => {
+        try {
+            start(read("clip"), read("shaders"));
+        } catch (error) {
+            complain(error);
+        }
+    }));
 } catch (error) {
     complain(error);
 }

@@ -7,6 +7,8 @@ const THICKNESS = 1.6;  // depth, in disc radii, over which discs count as one s
 const SHADOW_SIDE = 192, SHADOWING = 30000;  // texels a side; movers that are enough for it
 const SHADOW_EVERY = 4;  // pictures, while things move on a slow machine
 const BUDGET = 384 << 20;  // bytes of movers kept on the GPU
+const SENT = 1 << 20;  // bytes sent there in one go
+const UNPACKING = 0.8;  // of the time that loading takes
 
 class Renderer {
     // shaders: name -> GLSL; throws an Error whose message is for people.
@@ -23,6 +25,9 @@ class Renderer {
         this.programs = new Map();
         this.buffers = new Map();  // by interval, the longest unused first
         this.loading = new Map();
+        this.done = new Map();  // shares of what is loading
+        this.begun = new Map();  // programs that are being compiled
+        this.parallel = gl.getExtension("KHR_parallel_shader_compile");
         this.used = 0;
         this.empty = gl.createVertexArray();
         this.targets = null;
@@ -42,7 +47,8 @@ class Renderer {
             return true;
         }
         if (!this.loading.has(index)) {
-            const work = this.clip.load(index).then((data) => this.upload(index, data));
+            const told = (share) => this.done.set(index, UNPACKING * share);
+            const work = this.clip.load(index, told).then((data) => this.upload(index, data));
             this.loading.set(index, work.finally(() => this.loading.delete(index)));
         }
         return false;
@@ -52,23 +58,41 @@ class Renderer {
         while (!this.ready(index)) await this.loading.get(index);
     }
 
-    upload(index, { points, tracks, colors }) {
+    // Share of an interval that is loaded.
+    share(index) {
+        return this.buffers.has(index) ? 1 : this.done.get(index) || 0;
+    }
+
+    async upload(index, { points, tracks, colors }) {
         const gl = this.gl, { degree } = this.clip.intervals[index];
-        const stored = [];
+        const stored = [], all = [...points, tracks, ...colors];
+        const whole = all.reduce((sum, data) => sum + data.byteLength, 0);
         let bytes = 0;
-        const store = (location, data, size, point) => {
-            const buffer = gl.createBuffer();
+        const store = async (location, data, size, point) => {
+            const buffer = gl.createBuffer(), raw = new Uint8Array(data.buffer);
             gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-            gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+            gl.bufferData(gl.ARRAY_BUFFER, raw.length, gl.STATIC_DRAW);
+            for (let at = 0; at < raw.length; at += SENT) {
+                const part = raw.subarray(at, at + SENT);
+                gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+                gl.bufferSubData(gl.ARRAY_BUFFER, at, part);
+                bytes += part.length;
+                this.done.set(index, UNPACKING + ((1 - UNPACKING) * bytes) / whole);
+                await nextTurn();
+            }
             stored.push({ location, buffer, size, point });
-            bytes += data.byteLength;
         };
-        points.forEach((data, i) => store(i, data, 6, (at, stride) =>
-            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, false, stride, 0)));
+        for (const [i, data] of points.entries()) {
+            await store(i, data, 6, (at, stride) =>
+                gl.vertexAttribPointer(at, 3, gl.UNSIGNED_SHORT, false, stride, 0));
+        }
         const wide = tracks.BYTES_PER_ELEMENT, kind = wide === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
-        store(4, tracks, wide, (at, stride) => gl.vertexAttribIPointer(at, 1, kind, stride, 0));
-        colors.forEach((data, i) => store(5 + i, data, 3, (at, stride) =>
-            gl.vertexAttribPointer(at, 3, gl.UNSIGNED_BYTE, true, stride, 0)));
+        await store(4, tracks, wide, (at, stride) =>
+            gl.vertexAttribIPointer(at, 1, kind, stride, 0));
+        for (const [i, data] of colors.entries()) {
+            await store(5 + i, data, 3, (at, stride) =>
+                gl.vertexAttribPointer(at, 3, gl.UNSIGNED_BYTE, true, stride, 0));
+        }
         const colored = colors.length > 0, arrays = new Map();
         this.buffers.set(index, { arrays, stored, bytes, degree, colored });
         this.used += bytes;
@@ -110,6 +134,14 @@ class Renderer {
     // every: of so many movers one is drawn; quick: in one pass, without soft rims.
     draw(day, camera, look, size, every = 1, quick = false) {
         for (const _ of this.steps(day, camera, look, size, every, quick)) continue;
+    }
+
+    // What is drawn smaller than the canvas is enlarged: a canvas of another size has to be emptied,
+    // and whoever does that waits for all that is being drawn.
+    resize([width, height]) {
+        if (this.canvas.width !== width || this.canvas.height !== height) {
+            Object.assign(this.canvas, { width, height });
+        }
     }
 
     // The same, step by step, at most slice() movers in each; what is shown changes in the last one.
@@ -215,11 +247,12 @@ class Renderer {
         const gl = this.gl, clip = this.clip, { surface, distances, width, height } = this.targets;
         const slope = Math.tan(camera.fieldOfView / 2);
         const rows = camera.frame(), up = camera.axes[2];
-        if (this.canvas.width !== width || this.canvas.height !== height) {
-            Object.assign(this.canvas, { width, height });
+        const whole = { framebuffer: null, width: this.canvas.width, height: this.canvas.height };
+        const smaller = width !== whole.width || height !== whole.height;
+        if (smaller && !this.targets.picture) {
+            this.targets.picture = this.target(width, height, [gl.RGBA8], gl.LINEAR);
         }
-        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        gl.viewport(0, 0, width, height);
+        this.into(smaller ? this.targets.picture : whole);
         this.fill("picture", {
             ...disc, ...clip.grounds[look.light ? "light" : "dark"],
             color_sum: [surface.textures[0], 0], distances: [distances[1].textures[0], 1],
@@ -230,6 +263,10 @@ class Renderer {
             dome_radius: Math.max(1, (1.2 * height) / 720), eye_dome: look.eyeDome,
             depth_cue: look.depthCue, floor_share: look.floor,
         });
+        if (smaller) {
+            this.into(whole);
+            this.fill("enlarge", { source: [this.targets.picture.textures[0], 0] });
+        }
     }
 
     // Local coordinates to the floor's square, [-1, 1] x [-1, 1] x height above the floor.
@@ -299,11 +336,42 @@ class Renderer {
         this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
     }
 
-    program(vertex, fragment, definitions) {
-        const key = [vertex, fragment, ...Object.values(definitions)].join();
-        if (!this.programs.has(key)) {
-            this.programs.set(key, linked(this.gl, this.shaders, vertex, fragment, definitions));
+    // The picture's programs: begins them all, and finishes one at a time; true once they are there.
+    // Compilers take long, and who asks too soon waits for them.
+    compiled({ degree, colored }) {
+        const movers = { DEGREE: degree, SCAN_COLORS: +colored };
+        for (const [vertex, fragment] of [
+            ["splat", "nearest"], ["surface", "surface"], ["splat", "splat"], ["shadow", "shadow"],
+            ["screen", "smooth"], ["screen", "blur"], ["screen", "picture"], ["screen", "enlarge"],
+        ]) {
+            const definitions = vertex === "screen" ? {} : movers;
+            if (!this.programs.has(keyOf(vertex, fragment, definitions))) {
+                this.begin(vertex, fragment, definitions);
+            }
         }
+        const [next] = this.begun;
+        if (!next) return true;
+        const [key, begun] = next, done = this.parallel && this.parallel.COMPLETION_STATUS_KHR;
+        if (!done || this.gl.getProgramParameter(begun.program, done)) this.finish(key);
+        return false;
+    }
+
+    begin(vertex, fragment, definitions) {
+        const key = keyOf(vertex, fragment, definitions);
+        if (!this.begun.has(key)) {
+            this.begun.set(key, compiling(this.gl, this.shaders, vertex, fragment, definitions));
+        }
+        return key;
+    }
+
+    finish(key) {
+        this.programs.set(key, linked(this.gl, this.begun.get(key)));
+        this.begun.delete(key);
+    }
+
+    program(vertex, fragment, definitions) {
+        const key = keyOf(vertex, fragment, definitions);
+        if (!this.programs.has(key)) this.finish(this.begin(vertex, fragment, definitions));
         return this.programs.get(key);
     }
 
@@ -343,7 +411,7 @@ class Renderer {
         gl.framebufferRenderbuffer(
             gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, surface.depth);
         const distances = [0, 1].map(() => this.target(width, height, [away], gl.NEAREST));
-        return { width, height, surface, distances };
+        return { width, height, surface, distances, picture: null };
     }
 
     target(width, height, formats, filter) {
@@ -378,7 +446,8 @@ class Renderer {
     release(targets) {
         if (!targets) return;
         const gl = this.gl;
-        for (const { framebuffer, textures } of [targets.surface, ...targets.distances]) {
+        const { surface, distances, picture } = targets;
+        for (const { framebuffer, textures } of [surface, ...distances, picture].filter(Boolean)) {
             gl.deleteFramebuffer(framebuffer);
             textures.forEach((texture) => gl.deleteTexture(texture));
         }
@@ -386,29 +455,37 @@ class Renderer {
     }
 }
 
-function linked(gl, shaders, vertex, fragment, definitions) {
+function keyOf(vertex, fragment, definitions) {
+    return [vertex, fragment, ...Object.values(definitions)].join();
+}
+
+// Begins to compile; nothing is asked, so nothing is waited for.
+function compiling(gl, shaders, vertex, fragment, definitions) {
     const head = [
         "#version 300 es", "precision highp float;", "precision highp int;",
         "precision highp sampler2D;",
         ...Object.entries(definitions).map(([name, value]) => `#define ${name} ${value}`), "",
     ].join("\n");
-    const program = gl.createProgram();
+    const program = gl.createProgram(), parts = [];
     for (const [kind, name] of [[gl.VERTEX_SHADER, `${vertex}.vert`],
                                 [gl.FRAGMENT_SHADER, `${fragment}.frag`]]) {
         const shader = gl.createShader(kind);
         gl.shaderSource(shader, head + shaders[name]);
         gl.compileShader(shader);
-        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
-            throw new Error(`${name}: ${gl.getShaderInfoLog(shader)}`);
-        }
         gl.attachShader(program, shader);
+        parts.push([name, shader]);
     }
     if (vertex === "positions") {
         gl.transformFeedbackVaryings(program, ["out_position"], gl.SEPARATE_ATTRIBS);
     }
     gl.linkProgram(program);
+    return { program, parts };
+}
+
+function linked(gl, { program, parts }) {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-        throw new Error(`${vertex}, ${fragment}: ${gl.getProgramInfoLog(program)}`);
+        const logs = parts.map(([name, shader]) => `${name}: ${gl.getShaderInfoLog(shader) || ""}`);
+        throw new Error([...logs, gl.getProgramInfoLog(program)].join("\n"));
     }
     const uniforms = new Map();
     for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
