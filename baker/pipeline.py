@@ -73,14 +73,15 @@ def bake_recorded(
     """
     chosen = options or Options()
     tell: Progress = progress or (lambda stage, done, total: None)
+    crew = Crew(worker_count(chosen.workers), pool)
     found = read_series(
         [Path(path) for path in paths],
         _read_options(chosen),
         lambda done, total, name: tell("reading", done, total),
+        crew,
     )
     chosen = told_by(found, chosen)
     recipe = recipe_for(chosen)
-    crew = Crew(worker_count(chosen.workers), pool)
     alignment = aligned(
         cache,
         [scan.points for scan in found.scans],

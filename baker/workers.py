@@ -47,14 +47,15 @@ class Crew:
         done:   called with 1 for every result that is there.
         """
         results = []
-        for result in self._mapped(function, items, fewest):
+        for result in self.each(function, items, fewest):
             results.append(result)
             done(1)
         return results
 
-    def _mapped(
-        self, function: Callable[[Item], Result], items: Sequence[Item], fewest: int
+    def each(
+        self, function: Callable[[Item], Result], items: Sequence[Item], fewest: int = 2
     ) -> Iterable[Result]:
+        """The function's results in the items' order, each as soon as it and those before are."""
         if self.workers <= 1 or len(items) < fewest:
             yield from map(function, items)
         elif self.pool is not None:

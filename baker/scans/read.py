@@ -11,9 +11,13 @@ from typing import TYPE_CHECKING
 
 from baker.errors import InputError
 from baker.scans.scan import Scan, Series
+from baker.workers import ALONE, Crew
 from gclip.text import printable
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from baker.rgbd.series import ImageSeries
     from baker.scans.cloud import Cloud
     from baker.scans.times import Entry, Schedule
@@ -69,6 +73,7 @@ def read_series(
     inputs: Sequence[Path],
     options: ReadOptions | None = None,
     progress: Progress | None = None,
+    crew: Crew = ALONE,
 ) -> Series:
     """Read the scans of one plant, clean them and put them in the order of time.
 
@@ -76,57 +81,85 @@ def read_series(
     file holds colour and depth images (`baker.rgbd`). All scans share one `origin`, chosen from
     the first one (`baker.scans.place.shared_origin`).
 
+    crew: who shares the reading.
+
     Raises InputError for everything that can't be read as one series: see the modules `find`,
     `times`, `formats`, `fields` and `clean` for each step's own rules.
     """
     from baker.scans import clean, place
-    from baker.scans.denoise import denoised
-    from baker.scans.strays import without_strays
-    from baker.scans.unchanged import read_unchanged
 
     options = options or ReadOptions()
     listing = list_series(inputs, options)
-    schedule, images = listing.schedule, listing.images
+    entries = listing.schedule.entries
+    told = progress or (lambda done, total, name: None)
+    told(0, len(entries), entries[0].name)
+    raw = _raw(entries[0], listing, options)
+    origin = place.shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
+
+    def scan_of(entry: Entry) -> Scan | InputError:
+        try:
+            first = raw if entry is entries[0] else _raw(entry, listing, options)
+            return _scan(entry, *first, origin, listing, options)
+        except InputError as error:
+            return error
+
     scans: list[Scan] = []
-    origin = None
-    for done, entry in enumerate(schedule.entries):
-        if progress:
-            progress(done, len(schedule.entries), entry.name)
-        read = partial(_read, entry.path, images, options)
-        cloud, sha256 = read_unchanged(listing.files(entry), read)
-        cloud = clean.drop_non_finite(cloud, entry.path)
-        if origin is None:
-            origin = place.shared_origin(cloud.points)
-        clean.require_size(cloud, entry.path)
-        cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
-        if options.outliers is not None:
-            cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
-        if options.voxel is not None:
-            cloud = clean.thin(cloud, options.voxel)
-        if options.denoise is not None:
-            cloud = denoised(cloud, options.denoise)
-        if options.resample is not None:
-            cloud = clean.resampled(cloud, options.resample)
-        if options.mend_labels:
-            cloud = without_strays(cloud)
-        scans.append(
-            Scan(
-                name=printable(entry.name),
-                path=entry.path,
-                time=entry.moment.time,
-                origin=origin,
-                points=cloud.points,
-                labels=cloud.labels,
-                colors=cloud.colors,
-                date=entry.moment.date,
-                notes=cloud.notes,
-                beside=listing.files(entry)[1:],
-                sha256=sha256,
-            )
-        )
-    if progress:
-        progress(len(scans), len(scans), "")
+
+    for found in crew.each(scan_of, entries):
+        if isinstance(found, InputError):
+            raise found
+        scans.append(found)
+        name = entries[len(scans)].name if len(scans) < len(entries) else ""
+        told(len(scans), len(entries), name)
     return listing.series(_agree(scans, options), options)
+
+
+def _raw(entry: Entry, listing: Listing, options: ReadOptions) -> tuple[Cloud, str]:
+    """What a scan's files hold, and their digest."""
+    from baker.scans.unchanged import read_unchanged
+
+    return read_unchanged(listing.files(entry), partial(_read, entry.path, listing.images, options))
+
+
+def _scan(
+    entry: Entry,
+    cloud: Cloud,
+    sha256: str,
+    origin: NDArray[np.float64],
+    listing: Listing,
+    options: ReadOptions,
+) -> Scan:
+    """One scan, clean, about the series' origin."""
+    from baker.scans import clean, place
+    from baker.scans.denoise import denoised
+    from baker.scans.strays import without_strays
+
+    cloud = clean.drop_non_finite(cloud, entry.path)
+    clean.require_size(cloud, entry.path)
+    cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
+    if options.outliers is not None:
+        cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
+    if options.voxel is not None:
+        cloud = clean.thin(cloud, options.voxel)
+    if options.denoise is not None:
+        cloud = denoised(cloud, options.denoise)
+    if options.resample is not None:
+        cloud = clean.resampled(cloud, options.resample)
+    if options.mend_labels:
+        cloud = without_strays(cloud)
+    return Scan(
+        name=printable(entry.name),
+        path=entry.path,
+        time=entry.moment.time,
+        origin=origin,
+        points=cloud.points,
+        labels=cloud.labels,
+        colors=cloud.colors,
+        date=entry.moment.date,
+        notes=cloud.notes,
+        beside=listing.files(entry)[1:],
+        sha256=sha256,
+    )
 
 
 @dataclass(frozen=True)
