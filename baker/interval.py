@@ -55,8 +55,11 @@ def solve_task(
     decay: Motion,
     vertical: Vertical,
     floor: float,
+    feet: tuple[int, int] | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
+
+    feet: the task's points where the organ is attached, if its limbs are to go each on its own.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
@@ -70,16 +73,14 @@ def solve_task(
         whole = task.event == "loss"
         return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0) if whole else None)
 
-    from baker.transport.movers import movers as mover_pairs
-    from baker.transport.solve import solve
+    from baker.coupled import coupled
 
-    plan = solve(start.positions[task.start], end.positions[task.end], transport)
-    rows, columns, _ = mover_pairs(plan, len(task.start), len(task.end))
-    a, b = task.start[rows], task.end[columns]
+    found = coupled(start.positions[task.start], end.positions[task.end], transport, feet)
+    a, b = task.start[found.rows], task.end[found.columns]
     movers = _movers(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
     )
-    pair = _pair(task, len(movers), plan.solver, plan.distance, plan.marginal_error, plan.notes)
+    pair = _pair(task, len(movers), found.solver, found.distance, found.marginal_error, found.notes)
     if task.birth is not None:
         origin, target = movers.curve
         curve = (origin, task.birth.control(origin, target), target)

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.density import with_even_density
+from baker.feet import Feet
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
 from baker.motion import attached, curved, organ_motions
 from baker.tasks import Task
-from baker.transport.plan import TransportOptions
+from baker.transport.plan import Method, TransportOptions
 from baker.vertical import Vertical
 from baker.workers import ALONE, Crew, Done
 from gclip.clip import Interval, Motion
@@ -81,6 +82,9 @@ def move_interval(
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
     total = sum(map(_size, job.tasks))
+    feet = Feet((job.start.positions, job.end.positions), job.match, job.organs)
+    # The paper knows of no limbs.
+    limbs = job.transport.power == 2 and job.transport.method != Method.SINKHORN
 
     def solve(task: Task) -> Moved:
         # Only what is more than one's share of the work is shared out itself.
@@ -93,6 +97,7 @@ def move_interval(
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
+            feet=feet.of(task) if limbs else None,
         )
         done(1)
         return moved

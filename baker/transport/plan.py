@@ -39,6 +39,8 @@ class TransportOptions:
     iterations: ... or after so many iterations.
     seed:       directions of the bisections that give first plans; any value gives a good plan.
     workers:    threads that the exact method may use; the plan is the same whatever their number.
+    shared:     exact method only: a point's mass is what both segments have around it, instead of
+                uniform; see `shared_masses`.
     """
 
     method: Method | str = Method.AUTO
@@ -50,6 +52,7 @@ class TransportOptions:
     iterations: int = 2000
     seed: int = 0
     workers: int = 1
+    shared: bool = False
 
     def __post_init__(self) -> None:
         Method(self.method)
@@ -63,7 +66,7 @@ class TransportOptions:
 
 @dataclass(frozen=True)
 class Plan:
-    """A sparse coupling of two segments, each of uniform mass 1.
+    """A sparse coupling of two segments, each of mass 1: uniform, unless masses are shared.
 
     rows, columns:  (E,) int32, points of the start and of the end, ordered by row, then column.
     mass:           (E,) float64, what flows between them.
@@ -109,19 +112,24 @@ def make_plan(
     feasible: bool = True,
     iterations: int = 1,
     notes: Sequence[str] = (),
+    masses: tuple[Masses, Masses] | None = None,
 ) -> Plan:
-    """Order the pairs, and measure the cost on the points as given and the marginals' error."""
+    """Order the pairs, and measure the cost on the points as given and the marginals' error.
+
+    masses: of either side, of equal sums; by default each is uniform.
+    """
     order = np.lexsort((edges[1], edges[0]))
     rows, columns = edges[0][order], edges[1][order]
-    masses = np.asarray(mass, np.float64)[order]
-    cost = float(masses @ costs(start, end, (rows, columns), power))
+    flow = np.asarray(mass, np.float64)[order]
+    cost = float(flow @ costs(start, end, (rows, columns), power))
+    supply, demand = masses or uniform_masses(len(start), len(end))
     return Plan(
         rows.astype(np.int32),
         columns.astype(np.int32),
-        masses,
+        flow,
         cost,
         cost ** (1.0 / power),
-        marginal_error(rows, masses, len(start)) + marginal_error(columns, masses, len(end)),
+        marginal_error(rows, flow, supply) + marginal_error(columns, flow, demand),
         solver,
         feasible,
         iterations,
@@ -129,9 +137,9 @@ def make_plan(
     )
 
 
-def marginal_error(indices: Indices, mass: NDArray[np.float64], count: int) -> float:
-    """L1 distance of one side's sums from the uniform masses 1 / count."""
-    return float(np.abs(np.bincount(indices, mass, count) - 1.0 / count).sum())
+def marginal_error(indices: Indices, mass: NDArray[np.float64], wanted: Masses) -> float:
+    """L1 distance of one side's sums from the masses that are wanted, as shares of their sum."""
+    return float(np.abs(np.bincount(indices, mass, len(wanted)) - wanted / wanted.sum()).sum())
 
 
 def checked(points: Points) -> NDArray[np.float64]:

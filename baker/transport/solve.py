@@ -12,6 +12,7 @@ from baker.transport.plan import (
     make_plan,
     uniform_masses,
 )
+from baker.transport.shared import shared_masses
 from baker.transport.sinkhorn import regularized_plan
 from baker.transport.support import balance, explained_cost
 
@@ -19,11 +20,12 @@ _SLACK = 1e-4  # share of the whole cost below which an improvement is not worth
 
 
 def solve(start: Points, end: Points, options: TransportOptions | None = None) -> Plan:
-    """The transport plan between a segment's points at two times, each side of uniform mass 1.
+    """The transport plan between a segment's points at two times, each side of mass 1.
 
     start, end: (n, 3) and (m, 3) finite floats, in any order, duplicates allowed.
 
-    The exact method minimises sum(T * distance ** power) over couplings T: clouds that are
+    Their masses are uniform, unless `options.shared`. The exact method minimises
+    sum(T * distance ** power) over couplings T: clouds that are
     small together (n m up to 1.5 million) to the optimum, others to within 0.5 % of it. Raises
     ValueError where a side is empty, not (n, 3), or not finite.
     """
@@ -37,8 +39,10 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
         here, there = balance(start, end)
         slack = _SLACK * explained_cost(start, end, here, there)
     search = Search(options.power, options.seed, slack, options.workers)
-    found = couple(here, there, *uniform_masses(len(start), len(end)), search)
+    n, m = len(start), len(end)
+    masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
+    found = couple(here, there, *masses, search)
     return make_plan(
         start, end, found.edges, found.mass / found.mass.sum(), options.power, found.solver,
-        iterations=found.sweeps,
+        iterations=found.sweeps, masses=masses,
     )  # fmt: skip

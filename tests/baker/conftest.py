@@ -1,10 +1,13 @@
-"""A small plant that grows, written as scans."""
+"""A small plant that grows, written as scans; the tests here may import what they share."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))  # import mode: importlib
 
 ScanWriter = Callable[..., Path]
 

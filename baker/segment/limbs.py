@@ -1,0 +1,40 @@
+"""The limbs of an organ that has some: a twig's leaves, a compound leaf's leaflets.
+
+One label may stand for a branch with all its leaves. Seen from their tips, limbs are what has not
+yet met another one on the way to where the organ is attached. What is left, below the forks, is the
+organ's stalk. A single blade has none: the bumps of its margin are short.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+NEIGHBORS = 5  # more tie leaves together that lie close by
+LONG = 3.0  # median edges of the graph that a limb is long at least, ...
+LONG_SHARE = 0.03  # ... and of the organ
+BESIDE = 1 / 3  # as long as another one, else it is but a bump on it
+FEWEST = 5  # points of a limb
+
+
+def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
+    """(n,) the limb of each of an organ's (n, 3) points, from 0 on; -1 on the stalk.
+
+    foot: the point where the organ is attached.
+
+    All -1 where no two limbs meet.
+    """
+    from scipy.sparse.csgraph import dijkstra
+
+    from baker.segment.graph import connected_graph
+    from baker.segment.merge_tree import branches
+
+    if len(points) < 2 * FEWEST:
+        return np.full(len(points), -1)
+    graph = connected_graph(points, NEIGHBORS)[0]
+    way = dijkstra(graph, directed=False, indices=foot)
+    longest = max(LONG * float(np.median(graph.data)), LONG_SHARE * float(way.max()))
+    both = (graph + graph.T).tocsr()
+    order = np.argsort(-way, kind="stable")
+    near = both.indptr.astype(np.int64), both.indices.astype(np.int64)
+    return branches(way, order, *near, longest, BESIDE, FEWEST).astype(np.intp)

@@ -1,0 +1,75 @@
+"""Limbs in two scans: leaves that both show keep together, and every point goes somewhere."""
+
+import numpy as np
+import pytest
+from twigs import blade, twig
+
+from baker.match.limbs import pieces
+
+
+def assert_partition(cut, n, m):
+    np.testing.assert_array_equal(np.sort(np.concatenate([p.start for p in cut])), np.arange(n))
+    np.testing.assert_array_equal(np.sort(np.concatenate([p.end for p in cut])), np.arange(m))
+    for piece in cut:
+        assert len(piece.start)
+        assert len(piece.end)
+        assert piece.here.shape == (len(piece.start), 3)
+        assert piece.there.shape == (len(piece.end), 3)
+        assert np.isfinite(piece.here).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("born", [0, 1, 3])
+def test_a_leaf_goes_to_itself_whatever_is_born_above(born, seed):
+    before, after = twig(6, seed), twig(6 + born, seed + 9, stretch=1.1, swell=1.2)
+    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    assert_partition(cut, len(before.points), len(after.points))
+    limbs = [piece for piece in cut if not piece.is_rest]
+    assert len(limbs) >= 4
+    for limb in limbs:
+        one = np.bincount(before.leaf[limb.start] + 1).argmax() - 1
+        # The end of the stalk is a limb, too.
+        assert one < 0 or np.bincount(after.leaf[limb.end] + 1).argmax() - 1 == one
+
+
+def test_the_rest_is_compared_where_growth_is_taken_out():
+    before, after = twig(6, 1), twig(6, 2, stretch=1.3)
+    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    rest = next(piece for piece in cut if piece.is_rest)
+    stalk = before.leaf[rest.start] < 0
+    share = before.points[rest.start[stalk], 2] / before.points[:, 2].max()
+    # Growth taken out, equal shares of the stalk lie on each other.
+    there = rest.there[after.leaf[rest.end] < 0]
+    true = after.points[rest.end[after.leaf[rest.end] < 0], 2] / after.points[:, 2].max()
+    off = rest.here[stalk, 2] - np.interp(
+        share, *(v[np.argsort(true)] for v in (true, there[:, 2]))
+    )
+    assert np.abs(off).mean() < 0.02 * np.ptp(there[:, 2])
+
+
+def test_a_blade_stays_whole():
+    rng = np.random.default_rng(0)
+    start, end = blade(rng, 300, 8.0, 2.0), blade(rng, 400, 10.0, 2.5)
+    (piece,) = pieces(start, end, (0, 0))
+    assert_partition([piece], 300, 400)
+    assert piece.here is start
+    assert not piece.is_rest
+
+
+def test_a_fork_is_too_little_to_go_by():
+    before, after = twig(1, 0), twig(1, 1)
+    assert len(pieces(before.points, after.points, (before.foot, after.foot))) == 1
+
+
+def test_a_twig_that_has_lost_its_leaves_stays_whole():
+    before = twig(6)
+    bare = before.points[before.leaf < 0]
+    assert len(pieces(before.points, bare, (before.foot, 0))) == 1
+    assert len(pieces(bare, before.points, (0, before.foot))) == 1
+
+
+def test_twigs_far_off_share_no_limb():
+    before, after = twig(6, 0), twig(6, 1)
+    turned = after.points * [-1, -1, 1] @ np.diag([1.0, 1.0, -1.0])
+    cut = pieces(before.points, turned, (before.foot, after.foot))
+    assert_partition(cut, len(before.points), len(turned))
