@@ -19,6 +19,9 @@ from player.export import Film, export
 from player.export.packing import pack
 from player.style import Style
 
+FAILING = """window.Worker = class {
+    postMessage() { setTimeout(() => this.onerror(new Event("error"))); }
+};"""
 NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
 
@@ -104,7 +107,7 @@ def test_the_browser_interpolates_as_the_clip_does(
     "broken",
     [
         "window.Worker = class { constructor() { throw new Error('not from the disk'); } };",
-        "window.Worker = class { postMessage() { setTimeout(() => this.onerror(new Event('')), 9); } };",
+        FAILING,
         "",
     ],
     ids=["refused", "failing", "there"],
