@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,11 @@ from measure.surface import Surface, surface_of
 if TYPE_CHECKING:
     from gclip import Clip
 
-HALVES = 4  # samples of half of an organ's points that tell what its hull still lacks
+HALVES = 8  # samples of half of an organ's points that tell what its hull still lacks
 LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
+INSIDE = 1.0  # of it, what points half of one scan and half of another lack besides
 LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
-INSIDE = 0.12  # mean distances by which points half of one scan and half of another lie in it
+ADDED, TAKEN = 0.11, 0.05  # shares of a hull's volume: below both corrections, it is sure
 SEEN = 100  # points of an organ whose length is sure
 BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, areas are sure
 SLIGHT = 0.05  # mean distances: noise that hardly matters
@@ -38,7 +39,7 @@ class Measurement:
     area:   of the scanned surface: of a leaf one side, where both were scanned both.
     hull:   volume of the convex hull of the surface, not of its points alone.
     angle:  degrees between the vertical and the first quarter of the axis.
-    sure:   the traits that are within 5 % (5 degrees, hulls 10 %) in nine of ten such cases: of
+    sure:   the traits that are within 5 % (5 degrees) in nine of ten such cases: of
             organs shown by few points, or with forms finer than what lies between points, others
             are not; of organs that no scan has seen yet, none.
     """
@@ -112,6 +113,7 @@ class _Plant:
             bearer = nothing if parent not in smooth else smooth[parent].points
             axis = axis_of(points, bearer, self.up)
             surface = surface_of(points, left * own**2, organ.mixed)
+            hull = _hull(points, organ.mixed, own)
             sure = _sure(surface, len(points), own, left) if organ.seen else frozenset()
             found.append(
                 Measurement(
@@ -121,9 +123,9 @@ class _Plant:
                     height=float((points @ self.up).max()) - self.floor,
                     length=None if axis is None else axis.length,
                     area=surface.area or None,
-                    hull=_hull(points, _outward(points, surface.area, organ.mixed, own)),
+                    hull=hull.volume,
                     angle=None if axis is None else axis.angle(self.up),
-                    sure=sure,
+                    sure=sure if hull.sure else sure - {"hull"},
                 )
             )
         if only is not None or not found:
@@ -137,7 +139,8 @@ def _whole(
     day: float, organs: list[Measurement], points: NDArray[np.float64], mixed: float, noise: float
 ) -> Measurement:
     areas = [one.area or 0.0 for one in organs]
-    surface = sum(areas)
+    surface, hull = sum(areas), _hull(points, mixed, noise)
+    sure = frozenset(TRAITS if hull.sure else set(TRAITS) - {"hull"})
     known = sum(one.area or 0.0 for one in organs if "area" in one.sure)
     return Measurement(
         time=day,
@@ -146,9 +149,9 @@ def _whole(
         height=max(one.height for one in organs),
         length=None,
         area=surface or None,
-        hull=_hull(points, _outward(points, surface, mixed, noise)),
+        hull=hull.volume,
         angle=None,
-        sure=frozenset(TRAITS if known > MOSTLY * surface else ("height", "hull")),
+        sure=sure if known > MOSTLY * surface else sure & {"height", "hull"},
     )
 
 
@@ -205,22 +208,21 @@ def _up(up: str) -> NDArray[np.float64]:
     return direction
 
 
-def _outward(points: NDArray[np.float64], surface: float, mixed: float, noise: float) -> float:
-    """How much farther out a hull's faces should be: noise lifts them, for what lies farthest out
-    was moved outward, and points half of one scan and half of another lie inside.
-    """
-    apart = float(np.sqrt(surface / len(points)))
-    return INSIDE * mixed * apart - LIFTED * noise
+class _Hull(NamedTuple):
+    """Its volume, None where points lie in one plane or are too few; and whether that is sure."""
+
+    volume: float | None
+    sure: bool
 
 
-def _hull(points: NDArray[np.float64], outward: float = 0.0) -> float | None:
-    """The convex hull's volume of what (N, 3) points were scattered on; None where they lie in one
-    plane or are too few.
+def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -> _Hull:
+    """The convex hull of what (N, 3) points were scattered on.
 
     The hull of points falls short of the hull of what they lie on: at faces by count^-1, at borders
-    by count^-0.5. How short, the hulls of halves of them tell (Richardson's extrapolation).
-
-    outward: how far its faces are to be moved.
+    by count^-0.5. How short, the hulls of halves of them tell (Richardson's extrapolation). Points
+    half of one scan and half of another lack more: what is outermost in one seldom is in the other.
+    Noise lifts faces, for what lies farthest out was moved outward. The larger these corrections
+    are, the less sure is what they leave.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -230,6 +232,7 @@ def _hull(points: NDArray[np.float64], outward: float = 0.0) -> float | None:
         hull = ConvexHull(points)
         lacking = float(hull.volume - np.mean([ConvexHull(part).volume for part in parts]))
     except (QhullError, ValueError):
-        return None
-    moved = float(hull.volume) + LACKING * lacking + outward * float(hull.area)
-    return max(moved, 0.5 * float(hull.volume))
+        return _Hull(None, False)
+    volume, taken = float(hull.volume), LIFTED * noise * float(hull.area)
+    sure = LACKING * lacking < ADDED * volume and taken < TAKEN * volume
+    return _Hull(max(volume + (LACKING + INSIDE * mixed) * lacking - taken, 0.5 * volume), sure)
