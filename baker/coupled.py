@@ -37,20 +37,17 @@ def coupled(
     """Pair the points of an organ, (n, 3) and (m, 3), by optimal transport.
 
     feet: the points where it is attached, one of either side. Then limbs that both scans show are
-          transported each on its own, so that leaves born beside a leaf take none of its points.
+          transported each on its own, by the mass that both scans have around each point, so that
+          leaves born beside a leaf take none of its points.
 
     The distance is that of all pairs, the marginals' error the largest of a piece.
     """
     cut = [] if feet is None else _cut(start, end, feet)
-    if len(cut) < 2:
+    if not cut:
         return _paired(start, end, (start, end), options)
+    shared = replace(options, shared=True)
     found = [
-        _paired(
-            piece.here,
-            piece.there,
-            (start[piece.start], end[piece.end]),
-            replace(options, shared=piece.is_rest),
-        )
+        _paired(piece.here, piece.there, (start[piece.start], end[piece.end]), shared)
         for piece in cut
     ]
     rows = np.concatenate([piece.start[one.rows] for piece, one in zip(cut, found, strict=True)])
@@ -65,7 +62,7 @@ def coupled(
         (sum(work) / len(end)) ** (1 / options.power),
         max(one.marginal_error for one in found),
         max(zip(work, found, strict=True), key=lambda pair: pair[0])[1].solver,
-        (f"its limbs moved each on its own, {len(cut)} pieces in all",),
+        (f"its limbs moved each on its own, {len(cut)} pieces in all",) if len(cut) > 1 else (),
     )
 
 

@@ -20,6 +20,8 @@ Indices = NDArray[np.intp]
 
 FAR = 2.0  # radii of the larger limb from which two are not the same
 MOSTLY = 0.5  # of a limb lies nearest to another one that it is then joined to
+ROUNDS = 3  # of laying an organ on itself by its limbs
+STIFFNESS = 0.5  # share of the limbs' spread that holds their map back from stretching
 AROUND = 8  # limbs that carry the stalk between them along
 FEWEST = 3  # limbs that both scans show, else an organ is but forked
 
@@ -29,53 +31,77 @@ class Piece:
     """What is transported on its own.
 
     start, end: (n,), (m,) points of the organ in either scan.
-    here, there: (n, 3), (m, 3) where they are compared: those of the stalk after growth and what
-                 the limbs around have moved are taken out.
-    is_rest: the stalk, and limbs that one scan shows only.
+    here, there: (n, 3), (m, 3) where they lie on each other, growth taken out, and of the stalk
+                 how the limbs around it have moved.
     """
 
     start: Indices
     end: Indices
     here: Points
     there: Points
-    is_rest: bool = False
 
 
 def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
-    """An organ cut into limbs that both scans show, and the rest; whole where there are none.
+    """An organ with limbs cut into those that both scans show, and the rest; none without limbs.
 
     start, end: (n, 3), (m, 3); feet: the points where the organ is attached, one of either.
 
-    Together the pieces have every point of either side exactly once.
+    Together the pieces have every point of either side exactly once. Where too few limbs are the
+    same to go by, all is one piece.
     """
-    whole = [Piece(np.arange(len(start)), np.arange(len(end)), start, end)]
-    before, after = limbs(start, feet[0]), limbs(end, feet[1])
-    if before.max() < 0 or after.max() < 0:
-        return whole
-    laid = [
-        (start, end),
-        (start - start[feet[0]] + end[feet[1]], end),
-        balance(start, end),
-    ]
-    found = [_paired(_Limbs(here, before), _Limbs(there, after)) for here, there in laid]
-    # Most lies where it was while leaves are born at the end; a shoot that stretches does not.
-    best = int(np.argmax([worth for _, worth in found]))
-    (here, there), (pairs, _) = laid[best], found[best]
-    if len(pairs) < FEWEST:
-        return whole
-    first, second = _named(before, pairs[:, 0]), _named(after, pairs[:, 1])
-    one, two = _joined(first, second, here, there, before, after)
-    carried = here + _shift(here, there, feet, first, second, len(pairs))
+    first, second = limbs(start, feet[0]), limbs(end, feet[1])
+    if first.max() < 0 or second.max() < 0:
+        return []
+    here, there, pairs = _laid_on(start, end, feet, first, second)
+    before, after = _named(first, pairs[:, 0]), _named(second, pairs[:, 1])
+    carried = here + _shift(here, there, feet, before, after, len(pairs))
+    before, after = _joined(before, after, here, there, first, second)
     cut = []
     for piece in range(-1, len(pairs)):
-        a, b = np.flatnonzero(one == piece), np.flatnonzero(two == piece)
-        if (len(a) == 0) != (len(b) == 0):
-            return whole  # one scan shows nothing but limbs
-        if len(a):
-            rest = piece < 0
-            compared = (carried[a], there[b]) if rest else (start[a], end[b])
-            cut.append(Piece(a, b, *compared, rest))
+        a, b = np.flatnonzero(before == piece), np.flatnonzero(after == piece)
+        if len(a) and len(b):
+            lying = (carried[a], there[b]) if piece < 0 else balance(start[a], end[b])
+            cut.append(Piece(a, b, *lying))
+    if len(pairs) < FEWEST or sum(len(p.start) + len(p.end) for p in cut) < len(start) + len(end):
+        return [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
     return cut
+
+
+def _laid_on(
+    start: Points, end: Points, feet: tuple[int, int], first: Indices, second: Indices
+) -> tuple[Points, Points, Indices]:
+    """Both scans of an organ laid on each other, and (p, 2) the limbs that are the same then.
+
+    Leaves born at its end leave a twig where it was, or carry it along with its foot; a shoot may
+    stretch as a whole. What makes most limbs lie on each other is taken. How these have moved then
+    tells where others are to be looked for.
+    """
+    ways = [(start, end), (start - start[feet[0]] + end[feet[1]], end), balance(start, end)]
+    found = [_paired(_Limbs(here, first), _Limbs(there, second)) for here, there in ways]
+    best = int(np.argmax([worth for _, worth in found]))
+    (here, there), (pairs, worth) = ways[best], found[best]
+    for _ in range(ROUNDS):
+        if len(pairs) < FEWEST:
+            break
+        moved = _moved(here, _Limbs(here, first), _Limbs(there, second), pairs)
+        closer, gained = _paired(_Limbs(moved, first), _Limbs(there, second))
+        if gained <= worth:
+            break
+        pairs, worth = closer, gained
+    return here, there, pairs
+
+
+def _moved(points: Points, first: _Limbs, second: _Limbs, pairs: Indices) -> NDArray[np.float64]:
+    """(n, 3) points moved as the limbs' middles have on the whole: by an affine map, held back."""
+    before, after = first.middle[pairs[:, 0]], second.middle[pairs[:, 1]]
+    weight = np.sqrt(np.minimum(first.count[pairs[:, 0]], second.count[pairs[:, 1]]))
+    centre, way = (np.average(v, axis=0, weights=weight) for v in (before, after - before))
+    apart = before - centre
+    spread = (apart.T * weight) @ apart
+    stiff = STIFFNESS * np.trace(spread) / 3 * np.eye(3) + np.finfo(float).tiny * np.eye(3)
+    slope = np.linalg.solve(spread + stiff, (apart.T * weight) @ (after - before - way))
+    moved: NDArray[np.float64] = points + way + (points - centre) @ slope
+    return moved
 
 
 class _Limbs:
