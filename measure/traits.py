@@ -17,7 +17,7 @@ from measure.surface import Surface, surface_of
 if TYPE_CHECKING:
     from gclip import Clip
 
-HALVES = 8  # samples of half of an organ's points that tell what its hull still lacks
+HALVES = 16  # samples of half of an organ's points that tell what its hull still lacks
 LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
 INSIDE = 1.0  # of it, what points half of one scan and half of another lack besides
 LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
