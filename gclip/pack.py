@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gclip.clip import Box, Group, Interval, Motion, SegmentPair
 
+ABREAST = 64  # points that are compared with the next ones at once
 BLOCK = 128  # movers that stay neighbours when the blocks are shuffled
 LEVELS = 65535  # quantisation levels along each axis of the box
 TINY = 1e-30  # extent of positions
@@ -134,9 +135,25 @@ def _reordered(movers: Movers, order: NDArray[np.intp]) -> Movers:
 
 
 def _box(points: Sequence[NDArray[np.floating]]) -> tuple[list[float], list[float]] | tuple:
-    low = np.min([p.min(axis=0) for p in points], axis=0).astype(float)
-    high = np.max([p.max(axis=0) for p in points], axis=0).astype(float)
-    return low, high
+    ends = [extent(p) for p in points]
+    low, high = (np.array(side) for side in zip(*ends, strict=True))
+    return low.min(axis=0).astype(float), high.max(axis=0).astype(float)
+
+
+def extent(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """(3,) the lowest and the highest of (N, 3) points along each axis; N is at least 1.
+
+    Long rows are compared side by side, some ten times as fast as rows of three.
+    """
+    whole = len(points) // ABREAST * ABREAST
+    if not whole or not points.flags.c_contiguous:
+        return points.min(axis=0), points.max(axis=0)
+    rows, rest = points[:whole].reshape(-1, 3 * ABREAST), points[whole - 1 :]
+    low, high = (side(axis=0).reshape(-1, 3) for side in (rows.min, rows.max))
+    return (
+        np.minimum(low.min(axis=0), rest.min(axis=0)),
+        np.maximum(high.max(axis=0), rest.max(axis=0)),
+    )
 
 
 def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
@@ -156,11 +173,11 @@ def _gpu_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
 
 def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
     """(N,) Morton codes of (N, 3) positions: 21 bits an axis of the positions' box, interleaved."""
-    low = points.min(axis=0)
-    extent = float((points.max(axis=0) - low).max()) or 1.0
-    if extent < TINY:  # its reciprocal is more than a float32 can be
-        return morton_codes((points - low).astype(np.float64) / extent)
-    cells = ((points - low) * ((2**21 - 1) / extent)).astype(np.uint64)
+    low, high = extent(points)
+    size = float((high - low).max()) or 1.0
+    if size < TINY:  # its reciprocal is more than a float32 can be
+        return morton_codes((points - low).astype(np.float64) / size)
+    cells = ((points - low) * ((2**21 - 1) / size)).astype(np.uint64)
     return (
         _spread(cells[:, 0])
         | _spread(cells[:, 1]) << np.uint64(1)

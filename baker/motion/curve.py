@@ -122,13 +122,13 @@ def _carried(
     from scipy.spatial import cKDTree
 
     carried: dict[int, NDArray[np.float64]] = {}
+    trees = {segment: cKDTree(motion.warped) for segment, motion in motions.items()}
     for segment in match.second.from_the_root():
         parent = match.second.parents[segment]
         carried[segment] = np.zeros(3) if parent == NO_PARENT else carried[parent]
         own = end[match.second.segments[segment]]
         if parent in motions and len(own):
-            bearer = motions[parent]
-            tree = cKDTree(bearer.warped)
+            bearer, tree = motions[parent], trees[parent]
             # A few bound the gap, and the search ends there: most points are farther.
             some = own[:: max(1, len(own) // ASKED)]
             bound = 1.000001 * float(tree.query(some)[0].min()) or np.inf

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,9 @@ from baker.motion.bend import bend
 from baker.motion.coherent import draw
 from baker.motion.shape import OrganShape
 from baker.motion.spine import Points, at_levels, fit_spine, unit
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 EVEN, UNEVEN = 0.04, 0.1  # unevenness of a warp up to which an organ turns, from which it grows
 STEADY, WANDERING = 0.1, 0.3  # how far a hinge moves, in organ lengths: likewise
@@ -51,14 +56,18 @@ class OrganMotion:
         """(n, 3) where movers from `start` to `end` are in the organ's shape half way."""
         return 0.5 * (np.asarray(start, float) + end) + self.bow(start)
 
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.sample)
+
     def _nearby(
         self, points: NDArray[np.floating], values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Values of the sample, (n, ...), read between its points."""
-        from scipy.spatial import cKDTree
-
         count = min(4, len(self.sample))
-        away, near = cKDTree(self.sample).query(points, k=count)
+        away, near = self._tree.query(points, k=count)
         away, near = away.reshape(len(points), count), near.reshape(len(points), count)
         weight = 1.0 / np.maximum(away, 1e-9 * (away.max() + 1e-30))
         weight /= weight.sum(axis=1, keepdims=True)

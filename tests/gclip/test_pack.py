@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gclip.clip import Motion
-from gclip.pack import BLOCK, Movers, morton_codes, pack_interval
+from gclip.pack import BLOCK, Movers, extent, morton_codes, pack_interval
 
 
 def pack(points: np.ndarray, spacing: float, **more):
@@ -98,3 +98,14 @@ def test_morton_codes_of_the_smallest_plants(extent):
     assert found[1] == found.max() == 2**63 - 1
     if extent > 1e-36:  # below, float32 has few numbers left
         assert np.array_equal(np.argsort(found), np.argsort(morton_codes(points)))
+
+
+@pytest.mark.parametrize("count", [1, 63, 64, 65, 1000])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_the_extent_of_points(count: int, dtype: type) -> None:
+    points = np.random.default_rng(count).normal(size=(count, 3)).astype(dtype)
+    for given in (points, np.asfortranarray(points), points[::-1]):
+        low, high = extent(given)
+        np.testing.assert_array_equal(low, points.min(axis=0))
+        np.testing.assert_array_equal(high, points.max(axis=0))
+        assert low.dtype == high.dtype == dtype
