@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 MOVERS = 500_000  # more are drawn as splats one by one
 ENTRIES = 4_000_000  # discs of all tiles together; more, as close by, take longer than splats do
-TILE = 16  # side in samples of the smallest tiles
+TILE = 8  # side in pixels of the smallest tiles
 TILES = 1 << 16  # fewer are numbered with 16 bits, which are sorted fastest
 WIDTH = 2048  # texels in a row of the texture that holds the discs
 
@@ -58,7 +58,7 @@ class TiledSplats:
         found = found[found[:, 2] > 0.0]
         found = found[np.argsort(found[:, 2], kind="stable")]  # the nearest first
         radii = np.maximum(discs.radius * discs.magnification / found[:, 2], discs.smallest / 2)
-        side = _tile_side(discs.samples)
+        side = _tile_side(discs.samples, self._supersample)
         tiles = (-(-discs.samples[0] // side), -(-discs.samples[1] // side))
         order, runs = by_tile(found[:, :2], radii, tiles, side)
         if len(order) > ENTRIES:
@@ -101,8 +101,9 @@ class TiledSplats:
             made.release()
 
 
-def _tile_side(samples: tuple[int, int]) -> int:
-    side = TILE
+def _tile_side(samples: tuple[int, int], supersample: int) -> int:
+    """In samples."""
+    side = TILE * supersample
     while -(-samples[0] // side) * -(-samples[1] // side) >= TILES:
         side *= 2
     return side
