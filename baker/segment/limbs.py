@@ -15,6 +15,7 @@ LONG = 3.0  # median edges of the graph that a limb is long at least, ...
 LONG_SHARE = 0.03  # ... and of the organ
 BESIDE = 1 / 3  # as long as another one, else it is but a bump on it
 FEWEST = 5  # points of a limb
+MOST = 5000  # points to look at: with more of them limbs are no better told from one another
 
 
 def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
@@ -24,6 +25,20 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
 
     All -1 where no two limbs meet.
     """
+    from scipy.spatial import cKDTree
+
+    count = len(points)
+    if count <= MOST:
+        return _limbs(points, foot)
+    some = np.random.default_rng(0).permutation(count)[:MOST]
+    some[0] = foot
+    found = _limbs(points[some], 0)
+    if found.max() < 0:
+        return np.full(count, -1)
+    return found[cKDTree(points[some]).query(points)[1]]
+
+
+def _limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
     from scipy.sparse.csgraph import dijkstra
 
     from baker.segment.graph import connected_graph

@@ -34,6 +34,14 @@ def test_a_single_blade_has_none(count, seed):
     assert (limbs(points, foot) == -1).all()
 
 
+def test_of_many_points_a_share_tells_as_much(monkeypatch):
+    plant = twig(6)
+    monkeypatch.setattr("baker.segment.limbs.MOST", len(plant.points) - 60)
+    found = limbs(plant.points, plant.foot)
+    assert found.shape == plant.leaf.shape
+    assert share_right(found, plant.leaf) > 0.75
+
+
 def test_neither_the_unit_nor_where_it_stands_matters():
     plant = twig(6)
     found = limbs(plant.points, plant.foot)
