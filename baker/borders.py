@@ -24,14 +24,22 @@ def near_others(
     size = cells.max(axis=0) + 2
     keys = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
     order = np.argsort(keys, kind="stable")
-    occupied, first = np.unique(keys[order], return_index=True)
+    ordered = keys[order]
+    is_first = np.diff(ordered, prepend=ordered[0] - 1) > 0
+    first = np.flatnonzero(is_first)
+    occupied = ordered[first]
     least = np.minimum.reduceat(owner[order], first)
     most = np.maximum.reduceat(owner[order], first)
     lowest, highest = least.copy(), most.copy()
-    for x, y, z in product((-1, 0, 1), repeat=3):
-        beside = occupied + (x * size[1] + y) * size[2] + z
-        place = np.minimum(np.searchsorted(occupied, beside), len(occupied) - 1)
-        there = occupied[place] == beside
-        np.minimum(lowest, np.where(there, least[place], lowest), out=lowest)
-        np.maximum(highest, np.where(there, most[place], highest), out=highest)
-    return (lowest < highest)[np.searchsorted(occupied, keys)]
+    for x, y in product((-1, 0, 1), repeat=2):
+        middle = occupied + (x * size[1] + y) * size[2]
+        place = np.searchsorted(occupied, middle - 1)
+        for _ in range(3):  # the cubes of a column follow one another
+            there = np.minimum(place, len(occupied) - 1)
+            beside = np.abs(occupied[there] - middle) <= 1
+            np.minimum(lowest, np.where(beside, least[there], lowest), out=lowest)
+            np.maximum(highest, np.where(beside, most[there], highest), out=highest)
+            place += 1
+    cube = np.empty(len(points), np.intp)
+    cube[order] = np.cumsum(is_first) - 1
+    return (lowest < highest)[cube]
