@@ -50,13 +50,14 @@ def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[n
     from scipy.spatial import cKDTree
 
     names, owner = np.unique(labels, return_inverse=True)
-    reach = REACH * point_spacing(points)
+    tree = cKDTree(points)
+    reach = REACH * point_spacing(points, tree)
     near = near_others(points, owner, reach) if reach and len(names) > 1 else np.zeros(0, bool)
     border = np.flatnonzero(near)
     if not len(border):
         return labels
     k = min(NEIGHBORS + 1, len(points))
-    _, around = cKDTree(points).query(points[border], k, distance_upper_bound=reach)
+    _, around = tree.query(points[border], k, distance_upper_bound=reach)
     around = around[:, 1:]  # the nearest is the point itself
     found = around < len(points)
     one, other = np.broadcast_to(border[:, None], around.shape)[found], around[found]
