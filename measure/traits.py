@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 HALVES = 16  # samples of half of an organ's points that tell what its hull still lacks
-LACKING = 1.35  # of what half the points lack more: volume falls short by about count^-0.8
+LACKING = 1.5  # of what half the points lack more: volume falls short by about count^-0.7
 INSIDE = 1.0  # of it, what points half of one scan and half of another lack besides
 LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
-ADDED, TAKEN = 0.11, 0.05  # shares of a hull's volume: below both corrections, it is sure
+ADDED, TAKEN = 0.12, 0.05  # shares of a hull's volume: below both corrections, it is sure
 SEEN = 100  # points of an organ whose length is sure
 BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, areas are sure
 SLIGHT = 0.05  # mean distances: noise that hardly matters
