@@ -19,6 +19,7 @@ Points = NDArray[np.floating]
 Indices = NDArray[np.intp]
 
 FAR = 2.0  # radii of the larger limb from which two are not the same
+ALIKE = 3.0  # times a limb's share of the organ's points; what is more has been cut otherwise
 MOSTLY = 0.5  # of a limb lies nearest to another one that it is then joined to
 ROUNDS = 3  # of laying an organ on itself by its limbs
 STIFFNESS = 0.5  # share of the limbs' spread that holds their map back from stretching
@@ -53,6 +54,9 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
     if first.max() < 0 or second.max() < 0:
         return []
     here, there, pairs = _laid_on(start, end, feet, first, second)
+    whole = [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
+    if len(pairs) < FEWEST:
+        return whole
     before, after = _named(first, pairs[:, 0]), _named(second, pairs[:, 1])
     carried = here + _shift(here, there, feet, before, after, len(pairs))
     before, after = _joined(before, after, here, there, first, second)
@@ -62,9 +66,8 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
         if len(a) and len(b):
             lying = (carried[a], there[b]) if piece < 0 else balance(start[a], end[b])
             cut.append(Piece(a, b, *lying))
-    if len(pairs) < FEWEST or sum(len(p.start) + len(p.end) for p in cut) < len(start) + len(end):
-        return [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
-    return cut
+    used = sum(len(piece.start) + len(piece.end) for piece in cut)
+    return cut if used == len(start) + len(end) else whole
 
 
 def _laid_on(
@@ -105,9 +108,10 @@ def _moved(points: Points, first: _Limbs, second: _Limbs, pairs: Indices) -> NDA
 
 
 class _Limbs:
-    """Middles (k, 3), radii (k,) and points (k,) of an organ's limbs in one scan."""
+    """Middles (k, 3), radii (k,) and points (k,) of an organ's limbs in one scan; of how many."""
 
     def __init__(self, points: Points, limb: Indices) -> None:
+        self.of = len(points)
         self.middle, self.count = _middles(points, limb, int(limb.max()) + 1)
         apart = ((points - self.middle[limb]) ** 2).sum(axis=1)
         on = limb >= 0
@@ -124,7 +128,9 @@ def _paired(first: _Limbs, second: _Limbs) -> tuple[Indices, float]:
 
     radius = np.maximum(first.radius[:, None], second.radius[None])
     near = FAR - cdist(first.middle, second.middle) / np.maximum(radius, 1e-300)
-    worth = np.maximum(near, 0) * np.sqrt(np.minimum(first.count[:, None], second.count[None]))
+    growth = (second.count / second.of)[None] / (first.count / first.of)[:, None]
+    near[np.maximum(growth, 1 / growth) > ALIKE] = 0
+    worth = np.maximum(near, 0) ** 2 * np.sqrt(np.minimum(first.count[:, None], second.count[None]))
     rows, columns = linear_sum_assignment(worth, maximize=True)
     made = worth[rows, columns] > 0
     return np.stack([rows[made], columns[made]], axis=1), float(worth[rows, columns].sum())

@@ -72,3 +72,12 @@ def test_twigs_far_off_share_no_limb():
     turned = after.points * [-1, -1, 1] @ np.diag([1.0, 1.0, -1.0])
     cut = pieces(before.points, turned, (before.foot, after.foot))
     assert_partition(cut, len(before.points), len(turned))
+
+
+def test_limbs_none_of_which_are_the_same_leave_an_organ_whole():
+    before, after = twig(3, 0), twig(3, 1)
+    far = after.points @ np.diag([1.0, 1.0, 9.0])
+    cut = pieces(before.points, far, (before.foot, after.foot))
+    assert_partition(cut, len(before.points), len(far))
+    one, other = twig(1, 0), twig(1, 1).points[:, [2, 1, 0]] * 30 + 1e3
+    assert_partition(pieces(one.points, other, (one.foot, 0)), len(one.points), len(other))
