@@ -50,7 +50,7 @@ class ReadOptions:
 
     label_field: str | None = None
     use_labels: bool = True
-    mend_labels: bool = True
+    mend_labels: bool = False
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 REACH = 3.0  # of the point spacing: what counts as around a point
 NEIGHBORS = 12
 SMALL = 0.05  # of an organ: larger pieces are parts of it, whatever lies between
-SURROUNDED = 0.5  # of what is around a piece has other labels
+SURROUNDED = 0.8  # of what is around a piece has other labels
 DOUBTFUL = 0.5  # of an organ may be strays; if more are, its label means something else
 
 
