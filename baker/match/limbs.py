@@ -12,19 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.match.laid import FEWEST, laid_on, middles
 from baker.segment.limbs import limbs
 from baker.transport.support import balance
 
 Points = NDArray[np.floating]
 Indices = NDArray[np.intp]
 
-FAR = 2.0  # radii of the larger limb from which two are not the same
-ALIKE = 3.0  # times a limb's share of the organ's points; what is more has been cut otherwise
 MOSTLY = 0.5  # of a limb lies nearest to another one that it is then joined to
-ROUNDS = 3  # of laying an organ on itself by its limbs
-STIFFNESS = 0.5  # share of the limbs' spread that holds their map back from stretching
 AROUND = 8  # limbs that carry the stalk between them along
-FEWEST = 3  # limbs that both scans show, else an organ is but forked
 
 
 @dataclass(frozen=True)
@@ -53,7 +49,7 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
     first, second = limbs(start, feet[0]), limbs(end, feet[1])
     if first.max() < 0 or second.max() < 0:
         return []
-    here, there, pairs = _laid_on(start, end, feet, first, second)
+    here, there, pairs = laid_on(start, end, feet, first, second)
     whole = [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
     if len(pairs) < FEWEST:
         return whole
@@ -68,72 +64,6 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
             cut.append(Piece(a, b, *lying))
     used = sum(len(piece.start) + len(piece.end) for piece in cut)
     return cut if used == len(start) + len(end) else whole
-
-
-def _laid_on(
-    start: Points, end: Points, feet: tuple[int, int], first: Indices, second: Indices
-) -> tuple[Points, Points, Indices]:
-    """Both scans of an organ laid on each other, and (p, 2) the limbs that are the same then.
-
-    Leaves born at its end leave a twig where it was, or carry it along with its foot; a shoot may
-    stretch as a whole. What makes most limbs lie on each other is taken. How these have moved then
-    tells where others are to be looked for.
-    """
-    ways = [(start, end), (start - start[feet[0]] + end[feet[1]], end), balance(start, end)]
-    found = [_paired(_Limbs(here, first), _Limbs(there, second)) for here, there in ways]
-    best = int(np.argmax([worth for _, worth in found]))
-    (here, there), (pairs, worth) = ways[best], found[best]
-    for _ in range(ROUNDS):
-        if len(pairs) < FEWEST:
-            break
-        moved = _moved(here, _Limbs(here, first), _Limbs(there, second), pairs)
-        closer, gained = _paired(_Limbs(moved, first), _Limbs(there, second))
-        if gained <= worth:
-            break
-        pairs, worth = closer, gained
-    return here, there, pairs
-
-
-def _moved(points: Points, first: _Limbs, second: _Limbs, pairs: Indices) -> NDArray[np.float64]:
-    """(n, 3) points moved as the limbs' middles have on the whole: by an affine map, held back."""
-    before, after = first.middle[pairs[:, 0]], second.middle[pairs[:, 1]]
-    weight = np.sqrt(np.minimum(first.count[pairs[:, 0]], second.count[pairs[:, 1]]))
-    centre, way = (np.average(v, axis=0, weights=weight) for v in (before, after - before))
-    apart = before - centre
-    spread = (apart.T * weight) @ apart
-    stiff = STIFFNESS * np.trace(spread) / 3 * np.eye(3) + np.finfo(float).tiny * np.eye(3)
-    slope = np.linalg.solve(spread + stiff, (apart.T * weight) @ (after - before - way))
-    moved: NDArray[np.float64] = points + way + (points - centre) @ slope
-    return moved
-
-
-class _Limbs:
-    """Middles (k, 3), radii (k,) and points (k,) of an organ's limbs in one scan; of how many."""
-
-    def __init__(self, points: Points, limb: Indices) -> None:
-        self.of = len(points)
-        self.middle, self.count = _middles(points, limb, int(limb.max()) + 1)
-        apart = ((points - self.middle[limb]) ** 2).sum(axis=1)
-        on = limb >= 0
-        self.radius = np.sqrt(np.bincount(limb[on], apart[on]) / self.count)
-
-
-def _paired(first: _Limbs, second: _Limbs) -> tuple[Indices, float]:
-    """(p, 2) limbs that are the same, of all choices the one of greatest worth; and what that is.
-
-    A pair is worth the more the nearer its limbs lie and the more points they have.
-    """
-    from scipy.optimize import linear_sum_assignment
-    from scipy.spatial.distance import cdist
-
-    radius = np.maximum(first.radius[:, None], second.radius[None])
-    near = FAR - cdist(first.middle, second.middle) / np.maximum(radius, 1e-300)
-    growth = (second.count / second.of)[None] / (first.count / first.of)[:, None]
-    near[np.maximum(growth, 1 / growth) > ALIKE] = 0
-    worth = np.maximum(near, 0) ** 2 * np.sqrt(np.minimum(first.count[:, None], second.count[None]))
-    rows, columns = linear_sum_assignment(worth, maximize=True)
-    made = worth[rows, columns] > 0
-    return np.stack([rows[made], columns[made]], axis=1), float(worth[rows, columns].sum())
 
 
 def _named(limb: Indices, chosen: Indices) -> Indices:
@@ -179,19 +109,10 @@ def _shift(
     """(n, 3) the shifts of the limbs and of the foot, the nearer the more they count."""
     from scipy.spatial import cKDTree
 
-    places = np.concatenate([_middles(here, first, pairs)[0], here[[feet[0]]]])
-    shifts = np.concatenate([_middles(there, second, pairs)[0], there[[feet[1]]]]) - places
+    places = np.concatenate([middles(here, first, pairs)[0], here[[feet[0]]]])
+    shifts = np.concatenate([middles(there, second, pairs)[0], there[[feet[1]]]]) - places
     away, around = cKDTree(places).query(here, k=min(AROUND, len(places)))
     weight = 1.0 / np.maximum(away, 1e-9 * (away.max() + 1e-300))
     weight /= weight.sum(axis=1, keepdims=True)
     shift: NDArray[np.float64] = np.einsum("nk,nkx->nx", weight, shifts[around])
     return shift
-
-
-def _middles(
-    points: Points, limb: Indices, count: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    on = limb >= 0
-    members = np.bincount(limb[on], minlength=count).astype(float)
-    sums = [np.bincount(limb[on], axis, count) for axis in points[on].T.astype(float)]
-    return np.stack(sums, axis=1) / members[:, None], members

@@ -75,7 +75,7 @@ def test_twigs_far_off_share_no_limb():
 
 
 def test_limbs_none_of_which_are_the_same_leave_an_organ_whole(monkeypatch):
-    monkeypatch.setattr("baker.match.limbs.FAR", 1e-9)
+    monkeypatch.setattr("baker.match.laid.FAR", 1e-9)
     before, after = twig(6, 0), twig(6, 1)
     cut = pieces(before.points, after.points, (before.foot, after.foot))
     assert len(cut) == 1
