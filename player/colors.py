@@ -71,6 +71,11 @@ class Scale:
     def title(self) -> str:
         return TITLES[self.name]
 
+    @property
+    def ends(self) -> tuple[str, str]:
+        """The ends in words, lowest first; the unit stands with the highest."""
+        return worded(self.low), f"{worded(self.high)} {self.unit}"
+
     def colors(self) -> NDArray[np.uint8]:
         """(STEPS, 3) uint8 sRGB, from low to high."""
         from cmap import Colormap
@@ -223,6 +228,11 @@ class Colors:
             way = np.linalg.norm((end - start) * step, axis=1)
             speeds.append(way / (interval.end - interval.start))
         return rounded_up(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
+
+
+def worded(value: float) -> str:
+    """Three digits of it, as people write them: 2,510 and no 2.51e+03."""
+    return f"{float(f'{value:.3g}'):,.12g}"
 
 
 def rounded_up(value: float) -> float:

@@ -37,6 +37,7 @@ def draw_scale_bar(
     canvas: Canvas, theme: Theme, layout: Layout, camera: Camera, unit: str, above: float = 0.0
 ) -> None:
     """True at the depth of the camera's target; `above` its usual place."""
+    from player.colors import worded
     from player.export.stamp import bar_length
 
     width, height = layout.size
@@ -47,7 +48,7 @@ def draw_scale_bar(
     canvas.line((left, y), (right, y), theme.muted, 2.0)
     for x in (left, right):
         canvas.line((x, y - 4.0), (x, y + 4.0), theme.muted, 2.0)
-    text = f"{length:g} {unit or 'units'}"
+    text = f"{worded(length)} {unit or 'units'}"
     canvas.text((left + right) / 2, y - 14.0, text, SIZE, theme.muted, align=0.5)
 
 
@@ -76,7 +77,7 @@ def draw_legend(
         step = RAMP_WIDTH / (len(colors) - 1)
         for place, (left, right) in enumerate(pairwise(colors)):
             canvas.ramp(x + place * step, y + 14.0, step, RAMP_HEIGHT, left, right)
-        low, high = f"{scale.low:g}", f"{scale.high:.3g} {scale.unit}"
+        low, high = scale.ends
         canvas.text(x, y + 36.0, low, SIZE, theme.muted)
         over = canvas.width(high, SIZE) > RAMP_WIDTH - 20.0
         canvas.text(

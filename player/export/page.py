@@ -155,10 +155,11 @@ def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
     if scale is None:
         return None
     steps = scale.colors()[:: len(scale.colors()) // 16].tolist()
+    low, high = scale.ends
     return {
         "title": scale.title,
-        "low": f"{scale.low:g}",
-        "high": f"{scale.high:.3g} {scale.unit}",
+        "low": low,
+        "high": high,
         "colors": [f"rgb({red},{green},{blue})" for red, green, blue in steps],
     }
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from player.colors import chosen
+from player.colors import chosen, worded
 from player.errors import PlayerError
 
 if TYPE_CHECKING:
@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 
 REGULAR, BOLD = "Roboto-Regular.ttf", "Roboto-Bold.ttf"
 MARGIN, LINE, SMALL, LARGE = 30, 23, 15, 21  # in a picture 720 pixels high
-WIDEST_BAR = 0.22  # share of the picture's width
+WIDEST_BAR = 0.22  # share of the picture's width, for scale bar and ramp
+HALO = 2  # about texts, that they can be read where they lie over the plant
 RAMP_WIDTH, RAMP_STEP = 160, 4  # units, and of so many of a ramp's colours one
+LEAST_UNIT = 0.6  # pixels: the small text is then 9 of them high
 LEGEND_HEIGHT = 0.62  # share of the picture's height
 
 
@@ -87,15 +89,19 @@ def bar_length(longest: float) -> float:
 
 
 class _Pen:
-    """Draws in units of a picture 720 high; corners are counted inwards from the margin."""
+    """Draws in units of a picture 720 high; corners are counted inwards from the margin.
+
+    Small pictures have larger units, or nobody could read what is written.
+    """
 
     def __init__(self, draw: Any, film: Film) -> None:
         from player.theme import DARK, LIGHT
 
         self._draw = draw
-        self.unit = min(film.size[1] / 720, film.size[0] / 720)
+        self.unit = max(min(film.size) / 720, LEAST_UNIT)
         self.width, self.height = (side / self.unit for side in film.size)
         theme = LIGHT if film.style.ground == "light" else DARK
+        self.halo = (255, 255, 255, 120) if theme is LIGHT else (0, 0, 0, 110)
         self.plain, self.muted = (_bytes(color) for color in (theme.text, theme.muted))
 
     def text(
@@ -108,7 +114,9 @@ class _Pen:
             self._at(x, y),
             text,
             fill=self.muted if muted else self.plain,
-            font=_font(font, max(size * self.unit, 6.0)),
+            font=_font(font, size * self.unit),
+            stroke_width=max(round(HALO * self.unit), 1),
+            stroke_fill=self.halo,
             anchor=anchor,
         )
 
@@ -143,7 +151,7 @@ def _scale_bar(pen: _Pen, camera: Camera, clip: Clip) -> None:
     pen.box(-1, -1, width, 3, pen.plain)
     for end in (-1.0, -1.0 - width + 2):
         pen.box(end, -1, 2, 10, pen.plain)
-    pen.text(-1, -16, f"{length:g} {clip.unit or 'units'}", SMALL)
+    pen.text(-1, -16, f"{worded(length)} {clip.unit or 'units'}", SMALL)
 
 
 def _legend(pen: _Pen, clip: Clip) -> None:
@@ -162,10 +170,10 @@ def _ramp(pen: _Pen, scale: Scale) -> None:
     """The colours of values, lowest first, and what their ends stand for."""
     pen.text(-1, 0, scale.title, SMALL)
     colors = scale.colors()[::-RAMP_STEP]
-    step = RAMP_WIDTH / len(colors)
+    step = min(RAMP_WIDTH, WIDEST_BAR * pen.width) / len(colors)
     for place, color in enumerate(colors):
         pen.box(-1 - place * step, LINE + 2, step + 1, 12, (*color.tolist(), 255))
-    pen.text(-1, 2 * LINE, f"{scale.low:g} to {scale.high:.3g} {scale.unit}", SMALL, muted=True)
+    pen.text(-1, 2 * LINE, " to ".join(scale.ends), SMALL, muted=True)
 
 
 def _bytes(color: tuple[float, ...]) -> tuple[int, ...]:
