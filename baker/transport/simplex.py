@@ -16,16 +16,18 @@ Compiled by numba: import this module late.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.compiled import compiled
 
-_NONE = -1
+_NONE: Any = np.uint32(0xFFFFFFFF)  # no node; numbers without a sign need not be checked for it
 _ROUNDING = 1e-12  # share of the largest cost below which a pair is not cheaper
 _PLENTY = 2**62
 
-Ints = NDArray[np.integer]  # int32
+Ints = NDArray[np.integer]  # int32, or uint32 where they are numbers of nodes
 Longs = NDArray[np.integer]  # int64
 Floats = NDArray[np.floating]  # float64
 
@@ -39,15 +41,16 @@ NODE = np.dtype(
         ("z", np.float64),
         ("potential", np.float64),  # dual price: on every edge of the tree they sum to its cost
         ("flow", np.int64),  # mass between the node and its parent; 0 where that is the root
-        ("parent", np.int32),  # these four are numbers of nodes, or -1
-        ("child", np.int32),  # the first one
-        ("after", np.int32),  # the next sibling
-        ("before", np.int32),
-        ("depth", np.int32),  # edges to the root
-        ("stack", np.int32),  # room to work in, of no node in particular
+        ("parent", np.uint32),  # these four are numbers of nodes, or _NONE
+        ("child", np.uint32),  # the first one
+        ("after", np.uint32),  # the next sibling
+        ("before", np.uint32),
+        ("size", np.uint32),  # nodes of its subtree, itself among them
+        ("stack", np.uint32),  # room to work in, of no node in particular
     ]
 )
 Tree = NDArray[np.void]  # (N + 1,) of NODE
+Node = np.uint32 | int  # its number
 
 
 @compiled
@@ -73,8 +76,8 @@ def improve_cells(
 
     Returns the new plan's rows, columns and masses.
     """
-    local_row = np.full(len(start), _NONE, np.int32)
-    local_column = np.full(len(end), _NONE, np.int32)
+    local_row = np.full(len(start), _NONE, np.uint32)
+    local_column = np.full(len(end), _NONE, np.uint32)
     room = 2 * len(rows)  # a cell's tree has fewer pairs than points, and two points for each pair
     new_rows, new_columns = np.empty(room, np.int64), np.empty(room, np.int64)
     new_mass = np.empty(room, np.int64)
@@ -88,17 +91,17 @@ def improve_cells(
         for v in range(count):
             point = start[own_rows[v]] if v < n else end[own_columns[v - n]]
             tree[v].x, tree[v].y, tree[v].z = point[0], point[1], point[2]
-        near = np.empty((count, near_start.shape[1]), np.int32)
+        near = np.empty((count, near_start.shape[1]), np.uint32)
         for x in range(near.shape[1]):
             for i in range(n):
                 near[i, x] = local_row[near_start[own_rows[i], x]]
             for j in range(n, count):
                 other = local_column[near_end[own_columns[j - n], x]]
-                near[j, x] = other + n if other >= 0 else _NONE
+                near[j, x] = np.uint32(other + n) if other != _NONE else _NONE
         tails = local_row[rows[span]]
-        heads = local_column[columns[span]] + np.int32(n)
-        _plant(tree, n, tails, heads, mass[span], power)
-        _optimize(tree, n, near, power, exhaustive)
+        heads = local_column[columns[span]] + np.uint32(n)
+        _plant(tree, np.uint32(n), tails, heads, mass[span], power)
+        _optimize(tree, np.uint32(n), near, power, exhaustive)
         for v in range(count):
             if tree[v].flow > 0:
                 i, j = (v, tree[v].parent) if v < n else (tree[v].parent, v)
@@ -118,22 +121,22 @@ def _numbered(members: Longs, local: Ints) -> Longs:
     size = 0
     for member in members:
         if local[member] == _NONE:
-            local[member] = size
+            local[member] = np.uint32(size)
             distinct[size] = member
             size += 1
     return distinct[:size]
 
 
 @compiled
-def _optimize(tree: Tree, n: int, near: Ints, power: int, exhaustive: bool) -> None:
+def _optimize(tree: Tree, n: Node, near: Ints, power: int, exhaustive: bool) -> None:
     """Let pairs in, as long as there are cheaper ones."""
     count = len(tree) - 1
-    largest = 0.0
-    for v in range(count):
-        if tree[v].parent < count:
-            largest = max(largest, _cost(tree, v, tree[v].parent, power))
+    zero, largest = np.uint32(0), 0.0
+    for node in range(count):
+        if tree[node].parent < count:
+            largest = max(largest, _cost(tree, node, tree[node].parent, power))
     tolerance = _ROUNDING * largest
-    v, quiet = 0, 0
+    v, quiet = zero, 0
     while quiet < count:
         reduced, other = _cheapest_nearby(tree, near, v, power, -tolerance)
         quiet += 1
@@ -141,55 +144,56 @@ def _optimize(tree: Tree, n: int, near: Ints, power: int, exhaustive: bool) -> N
             i, j = (v, other) if v < n else (other, v)
             _pivot(tree, n, i, j, reduced, 0)
             quiet = 0
-        v = v + 1 if v + 1 < count else 0
-    i, quiet = 0, 0
+        v = np.uint32(v + 1) if v + 1 < count else zero
+    row, quiet = zero, 0
     while exhaustive and quiet < n:
         reduced, other = -tolerance, _NONE
-        for j in range(n, count):
-            cost = _reduced_cost(tree, i, j, power)
+        for j in range(n, np.uint32(count)):
+            cost = _reduced_cost(tree, row, j, power)
             if cost < reduced:
                 reduced, other = cost, j
         quiet += 1
         if other != _NONE:
-            _pivot(tree, n, i, other, reduced, 0)
+            _pivot(tree, n, row, other, reduced, 0)
             quiet = 0
-        i = i + 1 if i + 1 < n else 0
+        row = np.uint32(row + 1) if row + 1 < n else zero
 
 
 @compiled
-def _plant(tree: Tree, n: int, tails: Ints, heads: Ints, mass: Longs, power: int) -> None:
+def _plant(tree: Tree, n: Node, tails: Ints, heads: Ints, mass: Longs, power: int) -> None:
     """Grow a tree along the plan's pairs.
 
     Where the pairs run in circles they are too many for a tree: those left over come in one by
     one, with the mass that they carry, as if they were cheaper.
     """
-    root = len(tree) - 1
-    count = root
-    for v in range(count + 1):
+    root = np.uint32(len(tree) - 1)
+    for v in range(len(tree)):
         tree[v].parent, tree[v].child, tree[v].flow, tree[v].potential = _NONE, _NONE, 0, 0.0
-    tree[root].depth = 0
-    first, incident = _incidence(tails, heads, count)
+    first, incident = _incidence(tails, heads, root)
     planted = np.zeros(len(tails), np.bool_)
-    for base in range(count):
+    order = np.empty(root, np.uint32)
+    reached = 0
+    for base in range(root):
         if tree[base].parent != _NONE:
             continue
         _attach(tree, base, root)
-        tree[base].depth = 1
         tree[0].stack, size = base, 1
         while size > 0:
             size -= 1
             v = tree[size].stack
+            order[reached] = v
+            reached += 1
             for x in range(first[v], first[v + 1]):
                 e = incident[x]
                 w = heads[e] if tails[e] == v else tails[e]
                 if tree[w].parent == _NONE:
                     planted[e] = True
                     _attach(tree, w, v)
-                    tree[w].depth = tree[v].depth + 1
                     tree[w].flow = mass[e]
                     tree[w].potential = _cost(tree, v, w, power) - tree[v].potential
                     tree[size].stack = w
                     size += 1
+    _measure(tree, order)
     for e in range(len(tails)):
         if not planted[e]:
             reduced = _reduced_cost(tree, tails[e], heads[e], power)
@@ -197,7 +201,17 @@ def _plant(tree: Tree, n: int, tails: Ints, heads: Ints, mass: Longs, power: int
 
 
 @compiled
-def _incidence(tails: Ints, heads: Ints, count: int) -> tuple[Longs, Longs]:
+def _measure(tree: Tree, order: Ints) -> None:
+    """Count each subtree's nodes; `order` has parents before their children."""
+    for v in range(len(tree)):
+        tree[v].size = 1
+    for x in range(len(order) - 1, -1, -1):
+        v = order[x]
+        tree[tree[v].parent].size += tree[v].size
+
+
+@compiled
+def _incidence(tails: Ints, heads: Ints, count: Node) -> tuple[Longs, Longs]:
     """Which pairs each point is in: those of point v stand from first[v] to first[v + 1]."""
     first = np.zeros(count + 1, np.int64)
     for e in range(len(tails)):
@@ -214,9 +228,11 @@ def _incidence(tails: Ints, heads: Ints, count: int) -> tuple[Longs, Longs]:
 
 
 @compiled
-def _cheapest_nearby(tree: Tree, near: Ints, v: int, power: int, limit: float) -> tuple[float, int]:
+def _cheapest_nearby(
+    tree: Tree, near: Ints, v: Node, power: int, limit: float
+) -> tuple[float, int]:
     """Of point v and its neighbours' partners: the least reduced cost below the limit, and whom."""
-    root, best = len(tree) - 1, _NONE
+    root, best = np.uint32(len(tree) - 1), _NONE
     for w in near[v]:
         if w == _NONE:
             continue
@@ -235,7 +251,7 @@ def _cheapest_nearby(tree: Tree, near: Ints, v: int, power: int, limit: float) -
 
 
 @compiled
-def _pivot(tree: Tree, n: int, i: int, j: int, reduced: float, carried: int) -> None:
+def _pivot(tree: Tree, n: Node, i: Node, j: Node, reduced: float, carried: int) -> None:
     """Let the pair of row i and column j into the tree, and out one that this empties.
 
     reduced: the pair's reduced cost; carried: the mass that it carries already.
@@ -246,7 +262,7 @@ def _pivot(tree: Tree, n: int, i: int, j: int, reduced: float, carried: int) -> 
     (Cunningham, Math. Program. 11, 1976).
     """
     top = _meeting_point(tree, i, j)
-    root = len(tree) - 1
+    root = np.uint32(len(tree) - 1)
     moved, emptied, on_row_side = _PLENTY, _NONE, True
     v = i
     while v != top:
@@ -268,14 +284,28 @@ def _pivot(tree: Tree, n: int, i: int, j: int, reduced: float, carried: int) -> 
             tree[v].flow += -moved if v >= n else moved
             v = tree[v].parent
     v, parent = (i, j) if on_row_side else (j, i)
+    size = tree[emptied].size
+    w = tree[emptied].parent
+    while w != top:
+        tree[w].size -= size
+        w = tree[w].parent
+    w = parent
+    while w != top:
+        tree[w].size += size
+        w = tree[w].parent
     _hang(tree, v, parent, emptied, moved + carried)
-    _shift(tree, n, v, reduced if on_row_side else -reduced)
+    shift = reduced if on_row_side else -reduced
+    # Prices count against each other only: the smaller side of the tree is brought in line.
+    if 2 * size <= root:
+        _shift(tree, n, v, _NONE, shift)
+    else:
+        _shift(tree, n, root, v, -shift)
 
 
 @compiled
-def _meeting_point(tree: Tree, a: int, b: int) -> int:
+def _meeting_point(tree: Tree, a: Node, b: Node) -> Node:
     while a != b:
-        if tree[a].depth >= tree[b].depth:
+        if tree[a].size <= tree[b].size:
             a = tree[a].parent
         else:
             b = tree[b].parent
@@ -283,36 +313,39 @@ def _meeting_point(tree: Tree, a: int, b: int) -> int:
 
 
 @compiled
-def _hang(tree: Tree, v: int, parent: int, last: int, flow: int) -> None:
+def _hang(tree: Tree, v: Node, parent: Node, last: Node, flow: int) -> None:
     """Hang v on a new parent, and the path from v up to `last` upside down below v."""
+    size, taken = tree[last].size, np.uint32(0)
     while True:
-        old_parent, old_flow = tree[v].parent, tree[v].flow
+        old_parent, old_flow, old_size = tree[v].parent, tree[v].flow, tree[v].size
         _detach(tree, v)
         _attach(tree, v, parent)
         tree[v].flow = flow
+        tree[v].size = size - taken
         if v == last:
             return
+        taken = old_size
         v, parent, flow = old_parent, v, old_flow
 
 
 @compiled
-def _shift(tree: Tree, n: int, top: int, row_shift: float) -> None:
-    """Bring depths and potentials of the subtree of `top` in line with its new parent."""
+def _shift(tree: Tree, n: Node, top: Node, without: Node, row_shift: float) -> None:
+    """Shift the prices of the subtree of `top`, without that of one of its nodes."""
     tree[0].stack, size = top, 1
     while size > 0:
         size -= 1
         v = tree[size].stack
-        tree[v].depth = tree[tree[v].parent].depth + 1
         tree[v].potential += row_shift if v < n else -row_shift
         child = tree[v].child
         while child != _NONE:
-            tree[size].stack = child
-            size += 1
+            if child != without:
+                tree[size].stack = child
+                size += 1
             child = tree[child].after
 
 
 @compiled
-def _attach(tree: Tree, v: int, parent: int) -> None:
+def _attach(tree: Tree, v: Node, parent: Node) -> None:
     sibling = tree[parent].child
     tree[v].parent, tree[v].after, tree[v].before = parent, sibling, _NONE
     if sibling != _NONE:
@@ -321,7 +354,7 @@ def _attach(tree: Tree, v: int, parent: int) -> None:
 
 
 @compiled
-def _detach(tree: Tree, v: int) -> None:
+def _detach(tree: Tree, v: Node) -> None:
     before, after = tree[v].before, tree[v].after
     if before != _NONE:
         tree[before].after = after
@@ -332,12 +365,12 @@ def _detach(tree: Tree, v: int) -> None:
 
 
 @compiled
-def _reduced_cost(tree: Tree, a: int, b: int, power: int) -> float:
+def _reduced_cost(tree: Tree, a: Node, b: Node, power: int) -> float:
     return _cost(tree, a, b, power) - tree[a].potential - tree[b].potential
 
 
 @compiled
-def _cost(tree: Tree, a: int, b: int, power: int) -> float:
+def _cost(tree: Tree, a: Node, b: Node, power: int) -> float:
     x, y, z = tree[a].x - tree[b].x, tree[a].y - tree[b].y, tree[a].z - tree[b].z
     squared = x * x + y * y + z * z
     return squared if power == 2 else np.sqrt(squared)
