@@ -2,8 +2,9 @@
 
 Blending disc after disc into the picture is what a GPU is made for; a CPU spends most of such a
 picture on fetching and storing samples. Here each sample asks for its tile's discs instead, and
-sums them in registers: the same picture, but for rounding. Discs stay in the movers' order, so it
-is the same from run to run.
+sums them in registers: the same picture, but for rounding. Discs are sorted by distance, those of
+equal distance stay in the movers' order: a sample stops at the first one that it doesn't see, and
+the picture is the same from run to run.
 """
 
 from __future__ import annotations

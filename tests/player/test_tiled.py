@@ -11,7 +11,8 @@ import pytest
 
 import player.context
 import player.tiled
-from gclip.clip import Clip
+from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip.pack import Movers, pack_interval
 from player.camera import Camera
 from player.renderer import Renderer
 from player.style import Style
@@ -19,6 +20,22 @@ from player.tiled import by_tile
 
 SIZE = (161, 119)  # no multiple of a tile's side
 BOTH = ((90, 160, 60, 255), (200, 120, 40, 255))
+
+
+def two_sheets() -> Clip:
+    """A near sheet before the middle of a far one that is wider, in the far one's order and back."""
+    across, above = np.meshgrid(np.linspace(-20, 20, 40), np.linspace(0, 40, 40))
+    far = np.column_stack([across.ravel(), np.full(1600, 12.0), above.ravel()])
+    near = far * [0.5, -1.0, 0.5] + [0.0, 0.0, 10.0]
+    points, tracks = np.concatenate([far, near, far[::-1]]), np.repeat([0, 1, 0], 1600)
+    return Clip(
+        scans=tuple(ScanMark(name, time, name, 4800) for name, time in [("a", 0.0), ("b", 5.0)]),
+        intervals=(
+            pack_interval(0.0, 5.0, [Movers(Motion.MOVE, (points, points), tracks)], spacing=1.0),
+        ),
+        track_table=(Track(0, "far", (200, 60, 40)), Track(1, "near", (40, 90, 220), parent=0)),
+        spacing=1.0,
+    )
 
 
 def picture(
@@ -61,6 +78,18 @@ def test_tiles_make_the_picture_of_splats(
     tiled, blended = (picture(cpu_context, clip, style, supersample, way) for way in (True, False))
     assert (blended.max(axis=2) > 60).sum() > 1500
     # Where a distance is on one side of a threshold by rounding alone, a few may differ more.
+    assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
+
+
+@pytest.mark.parametrize("supersample", [1, 2])
+def test_what_is_near_hides_what_is_far(cpu_context: moderngl.Context, supersample: int) -> None:
+    """And the sum over a sample's discs may stop at the first that is hidden."""
+    clip, style = two_sheets(), Style(show_ground=False, eye_dome=0.0)
+    tiled, blended = (picture(cpu_context, clip, style, supersample, way) for way in (True, False))
+    blue = tiled[..., 2] > tiled[..., 0] + 60
+    red = tiled[..., 0] > tiled[..., 2] + 60
+    assert blue[50:70, 70:90].all()
+    assert red.sum() > blue.sum() > 1000
     assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
 
 
