@@ -152,6 +152,21 @@ def test_a_hull_is_that_of_the_surface(count: int) -> None:
     assert _hull(ball * [1, 1, 0]) == (None, False)
 
 
+def test_hulls_that_points_can_not_tell_are_not_sure(grown: Clip) -> None:
+    """A leaf's area may be: thin leaves of few points lack much of their hull."""
+    known, thin = plant("maize", 0), 0
+    for day in grown.times:
+        cloud = known.cloud(day, 60_000, noise=0)
+        for organ in measure(grown, day)[1:]:
+            label = int(grown.track_table[organ.track].name.split()[-1])
+            if "area" in organ.sure and "hull" not in organ.sure:
+                thin += 1
+            if "hull" in organ.sure:
+                hull = ConvexHull(cloud.points[cloud.labels == label]).volume
+                assert organ.hull == pytest.approx(hull, rel=0.08)
+    assert thin > 4
+
+
 def test_organs_are_measured_from_birth_to_loss(grown: Clip) -> None:
     for day in measure_days(grown):
         seen = {one.track for one in measure(grown, day)} - {None}
