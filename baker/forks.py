@@ -97,9 +97,12 @@ class _Late:
 
         from baker.motion.follow import along, beside, follow
         from baker.motion.nearest import gaps, nearest
+        from baker.nearby import nearest_others
+        from baker.segment.merge_tree import branches  # noqa: F401
         from baker.transport.solve import solve
 
         few = np.eye(3)
+        nearest_others(few, np.arange(2))
         solve(np.tile(few, (2, 1)), few)
         nearest(few, few)
         gaps(few[None], few, few)

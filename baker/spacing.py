@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.pack import morton_codes
-
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
@@ -100,25 +98,15 @@ def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
     return distance <= ALONE * np.median(distance)
 
 
-def reach(points: NDArray[np.floating], k: int, workers: int = 1) -> NDArray[np.float64]:
-    """(N,) each point's distance to its k-th nearest other point, k < N.
-
-    workers: threads.
-
-    Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
-    """
-    return _distances(points, (k,), workers)[0]
+def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
+    """(N,) each point's distance to its k-th nearest other point, k < N."""
+    return _distances(points, (k,))[0]
 
 
-def _distances(
-    points: NDArray[np.floating], ranks: tuple[int, ...], workers: int = 1
-) -> NDArray[np.float64]:
+def _distances(points: NDArray[np.floating], ranks: tuple[int, ...]) -> NDArray[np.float64]:
     """(ranks, N) each point's distance to its nearest other points of these ranks, from 1 on."""
-    from scipy.spatial import cKDTree
+    from baker.nearby import nearest_others
 
-    order = np.argsort(morton_codes(points), kind="stable")
-    sorted_points = points[order]
-    found = cKDTree(sorted_points).query(sorted_points, [k + 1 for k in ranks], workers=workers)[0]
-    distances = np.empty((len(ranks), len(points)))
-    distances[:, order] = found.T
-    return distances
+    distinct, place = np.unique(ranks, return_inverse=True)
+    squares = nearest_others(np.ascontiguousarray(points, np.float64), distinct - 1)[0]
+    return np.sqrt(squares.T[place])
