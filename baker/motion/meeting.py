@@ -39,7 +39,7 @@ class Organ:
     curve: (degree + 1, n, 3) float32 control points of its movers.
     order: the movers in the order of a Morton curve half-way.
     keys, balls: at each key instant where they are in that order, (3, n, 3) float64, and the balls
-                 around them as `closest.balls` finds them.
+                 around them as `follow.balls` finds them.
     """
 
     moved: Moved

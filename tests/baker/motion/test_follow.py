@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.closest import balls
-from baker.motion.follow import along, beside, follow
+from baker.motion.follow import along, balls, beside, follow
 from gclip.evaluate import bernstein
 
 INSTANTS = np.array([bernstein(2, u) for u in np.linspace(0, 1, 9)])

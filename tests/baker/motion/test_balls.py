@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.closest import LEAST, balls, closest, within
+from baker.motion.follow import LEAST, balls, closest, within
 
-COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 25 * LEAST + 3]
+COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 70 * LEAST + 3]  # with the last, balls within balls
 
 
 def clouds(mine: int, theirs: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -32,9 +32,22 @@ def test_the_closest_of_all_pairs(mine: int, theirs: int) -> None:
 @pytest.mark.parametrize("reach", [0.0, 1.5, np.inf])
 def test_points_within_reach(mine: int, theirs: int, reach: float) -> None:
     a, b, apart = clouds(mine, theirs)
-    found, away = within(a[0], b[0], balls(a)[0], balls(b)[0], reach)
+    found, away = within(a[0], b[0], balls(a)[0], balls(b)[0], reach, 10**9)
     nearest = apart[0].min(axis=1)
     assert found.tolist() == np.flatnonzero(nearest <= reach).tolist()
+    np.testing.assert_allclose(away, nearest[found], rtol=1e-12)
+
+
+@pytest.mark.parametrize("most", [1, 3, 40])
+@pytest.mark.parametrize("mine", COUNTS)
+@pytest.mark.parametrize("theirs", COUNTS)
+def test_the_nearest_points_within_reach(mine: int, theirs: int, most: int) -> None:
+    a, b, _ = clouds(mine, theirs)
+    a[0, mine // 2 :: 3] = a[0, mine // 2]  # in one place, as movers of a bud are
+    nearest = np.linalg.norm(a[0, :, None] - b[0], axis=2).min(axis=1)
+    farthest = np.sort(nearest)[min(most, mine) - 1]
+    found, away = within(a[0], b[0], balls(a)[0], balls(b)[0], 8.0, most)
+    assert found.tolist() == np.flatnonzero(nearest <= min(farthest, 8.0)).tolist()
     np.testing.assert_allclose(away, nearest[found], rtol=1e-12)
 
 
@@ -43,15 +56,18 @@ def test_points_that_touch() -> None:
     gap, a, b = closest(same, same, balls(same), balls(same))
     assert gap.tolist() == [0.0, 0.0]
     assert a.tolist() == b.tolist() == [0, 0]
-    found, away = within(same[0], same[0], balls(same)[0], balls(same)[0], 0.0)
+    found, away = within(same[0], same[0], balls(same)[0], balls(same)[0], 0.0, 50)
     assert found.tolist() == [*range(20)]
     assert away.tolist() == [0.0] * 20
 
 
 @pytest.mark.parametrize("count", COUNTS)
-def test_every_point_is_in_its_ball(count: int) -> None:
+def test_every_point_is_in_its_balls(count: int) -> None:
     points = np.random.default_rng(count).normal(size=(1, count, 3))
     found = balls(points)[0]
-    owner = np.arange(count) // max(LEAST, int(np.sqrt(count)))
-    away = np.linalg.norm(points[0] - found[owner, :3], axis=1)
-    assert (away <= found[owner, 3]).all()
+    small = -(-count // LEAST)
+    size = LEAST * max(1, int(np.sqrt(count)) // LEAST)
+    assert len(found) == small + -(-count // size)
+    for owner in (np.arange(count) // LEAST + len(found) - small, np.arange(count) // size):
+        away = np.linalg.norm(points[0] - found[owner, :3], axis=1)
+        assert (away <= found[owner, 3]).all()
