@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 AT_BASE = 0.02  # share of an organ's points that are its base
+SAMPLED = 5  # times as many points as the base's bound how far it reaches
 MANY = 100  # births that are worth sharing out
 
 
@@ -123,9 +124,14 @@ class _Attachments:
     def base(self, segment: int) -> NDArray[np.float64]:
         """(3,) the middle of the segment's points nearest to what it grows from."""
         own = self._points(segment)
-        apart = self._bearer(self.match.second.parents[segment]).query(own)[0]
-        nearest = np.argsort(apart, kind="stable")[: max(1, round(AT_BASE * len(own)))]
-        return own[nearest].mean(axis=0)
+        bearer = self._bearer(self.match.second.parents[segment])
+        count = max(1, round(AT_BASE * len(own)))
+        # A sample bounds how far the base reaches, and the search ends there.
+        sample = own[:: max(1, len(own) // (SAMPLED * count))]
+        reach = np.sort(bearer.query(sample)[0])[count - 1]
+        bound = 1.000001 * reach or np.inf
+        apart = bearer.query(own, distance_upper_bound=bound)[0]
+        return own[np.argsort(apart, kind="stable")[:count]].mean(axis=0)
 
     def extent(self, segment: int, base: NDArray[np.float64]) -> float:
         return float(np.sqrt(((self._points(segment) - base) ** 2).sum(axis=1).mean()))

@@ -143,5 +143,20 @@ def _bud(
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
     reach = np.sort(tree.query(points[0][sample])[0])[:count][-1]
     bound = 1.000001 * reach or np.inf
+    candidates = candidates[_within(points[0][candidates], tree.mins, tree.maxes, bound)]
     distances, _ = tree.query(points[0][candidates], distance_upper_bound=bound)
     return candidates[np.argsort(distances, kind="stable")[:count]]
+
+
+def _within(
+    points: NDArray[np.floating],
+    low: NDArray[np.floating],
+    high: NDArray[np.floating],
+    bound: float,
+) -> NDArray[np.intp]:
+    """Which of (n, 3) points are no farther than the bound from a box, along each axis."""
+    inside = np.ones(len(points), bool)
+    for axis in range(3):
+        place = points[:, axis]
+        inside &= (place >= low[axis] - bound) & (place <= high[axis] + bound)
+    return np.flatnonzero(inside)
