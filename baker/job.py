@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +14,15 @@ from baker.density import with_even_density
 from baker.feet import Feet
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
-from baker.motion import attached, curved, organ_motions
+from baker.motion import Shapes, attached, curved, organ_motions, shaping
 from baker.tasks import Task
 from baker.transport.plan import Method, TransportOptions
 from baker.vertical import Vertical
 from baker.workers import ALONE, Crew, Done
 from gclip.clip import Interval, Motion
 from gclip.pack import pack_interval
+
+Clouds = tuple[NDArray[np.floating], NDArray[np.floating]]
 
 
 @dataclass(frozen=True)
@@ -104,9 +109,15 @@ def move_interval(
 
     # The largest first: none is left to a single thread in the end.
     order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
-    found = crew.map(solve, [job.tasks[k] for k in order])
-    solved = [moved for _, moved in sorted(zip(order, found, strict=True), key=lambda kv: kv[0])]
-    return _on_curves(job, solved, crew) if job.curved else solved
+    shapes = shaping(*_plant(job)) if job.curved else []
+    works: list[Callable[[], Shapes | Moved]]
+    works = [*shapes, *(partial(solve, job.tasks[k]) for k in order)]
+    found = crew.map(lambda work: work(), works)
+    moved = cast("list[Moved]", found[len(shapes) :])
+    solved = [one for _, one in sorted(zip(order, moved, strict=True), key=lambda kv: kv[0])]
+    if not job.curved:
+        return solved
+    return _on_curves(job, solved, cast("list[Shapes]", found[: len(shapes)]), crew)
 
 
 def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -> Interval:
@@ -123,11 +134,17 @@ def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -
     )
 
 
-def _on_curves(job: IntervalJob, solved: list[Moved], crew: Crew) -> list[Moved]:
-    clouds = (job.start.positions, job.end.positions)
-    matches, organs = [job.match], [job.organs]
-    motions = organ_motions(clouds, matches, job.bases, job.spacing, crew)
-    return curved([solved], clouds, matches, organs, motions)[0]
+def _on_curves(
+    job: IntervalJob, solved: list[Moved], shapes: list[Shapes], crew: Crew
+) -> list[Moved]:
+    clouds, matches, bases = _plant(job)
+    motions = organ_motions(clouds, matches, bases, job.spacing, crew, shapes)
+    return curved([solved], clouds, matches, [job.organs], motions, crew)[0]
+
+
+def _plant(job: IntervalJob) -> tuple[Clouds, list[Match], Clouds]:
+    """The two clouds, their match, and where either leaves the ground."""
+    return (job.start.positions, job.end.positions), [job.match], job.bases
 
 
 def _size(task: Task) -> int:
