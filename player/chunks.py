@@ -96,19 +96,17 @@ class ChunkBuffers:
         self._buffers.append((buffer, kind, name))
         self.size += buffer.size
 
-    def array(self, program: moderngl.Program, every: int = 1) -> moderngl.VertexArray:
+    def array(
+        self, program: moderngl.Program, places: moderngl.Buffer | None = None
+    ) -> moderngl.VertexArray:
         """The buffers bound to a vertex shader's inputs, as far as it has them.
 
-        every: of so many movers one.
+        places: which movers to draw, uint32; all of them if None.
         """
-        key = (program.glo, every)
+        key = (program.glo, places.glo if places else 0)
         if key not in self._arrays:
-            content = []
-            for buffer, kind, name in self._buffers:
-                if name in program:
-                    skipped = (every - 1) * (buffer.size - PADDING) // self.count
-                    content.append((buffer, f"{kind} {skipped}x" if skipped else kind, name))
-            self._arrays[key] = self.context.vertex_array(program, content)
+            content = [entry for entry in self._buffers if entry[2] in program]
+            self._arrays[key] = self.context.vertex_array(program, content, index_buffer=places)
         return self._arrays[key]
 
     def bind(self) -> None:

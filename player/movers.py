@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gclip.clip import Interval, Motion
 from gclip.evaluate import Layer, bernstein
-from player.chunks import ChunkBuffers, ChunkStore, Portion
+from player.chunks import LENGTH, ChunkBuffers, ChunkStore, Portion
 from player.colors import STEPS, Colors
 from player.glsl import compute, feedback, give, program
 from player.memory import room
@@ -47,6 +47,7 @@ class Movers:
             context, (PALETTE_WIDTH, -(-len(clip.track_table) // PALETTE_WIDTH))
         )
         self.ramp = _texture(context, (STEPS, 1))
+        self._places: dict[int, moderngl.Buffer] = {}
         self._painted: object = None
         self._look: dict[str, int] = {"VALUED": 0, "MARKED": 0}
         self._values: dict[str, object] = {}
@@ -77,7 +78,8 @@ class Movers:
         for portion, buffers, count in self._batches(portions):
             shader = self._ready(name, "points", portion.layer, buffers, uniforms)
             every = portion.every * fewer
-            buffers.array(shader, every).render(moderngl.POINTS, vertices=-(-count // every))
+            array = buffers.array(shader, self._one_in(every))
+            array.render(moderngl.POINTS, vertices=-(-count // every))
 
     def compute(
         self, name: str, portions: list[Portion], uniforms: dict[str, Any], **chosen: int
@@ -105,7 +107,8 @@ class Movers:
             shader = self._ready(name, "feedback", portion.layer, buffers, uniforms)
             some = -(-count // portion.every)
             result = self.context.buffer(reserve=4 * width * max(some, 1))
-            buffers.array(shader, portion.every).transform(result, vertices=some)
+            array = buffers.array(shader, self._one_in(portion.every))
+            array.transform(result, vertices=some)
             read = result.read(4 * width * some)
             parts.append(np.frombuffer(read, np.float32).reshape(-1, width))
             result.release()
@@ -137,6 +140,18 @@ class Movers:
         for portion in portions:
             for chunk, count in portion.chunks():
                 yield portion, self.store[chunk], count
+
+    def _one_in(self, every: int) -> moderngl.Buffer | None:
+        """The places, in any chunk, of one mover in so many.
+
+        Vertex arrays that pass over the others would do, but their strides end at 2,048 bytes.
+        """
+        if every == 1:
+            return None
+        if every not in self._places:
+            places = np.arange(0, LENGTH, every, dtype=np.uint32)
+            self._places[every] = self.context.buffer(places)
+        return self._places[every]
 
     def _ready(
         self,
@@ -195,6 +210,8 @@ class Movers:
 
     def release(self) -> None:
         self.store.release()
+        for places in self._places.values():
+            places.release()
         self.palette.release()
         self.ramp.release()
         for shader in self._programs.values():

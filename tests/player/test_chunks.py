@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import player.chunks
+import player.movers
 from gclip.clip import Clip, Motion
 from gclip.evaluate import layers_at
 from gclip.pack import BLOCK, Movers, pack_interval
@@ -17,6 +18,7 @@ from player.camera import Camera
 from player.chunks import ChunkStore, Portion, estimate
 from player.fetch import Fetcher
 from player.memory import room
+from player.movers import Movers as DrawnMovers
 from player.renderer import Renderer
 from player.style import Style
 
@@ -26,6 +28,7 @@ SIZE = (160, 120)
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
     monkeypatch.setattr(player.chunks, "LENGTH", 333)
+    monkeypatch.setattr(player.movers, "LENGTH", 333)
     return 333
 
 
@@ -135,6 +138,24 @@ def test_patience_draws_what_is_there(
     assert renderer.draw(framebuffer, *view)
     assert renderer.draw(framebuffer, *view, patience=0.0)
     renderer.release()
+
+
+@pytest.mark.parametrize("every", [2, 3, 1000, 10**6])
+def test_one_mover_in_many(
+    context: moderngl.Context, make_clip, small_chunks: int, every: int
+) -> None:
+    """Of each chunk; a shadow takes one in a thousand of ten million."""
+    clip = make_clip()
+    context.simple_framebuffer(SIZE).use()
+    movers = DrawnMovers(context, clip)
+    layers = layers_at(clip, 2.1)
+    found = movers.captured("positions", 3, [Portion(x, x.group.count, every) for x in layers], {})
+    taken = [np.arange(n) % small_chunks % every == 0 for n in (x.group.count for x in layers)]
+    wanted = movers.positions(layers)[np.concatenate(taken)]
+    np.testing.assert_array_equal(found, wanted)
+    movers.draw("shadow", [Portion(x, x.group.count, every) for x in layers], {}, fewer=every)
+    assert context.error == "GL_NO_ERROR"
+    movers.release()
 
 
 def test_the_fetcher_reads_one_interval_and_stops(make_clip) -> None:
