@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.spacing import reach
+from baker.workers import ALONE, Crew
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, morton_codes, raised
 
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from baker.interval import Moved
 
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
+GROUPS, FEWEST = 24, 8  # of tasks, to share out; from so many on it is worth it
+
+Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
 
 
 def point_surface(points: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -59,21 +63,31 @@ def surface_half_way(
     return (((0.0 if birth else before) + after) / 2) ** 2
 
 
-def with_even_density(tasks: Sequence[Moved], growth: float) -> list[Movers]:
+def with_even_density(tasks: Sequence[Moved], growth: float, crew: Crew = ALONE) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
     Tasks without a surface are left as they are.
     growth: movers to add, as a share of those there are.
+    crew:   who shares the work.
 
     The added movers of a task follow its own. Deterministic.
     """
     known = [task.surface for task in tasks if task.surface is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
+
+    def add(group: Sequence[Moved]) -> list[Added | None]:
+        return [
+            None
+            if task.surface is None
+            else _added(task, np.maximum(density * task.surface - 1, 0))
+            for task in group
+        ]
+
+    found = crew.map(add, _groups(tasks), fewest=FEWEST)
+    added = [more for group in found for more in group]
     return [
-        task.movers
-        if task.surface is None
-        else _filled(task, np.maximum(density * task.surface - 1, 0))
-        for task in tasks
+        task.movers if more is None else _filled(task.movers, *more)
+        for task, more in zip(tasks, added, strict=True)
     ]
 
 
@@ -99,16 +113,34 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
     return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
 
 
-def _filled(task: Moved, wanted: NDArray[np.floating]) -> Movers:
-    """The movers, and about `wanted` more of each, a little apart from it half-way."""
-    movers = task.movers
-    middle = half_way(movers.curve)
+def _groups(tasks: Sequence[Moved]) -> list[list[Moved]]:
+    """The tasks in their order, in groups of about as many movers."""
+    share = sum(len(task.movers) for task in tasks) / GROUPS
+    groups: list[list[Moved]] = [[]]
+    size = 0
+    for task in tasks:
+        if size > share:
+            groups.append([])
+            size = 0
+        groups[-1].append(task)
+        size += len(task.movers)
+    return groups
+
+
+def _added(task: Moved, wanted: NDArray[np.floating]) -> Added | None:
+    """About `wanted` movers more of each, a little apart from it half-way; None where none are."""
+    middle = half_way(task.movers.curve)
     own = _spread_out(middle, wanted)
-    if len(movers) <= NEIGHBORS or not len(own):
-        return movers
-    start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
+    if len(task.movers) <= NEIGHBORS or not len(own):
+        return None
     # Half-way the ends keep a weight of 2 / 2 ** degree.
-    shift = _aside(task, middle, own) / (1 - 2.0 ** -len(control))
+    inner = max(2, len(task.movers.curve) - 1) - 1
+    return own, _aside(task, middle, own) / (1 - 2.0**-inner)
+
+
+def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) -> Movers:
+    """The movers, and `own` of them once more with their inner control points shifted."""
+    start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
     colors, target = movers.start_colors, movers.end_colors
     return replace(
         movers,
@@ -138,11 +170,12 @@ def _aside(
     shared -= _mean_of_twins(task.end_points, middle) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
     lonely = ~shared[own].any(axis=1)
-    nearest = cKDTree(middle).query(middle[own[lonely]], k=NEIGHBORS + 1)[1][:, 1:]
-    partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
     shift = 2 * shared[own]
-    # A third of the way: the neighbour's own addition may come as far towards this one.
-    shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
+    if lonely.any():
+        nearest = cKDTree(middle).query(middle[own[lonely]], k=NEIGHBORS + 1)[1][:, 1:]
+        partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
+        # A third of the way: the neighbour's own addition may come as far towards this one.
+        shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
     return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
 
 

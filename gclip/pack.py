@@ -58,29 +58,40 @@ def pack_interval(
     together = [_together([m for m in movers if m.motion is motion]) for motion in Motion]
     present = [m for m in together if m is not None and len(m)]
     low, high = _box([points for m in present for points in m.curve])
-    ordered = [_reordered(m, _gpu_order(m.curve[0] + m.curve[-1])) for m in present]
-    joined = _together(ordered)
+    stops = np.cumsum([len(m) for m in present])
+    order = np.concatenate(
+        [
+            _gpu_order(m.curve[0] + m.curve[-1]) + (stop - len(m))
+            for m, stop in zip(present, stops, strict=True)
+        ]
+    )
+    joined = _together(present)
     assert joined is not None
     box = None
-    curve: tuple[NDArray[Any], ...] = tuple(p.astype(np.float32) for p in joined.curve)
     if precision != "float32" and (high - low).max() / LEVELS <= FINE_ENOUGH * spacing:
         box = Box((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-        curve = tuple(_quantised(points, box) for points in joined.curve)
-    stops = np.cumsum([len(m) for m in ordered])
+    narrow = np.uint16 if joined.tracks.max() <= 0xFFFF else np.uint32
+    # First what makes numbers shorter, then their order.
+    curve: tuple[NDArray[Any], ...] = tuple(
+        np.take(
+            points.astype(np.float32) if box is None else _quantised(points, box), order, axis=0
+        )
+        for points in joined.curve
+    )
     return Interval(
         start=start,
         end=end,
         box=box,
         groups=tuple(
             Group(int(stop) - len(m), len(m), m.motion)
-            for m, stop in zip(ordered, stops, strict=True)
+            for m, stop in zip(present, stops, strict=True)
         ),
         start_positions=curve[0],
         end_positions=curve[-1],
         control_positions=curve[1:-1],
-        tracks=joined.tracks.astype(np.uint16 if joined.tracks.max() <= 0xFFFF else np.uint32),
-        start_colors=joined.start_colors,
-        end_colors=joined.end_colors,
+        tracks=np.take(joined.tracks.astype(narrow), order),
+        start_colors=_taken(joined.start_colors, order),
+        end_colors=_taken(joined.end_colors, order),
         segments=segments,
     )
 
@@ -109,8 +120,8 @@ def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], 
 
 
 def _together(movers: Sequence[Movers]) -> Movers | None:
-    if not movers:
-        return None
+    if len(movers) <= 1:
+        return movers[0] if movers else None
     colored = all(m.start_colors is not None for m in movers)
     return Movers(
         motion=movers[0].motion,
@@ -123,15 +134,8 @@ def _together(movers: Sequence[Movers]) -> Movers | None:
     )
 
 
-def _reordered(movers: Movers, order: NDArray[np.intp]) -> Movers:
-    start, end = movers.start_colors, movers.end_colors
-    return Movers(
-        motion=movers.motion,
-        curve=tuple(points[order] for points in movers.curve),
-        tracks=movers.tracks[order],
-        start_colors=None if start is None else start[order],
-        end_colors=None if end is None else end[order],
-    )
+def _taken(colors: NDArray[np.uint8] | None, order: NDArray[np.intp]) -> NDArray[np.uint8] | None:
+    return None if colors is None else np.take(colors, order, axis=0)
 
 
 def _box(points: Sequence[NDArray[np.floating]]) -> tuple[list[float], list[float]] | tuple:
@@ -158,7 +162,9 @@ def extent(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
 
 def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
     step = np.where(box.step > 0, box.step, 1.0)
-    return np.round((points - np.asarray(box.low)) / step).astype(np.uint16)
+    steps = points - np.asarray(box.low)
+    steps /= step
+    return np.round(steps, out=steps).astype(np.uint16)
 
 
 def _gpu_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
