@@ -7,7 +7,7 @@ of what it is at the end, and less where it comes late and fast.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,21 +29,25 @@ MANY = 100  # births that are worth sharing out
 
 @dataclass(frozen=True)
 class Birth:
-    """base: (3,) where the organ is attached at the end; size: its share of its size half-way."""
+    """How an organ unfolds.
+
+    base: (3,) where it is attached at the end; size: its share of its size half-way.
+    pace: how far beyond the half of its way what bears it is half-way, of the way.
+    """
 
     base: NDArray[np.float64]
     size: float
+    pace: float = 0.0
 
     def control(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
     ) -> NDArray[np.float32]:
         """(N, 3) control points: half-way each mover is `size` of the way from the base to its end.
 
-        The base itself is half-way between bud and attachment then.
+        The base itself is as far from bud to attachment then as what bears it is on its way.
         """
-        return (start / 2 + (1 - 2 * self.size) * self.base + (2 * self.size - 0.5) * end).astype(
-            np.float32
-        )
+        unfolding = start / 2 + (1 - 2 * self.size) * self.base + (2 * self.size - 0.5) * end
+        return (unfolding + 2 * self.pace * (self.base - start)).astype(np.float32)
 
 
 def births(
@@ -51,11 +55,12 @@ def births(
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
+    paces: Sequence[Mapping[int, float]],
     crew: Crew = ALONE,
 ) -> list[dict[int, Birth]]:
     """For each interval, by organ, how those that are born in it unfold.
 
-    crew: who shares the work.
+    paces: of each interval, by organ, as `baker.pace` finds them; crew: who shares the work.
 
     All that unfolds from one bud does so as one piece. Where nothing tells how an organ goes on to
     grow, the series' other births do.
@@ -75,11 +80,12 @@ def births(
     known = [size for _, sizes in found for size in sizes.values() if size is not None]
     usual = float(np.median(known)) if known else EVEN
     born = []
-    for match, named, (bases, sizes) in zip(matches, organs, found, strict=True):
+    for match, named, paced, (bases, sizes) in zip(matches, organs, paces, found, strict=True):
         tops = _tops_of_births(match)
+        pace = {top: _pace_of_bearer(top, match, named, paced) for top in bases}
         born.append(
             {
-                named.second[segment]: Birth(bases[top], sizes[top] or usual)
+                named.second[segment]: Birth(bases[top], sizes[top] or usual, pace[top])
                 for segment, top in tops.items()
             }
         )
@@ -107,6 +113,13 @@ def _opens(segment: int, match: Match, new: set[int]) -> bool:
     """Whether a born segment with points grows on one that was there before, or on nothing."""
     parent = match.second.parents[segment]
     return segment in new and parent not in new and bool(len(match.second.segments[segment]))
+
+
+def _pace_of_bearer(
+    segment: int, match: Match, named: IntervalOrgans, paces: Mapping[int, float]
+) -> float:
+    parent = match.second.parents[segment]
+    return 0.0 if parent == NO_PARENT else paces.get(named.second[parent], 0.0)
 
 
 def _tops(match: Match) -> set[int]:

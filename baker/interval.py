@@ -85,6 +85,11 @@ def solve_task(
         origin, target = movers.curve
         curve = (origin, task.birth.control(origin, target), target)
         movers = replace(movers, curve=curve)
+    if task.pace:
+        # Of a curve of degree two the control point counts half in its middle.
+        origin, target = movers.curve
+        control = origin + (0.5 + 2.0 * task.pace) * (target - origin)
+        movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
     surface = surface_half_way(start.surface, a, end.surface, b, born)
     return Moved(movers, pair, surface, a, b, born)

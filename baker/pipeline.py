@@ -27,6 +27,7 @@ from baker.intervals import solve_intervals
 from baker.job import IntervalJob
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options, Paths
+from baker.pace import paces
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
@@ -270,8 +271,11 @@ def _interval_jobs(
     keyframes, matches = whole.keyframes, whole.matches
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]
+    paced: list[dict[int, float]] = [{} for _ in matches]
+    if recipe.paths == Paths.curved:
+        paced = paces(clouds, matches, organs, times, spacing)
     if recipe.paths != Paths.straight:
-        born = births(clouds, matches, organs, times, crew)
+        born = births(clouds, matches, organs, times, paced, crew)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -289,6 +293,7 @@ def _interval_jobs(
                     whole.parts[k],
                     born[k],
                     found and options.decay == "fall",
+                    paced[k],
                 )
             ),
             vertical=vertical,

@@ -27,6 +27,7 @@ class Task:
     event: "match", "birth" (start is the bud), "loss" (end is empty), or "part": of a matched
            organ a part is lost, and leaves in its own way.
     birth:  how a new organ unfolds; None in straight lines from its bud.
+    pace:   of a matched organ, how far beyond the half of its way it is half-way, of the way.
     leaves: how a part goes; notes: for the report.
     """
 
@@ -35,6 +36,7 @@ class Task:
     start: NDArray[np.intp]
     end: NDArray[np.intp]
     birth: Birth | None = None
+    pace: float = 0.0
     leaves: Motion | None = None
     notes: tuple[str, ...] = ()
 
@@ -47,10 +49,11 @@ def interval_tasks(
     parts: Sequence[Part] = (),
     born: Mapping[int, Birth] = MappingProxyType({}),
     scraps: bool = False,
+    paces: Mapping[int, float] = MappingProxyType({}),
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
-    parts: what matched organs lose; born: by organ, how new ones unfold.
+    parts: what matched organs lose; born, paces: by organ, how new ones unfold and old ones go.
     scraps: whether what is lost may be scraps of our own cutting: these fade, they don't fall.
     bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
 
@@ -58,7 +61,13 @@ def interval_tasks(
     """
     first, second = match.first, match.second
     tasks = [
-        Task("match", organs.second[b], first.segments[a], second.segments[b])
+        Task(
+            "match",
+            organs.second[b],
+            first.segments[a],
+            second.segments[b],
+            pace=paces.get(organs.second[b], 0.0),
+        )
         for a, b in match.pairs
         if len(first.segments[a]) and len(second.segments[b])
     ]

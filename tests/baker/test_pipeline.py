@@ -99,7 +99,8 @@ def test_the_reversed_series_gives_the_reversed_motion(write_scans):
             frame = clip.at(time)
             ids = [t.id for t in clip.track_table if t.name in shared]
             clouds.append(frame.positions[np.isin(frame.tracks, ids)])
-        assert farthest_apart(*clouds) < 0.02
+        # A spacing: what spans the gap to an organ that is born spans none to one that is lost.
+        assert farthest_apart(*clouds) < forward.spacing
 
 
 def test_shuffled_labels_give_the_same_organs(write_scans):
