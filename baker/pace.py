@@ -8,13 +8,21 @@ scan, and goes evenly.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
 
-KEPT, SURE = 0.9, 1.0  # cosine of two ways from which on, and at which, the one foretells the other
+KEPT, SURE = (
+    0.9,
+    1.0,
+)  # cosine of an organ's ways from which on, and at which, one foretells the next
+STEADY = (
+    0.9,
+    0.97,
+)  # the same of the usual organ of a plant: else it sways, and what keeps on is chance
 MOST = 0.25  # of the way: beyond that a path of degree two would turn back
 OPEN = 0.5  # of the change at an interval's one scan that is likely at the series' end, too
 MATTERS = 0.1  # point spacings; less is below what the scan shows
@@ -35,11 +43,21 @@ def paces(
 
     Negative where an organ comes to be faster. Those that go evenly are left out.
     """
+
     ways = [
         _ways(clouds[k : k + 2], match, named)
         for k, (match, named) in enumerate(zip(matches, organs, strict=True))
     ]
     spans = np.diff(times)
+    kept = [
+        _cosine(way, following[organ])
+        for known, following in pairwise(ways)
+        for organ, way in known.items()
+        if organ in following
+    ]
+    if not kept:
+        return [{} for _ in ways]
+    steady = _between(float(np.median(kept)), *STEADY)
     found: list[dict[int, float]] = []
     for k, known in enumerate(ways):
         beside = [
@@ -50,7 +68,7 @@ def paces(
             before, after = (
                 (side[0][organ], side[1]) if side and organ in side[0] else None for side in beside
             )
-            ahead = _ahead(way, float(spans[k]), before, after)
+            ahead = steady * _ahead(way, float(spans[k]), before, after)
             if abs(ahead) * np.linalg.norm(way) > MATTERS * spacing:
                 found[k][organ] = ahead
     return found
@@ -102,7 +120,17 @@ def _faster(way: Way, span: float, beside: tuple[Way, float] | None) -> float | 
     own, speed = float(np.linalg.norm(way)) / span, float(np.linalg.norm(other)) / long
     if own == 0 or speed == 0:
         return 0.0
-    kept = float(way @ other) / (own * span * speed * long)
     there, here = long + 2 * span, 2 * long + span
     mean = (there + here) / (there / speed + here / own)
-    return float(np.clip((kept - KEPT) / (SURE - KEPT), 0.0, 1.0)) * (mean / own - 1)
+    return _between(_cosine(way, other), KEPT, SURE) * (mean / own - 1)
+
+
+def _cosine(way: Way, other: Way) -> float:
+    """0 where either is none."""
+    lengths = float(np.linalg.norm(way) * np.linalg.norm(other))
+    return float(way @ other) / lengths if lengths > 0 else 0.0
+
+
+def _between(value: float, none: float, all_of: float) -> float:
+    """0 up to the one, 1 from the other on."""
+    return float(np.clip((value - none) / (all_of - none), 0.0, 1.0))

@@ -10,13 +10,28 @@ from baker.segment.hierarchy import NO_PARENT, Hierarchy
 POINTS = np.random.default_rng(0).random((20, 3))
 
 
+def paced_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
+    """The paces, by interval, of each of some organs whose middles go through (scans, 3) places."""
+    count = len(POINTS)
+    clouds = [
+        np.concatenate([POINTS - POINTS.mean(axis=0) + places[scan] for places in organs])
+        for scan in range(len(times))
+    ]
+    segments = tuple(np.arange(count) + count * n for n in range(len(organs)))
+    numbers = tuple(range(len(organs)))
+    hierarchy = Hierarchy(segments, numbers, (NO_PARENT, *numbers[1:]), 0)
+    matches = [Match(hierarchy, hierarchy, tuple((n, n) for n in numbers), (), ())] * (
+        len(times) - 1
+    )
+    named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers}, {})] * (
+        len(times) - 1
+    )
+    by_interval = paces(clouds, matches, named, times, spacing)
+    return [[found.get(7 + n, 0.0) for found in by_interval] for n in numbers]
+
+
 def found(places: np.ndarray, times, spacing: float = 1e-6) -> list[float]:
-    """The paces of an organ whose middle goes through these places, (scans, 3)."""
-    clouds = [POINTS - POINTS.mean(axis=0) + place for place in np.asarray(places, float)]
-    one = Hierarchy((np.arange(len(POINTS)),), (0,), (NO_PARENT,), 0)
-    matches = [Match(one, one, ((0, 0),), (), ()) for _ in clouds[1:]]
-    organs = [IntervalOrgans({0: 7}, {0: 7}, {}) for _ in matches]
-    return [by_organ.get(7, 0.0) for by_organ in paces(clouds, matches, organs, times, spacing)]
+    return paced_of([np.asarray(places, float)], times, spacing)[0]
 
 
 def along(values) -> np.ndarray:
@@ -68,3 +83,13 @@ def test_what_no_scan_shows_does_not_count():
 
 def test_what_stands_still_has_no_pace():
     assert found(along([0, 0, 1, 1]), np.arange(4.0)) == [0.0, 0.0, 0.0]
+
+
+def test_where_most_organs_sway_none_foretells_its_way():
+    calm = along([0, 5, 8, 9])
+    swaying = [
+        np.array([[0, 0, 0], [1, 1, 0], [2, -1, 0], [3, 1, 0]]) + 10.0 * n for n in (1, 2, 3)
+    ]
+    times = np.arange(4.0)
+    assert all(paced_of([calm], times)[0])
+    assert not any(paced_of([calm, *swaying], times)[0])
