@@ -54,7 +54,7 @@ def truth(subject: Plant, day: float) -> dict[int, dict[str, float]]:
         passed = np.r_[0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()]
         start = [np.interp(passed[-1] / 4, passed, column) for column in line.T] - line[0]
         found[organ.label] = {
-            "length": _reach(subject, day, organ.label),
+            "length": organ.reach,
             "area": organ.area,
             "hull": float(ConvexHull(own).volume) if len(own) > 20 else np.nan,
             "height": float(own[:, 2].max()) if len(own) else np.nan,
@@ -68,20 +68,6 @@ def _axis(subject: Plant, day: float, label: int) -> np.ndarray:
     body = subject._body
     first = int(np.flatnonzero(body.label == label)[0])
     return np.concatenate([body.pose(day).axis[part] for part in subject._main_axis(first)])
-
-
-def _reach(subject: Plant, day: float, label: int) -> float:
-    """From an organ's base along its axes to its farthest tip, mm."""
-    body, pose = subject._body, subject._body.pose(day)
-    begin: dict[int, float] = {}
-    for part in np.flatnonzero(body.label == label).tolist():
-        parent, passed = int(body.parent[part]), 0.0
-        if parent in begin:
-            steps = np.linalg.norm(np.diff(pose.axis[parent], axis=0), axis=1).cumsum()
-            along = np.linspace(0.0, 1.0, len(steps) + 1)
-            passed = begin[parent] + float(np.interp(body.at[part], along, np.r_[0.0, steps]))
-        begin[part] = passed
-    return max(passed + float(pose.length[part]) for part, passed in begin.items())
 
 
 def clip_of(cloud: Cloud, day: float, subject: Plant) -> Clip:

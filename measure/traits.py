@@ -22,8 +22,10 @@ LACKING = 1.5  # of what half the points lack more: volume falls short by about 
 INSIDE = 1.0  # of it, what points half of one scan and half of another lack besides
 LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
 ADDED, TAKEN = 0.12, 0.05  # shares of a hull's volume: below both corrections, it is sure
-SEEN = 100  # points of an organ whose length is sure
-BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, areas are sure
+SEEN = 100  # points of an organ of which anything but its height is sure
+LONG, SLENDER = 30.0, 0.33  # mean distances, and share of points at a border: lengths are sure
+BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, hulls are sure
+ROUGH = 0.3  # share of points at a border and noise in mean distances: below it, areas are sure
 SLIGHT = 0.05  # mean distances: noise that hardly matters
 MOSTLY = 0.8  # of a plant's area that must be sure, for its area to be
 TRAITS = ("height", "length", "area", "hull", "angle")
@@ -114,18 +116,20 @@ class _Plant:
             axis = axis_of(points, bearer, self.up)
             surface = surface_of(points, left * own**2, organ.mixed)
             hull = _hull(points, organ.mixed, own)
-            sure = _sure(surface, len(points), own, left) if organ.seen else frozenset()
+            length = None if axis is None else axis.length
+            sure = _sure(surface, len(points), length or 0.0, own, left)
+            sure = sure if hull.sure else sure - {"hull"}
             found.append(
                 Measurement(
                     time=day,
                     track=track,
                     points=len(points),
                     height=float((points @ self.up).max()) - self.floor,
-                    length=None if axis is None else axis.length,
+                    length=length,
                     area=surface.area or None,
                     hull=hull.volume,
                     angle=None if axis is None else axis.angle(self.up),
-                    sure=sure if hull.sure else sure - {"hull"},
+                    sure=sure if organ.seen else frozenset(),
                 )
             )
         if only is not None or not found:
@@ -155,16 +159,21 @@ def _whole(
     )
 
 
-def _sure(surface: Surface, count: int, noise: float, left: float) -> frozenset[str]:
+def _sure(surface: Surface, count: int, length: float, noise: float, left: float) -> frozenset[str]:
     """What can be told of an organ from so many points, with such a share of the noise left: where
     its form is finer than its points are apart, they lie at borders, or can't be freed from noise.
     """
     sure = {"height"}
-    if count >= SEEN:
-        sure |= {"length", "angle"}
-        clean = left < LEFT or noise < SLIGHT * np.sqrt(surface.area / count)
-        if surface.border < BORDER and clean:
-            sure |= {"area", "hull"}
+    spacing = float(np.sqrt(surface.area / max(count, 1)))
+    if count >= SEEN and spacing > 0.0:
+        sure |= {"angle"}
+        if length > LONG * spacing and surface.border < SLENDER:
+            sure |= {"length"}
+        if left < LEFT or noise < SLIGHT * spacing:
+            if surface.border < BORDER:
+                sure |= {"hull"}
+            if surface.border + noise * np.sqrt(left) / spacing < ROUGH:
+                sure |= {"area"}
     return frozenset(sure)
 
 
@@ -234,5 +243,6 @@ def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -
     except (QhullError, ValueError):
         return _Hull(None, False)
     volume, taken = float(hull.volume), LIFTED * noise * float(hull.area)
-    sure = LACKING * lacking < ADDED * volume and taken < TAKEN * volume
-    return _Hull(max(volume + (LACKING + INSIDE * mixed) * lacking - taken, 0.5 * volume), sure)
+    added = (LACKING + INSIDE * mixed) * lacking
+    sure = added < ADDED * volume and taken < TAKEN * volume
+    return _Hull(max(volume + added - taken, 0.5 * volume), sure)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.grow import KINDS
 from baker.grow.color import shade
-from baker.grow.pose import Body
+from baker.grow.pose import Body, Pose
 from baker.grow.species import Species
 from baker.grow.surface import Material, areas, positions, sample
 
@@ -46,6 +46,7 @@ class Organ:
     length:    along the main axis, from the base to the tip: of a leaf with a stalk along that and
                on through the blade at its end, the leaflets beside it left out.
     area:      of all surfaces, each counted once.
+    reach:     from the base along its axes to the farthest tip of all, leaflets and leaves too.
     base, tip: ends of the main axis; the base lies on the parent's surface.
     """
 
@@ -57,6 +58,7 @@ class Organ:
     area: float
     base: tuple[float, float, float]
     tip: tuple[float, float, float]
+    reach: float
 
 
 class Plant:
@@ -133,10 +135,24 @@ class Plant:
                 float(area[label]),
                 tuple(pose.axis[first, 0].tolist()),
                 tuple(pose.axis[[first, *others][-1], -1].tolist()),
+                self._reach(label, pose),
             )
             for label, (first, *others) in enumerate(axes)
             if body.parts[first].birth < day
         ]
+
+    def _reach(self, label: int, pose: Pose) -> float:
+        """From an organ's base along its axes to its farthest tip, mm."""
+        body, begin, farthest = self._body, dict[int, float](), 0.0
+        for part in np.flatnonzero(body.label == label).tolist():
+            parent, passed = int(body.parent[part]), 0.0
+            if parent in begin:
+                steps = np.linalg.norm(np.diff(pose.axis[parent], axis=0), axis=1).cumsum()
+                along = np.linspace(0.0, 1.0, len(steps) + 1)
+                passed = begin[parent] + float(np.interp(body.at[part], along, np.r_[0.0, steps]))
+            begin[part] = passed
+            farthest = max(farthest, passed + float(pose.length[part]))
+        return farthest
 
     def _main_axis(self, first: int) -> list[int]:
         """An organ's parts from its base to its tip, each at the end of the one before."""

@@ -203,12 +203,13 @@ def _write_organs(
             organ.label,
             organ.kind,
             organ.parent,
-            *(f"{v:.4f}" for v in (organ.birth, organ.length, organ.area, *organ.base, *organ.tip)),
+            *(f"{v:.4f}" for v in (organ.birth, organ.length, organ.area, *organ.base)),
+            *(f"{v:.4f}" for v in (*organ.tip, organ.reach)),
         )
         for day, name, number in zip(days, names, numbers, strict=True)
         for organ in subject.organs(day)
     ]
-    _write_rows(path, (*head.split(), "tip_z"), rows)
+    _write_rows(path, (*head.split(), "tip_z", "reach"), rows)
 
 
 def _write_rows(path: Path, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
