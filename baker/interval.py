@@ -27,6 +27,9 @@ class Keyframe:
     colors: NDArray[np.uint8] | None
     surface: NDArray[np.floating] | None = None
 
+    def surface_of(self, points: NDArray[np.intp]) -> NDArray[np.floating] | None:
+        return None if self.surface is None else self.surface[points]
+
 
 @dataclass(frozen=True)
 class Moved:
@@ -91,7 +94,8 @@ def solve_task(
         control = origin + (0.5 + 2.0 * task.pace) * (target - origin)
         movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
-    surface = surface_half_way(start.surface, a, end.surface, b, born)
+    before, after = start.surface_of(task.start), end.surface_of(task.end)
+    surface = surface_half_way(before, found.rows, after, found.columns, born)
     return Moved(movers, pair, surface, a, b, born)
 
 
