@@ -7,34 +7,62 @@ without what that costs for each of many small clouds.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.compiled import compiled
+from baker.workers import Crew
 
 LEAF = 12  # points at most
 DEEPEST = 64
+MANY = 20_000  # points that are worth sharing out
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
 
 
-@compiled
-def nearest_others(points: Floats, ranks: Ints) -> tuple[Floats, Ints]:
+def nearest_others(points: Floats, ranks: Ints, workers: int = 1) -> tuple[Floats, Ints]:
     """(n, r) squared distances of (n, 3) points to others, and which those are.
 
     ranks: (r,) ascending: 0 is the nearest other one, n - 2 the farthest. A point at the same place
            is another one.
+    workers: threads.
     """
-    n, k = len(points), ranks[-1] + 1
-    placed, order = points.copy(), np.arange(n)
-    axes, values = _tree(placed, order)
-    leaves = len(axes)
-    squares, found = np.empty((n, len(ranks))), np.empty((n, len(ranks)), np.int64)
+    placed, order = points.copy(), np.arange(len(points))
+    tree = _tree(placed, order)
+    squares = np.empty((len(points), len(ranks)))
+    found = np.empty(squares.shape, np.int64)
+    leaves = len(tree[0])
+    parts = workers if len(points) >= MANY else 1
+    bounds = [part * leaves // parts for part in range(parts + 1)]
+
+    def ask(part: tuple[int, int]) -> None:
+        _ask(placed, order, *tree, ranks, *part, squares, found)
+
+    Crew(workers).map(ask, list(pairwise(bounds)))
+    return squares, found
+
+
+@compiled
+def _ask(
+    placed: Floats,
+    order: Ints,
+    axes: Ints,
+    values: Floats,
+    ranks: Ints,
+    first_leaf: int,
+    last_leaf: int,
+    squares: Floats,
+    found: Ints,
+) -> None:
+    """Fill in what is found of the points of some leaves."""
+    n, k, leaves = len(placed), ranks[-1] + 1, len(axes)
     near, which = np.empty((LEAF, k)), np.empty((LEAF, k), np.int64)
     low, high = np.empty(3), np.empty(3)
     nodes, apart = np.empty(DEEPEST, np.int64), np.empty((DEEPEST, 4))
-    for leaf in range(leaves):
+    for leaf in range(first_leaf, last_leaf):
         first, last = leaf * n // leaves, (leaf + 1) * n // leaves
         near[:] = np.inf
         _look(placed, first, last, first, last, near, which)
@@ -72,7 +100,6 @@ def nearest_others(points: Floats, ranks: Ints) -> tuple[Floats, Ints]:
             for place in range(len(ranks)):
                 squares[order[i], place] = near[i - first, ranks[place]]
                 found[order[i], place] = order[which[i - first, ranks[place]]]
-    return squares, found
 
 
 @compiled

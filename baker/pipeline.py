@@ -96,7 +96,8 @@ def bake_recorded(
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    measured = crew.map(Surroundings.of, clouds)
+    threads = crew.beside(len(clouds))
+    measured = crew.map(partial(Surroundings.of, workers=threads), clouds)
     bases = [
         root_point(cloud, vertical, root, around.reach)
         for cloud, around in zip(clouds, measured, strict=True)

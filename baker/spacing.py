@@ -29,12 +29,12 @@ class Surroundings:
     reach: NDArray[np.float64] | None
 
     @classmethod
-    def of(cls, points: NDArray[np.floating]) -> Surroundings:
-        """All from one search."""
+    def of(cls, points: NDArray[np.floating], workers: int = 1) -> Surroundings:
+        """All from one search; workers: threads."""
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
             return cls(0.0, None)
-        nearest, farther = _distances(points, (1, k))
+        nearest, farther = _distances(points, (1, k), workers)
         return cls(float(np.median(nearest[:: -(-len(points) // SAMPLE)])), farther)
 
 
@@ -103,10 +103,12 @@ def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
     return _distances(points, (k,))[0]
 
 
-def _distances(points: NDArray[np.floating], ranks: tuple[int, ...]) -> NDArray[np.float64]:
+def _distances(
+    points: NDArray[np.floating], ranks: tuple[int, ...], workers: int = 1
+) -> NDArray[np.float64]:
     """(ranks, N) each point's distance to its nearest other points of these ranks, from 1 on."""
     from baker.nearby import nearest_others
 
     distinct, place = np.unique(ranks, return_inverse=True)
-    squares = nearest_others(np.ascontiguousarray(points, np.float64), distinct - 1)[0]
+    squares = nearest_others(np.ascontiguousarray(points, np.float64), distinct - 1, workers)[0]
     return np.sqrt(squares.T[place])

@@ -52,6 +52,10 @@ class Crew:
             done(1)
         return results
 
+    def beside(self, count: int) -> int:
+        """Threads for each of so many works: few are of different size, and cores stand idle."""
+        return self.workers if count < 2 * self.workers else 1
+
     def each(
         self, function: Callable[[Item], Result], items: Sequence[Item], fewest: int = 2
     ) -> Iterable[Result]:

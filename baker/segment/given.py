@@ -31,10 +31,11 @@ def hierarchy_from_labels(
     labels: NDArray[np.integer],
     root_label: int,
     spacing: float | None = None,
+    workers: int = 1,
 ) -> Hierarchy:
     """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
 
-    spacing: the cloud's point spacing, where it is known.
+    spacing: the cloud's point spacing, where it is known; workers: threads.
     """
     names, segments = split_by_label(labels)
     owner = np.empty(len(points), np.intp)
@@ -42,7 +43,7 @@ def hierarchy_from_labels(
         owner[members] = index
     first = names.index(root_label)
     spacing = point_spacing(points) if spacing is None else spacing
-    touching = _touching_gaps(points, owner, REACH * spacing)
+    touching = _touching_gaps(points, owner, REACH * spacing, workers)
     others = set(range(len(segments))) - {first}
     if len(others) > 1 and not any(first in pair for pair in touching):
         gap, *_ = _smallest_gap(points, segments, {first}, others)
@@ -68,7 +69,9 @@ def root_point(
     return lowest_point(points, vertical.height(points), reach)
 
 
-def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float) -> Gaps:
+def _touching_gaps(
+    points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float, workers: int
+) -> Gaps:
     """Smallest distance between each two segments that come closer than the threshold."""
     from scipy.spatial import cKDTree
 
@@ -79,7 +82,10 @@ def _touching_gaps(points: NDArray[np.floating], owner: NDArray[np.intp], thresh
     near = near[np.argsort(morton_codes(points[near]), kind="stable")]  # side by side is faster
     # Points of two segments that are near each other are both among these.
     distances, neighbors = cKDTree(points[near]).query(
-        points[near], k=k, distance_upper_bound=max(threshold, np.finfo(float).tiny)
+        points[near],
+        k=k,
+        distance_upper_bound=max(threshold, np.finfo(float).tiny),
+        workers=workers,
     )
     found = np.isfinite(distances)
     a = np.broadcast_to(owner[near, None], distances.shape)[found]

@@ -59,8 +59,9 @@ def labelled_hierarchies(
         if virtual_root:
             return under_virtual_root(names)
         root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
-        return hierarchy_from_labels(clouds[scan], names, root, spacings[scan])
+        return hierarchy_from_labels(clouds[scan], names, root, spacings[scan], threads)
 
+    threads = crew.beside(len(clouds))
     return crew.map(hang, range(len(clouds)), done=done)
 
 

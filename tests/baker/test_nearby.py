@@ -44,6 +44,10 @@ def test_large_clouds_agree_with_another_tree(count):
     distances, there = cKDTree(points).query(points, np.arange(2, 9))
     np.testing.assert_array_equal(np.sqrt(squares), distances)
     np.testing.assert_array_equal(found, there)
+    for one, other in zip(
+        (squares, found), nearest_others(points, np.arange(7), workers=3), strict=True
+    ):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_points_at_one_place_are_each_others_nearest():
