@@ -70,7 +70,7 @@ def root_point(
 
 
 def _touching_gaps(
-    points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float, workers: int
+    points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float, workers: int = 1
 ) -> Gaps:
     """Smallest distance between each two segments that come closer than the threshold."""
     from scipy.spatial import cKDTree
