@@ -68,9 +68,10 @@ def laid_on(
     plain = [(start, end), (feet_on_feet, end), balance(start, end)]
     ways = [_Way(a, b, Limbs.of_points(a, first), Limbs.of_points(b, second)) for a, b in plain]
     found = [_second_look(way) for way in ways]
+    least = max(2, min(FEWEST, int(first.max()) + 1, int(second.max()) + 1))
     for way in _swings(ways[1], end[feet[1]]):
         pairs, worth = _second_look(way)
-        if len(pairs) >= FEWEST:
+        if len(pairs) >= least:
             ways.append(way)
             found.append((pairs, worth))
     best = int(np.argmax([worth for _, worth in found]))
