@@ -18,22 +18,22 @@ def movers(
     point of either side is in at least one. Ties go to the lowest index. Raises ValueError where
     the plan leaves out a point.
     """
-    chosen = [
-        _maxima(plan.rows, plan.columns, plan.mass),
-        _maxima(plan.columns, plan.rows, plan.mass),
-    ]
-    for name, entries, count in zip(("start", "end"), chosen, (n, m), strict=True):
+    order = np.argsort(plan.rows.astype(np.int64) * m + plan.columns, kind="stable")
+    rows, columns, mass = plan.rows[order], plan.columns[order], plan.mass[order]
+    picked = np.zeros(len(mass), np.float32)
+    for name, side, count in (("start", rows, n), ("end", columns, m)):
+        entries = _maxima(side, mass)
         if len(entries) != count:
             raise ValueError(f"the plan uses {len(entries)} of the {count} points of the {name}")
-    picked = np.zeros(len(plan.mass), np.float32)
-    for entries in chosen:
         picked[entries] += 0.5
     used = np.flatnonzero(picked)
-    used = used[np.lexsort((plan.columns[used], plan.rows[used]))]
-    return plan.rows[used], plan.columns[used], picked[used]
+    return rows[used], columns[used], picked[used]
 
 
-def _maxima(group: Indices, other: Indices, mass: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The entry of the largest mass in each group, on ties the one of the lowest `other`."""
-    order = np.lexsort((other, -mass, group))
-    return order[np.diff(group[order], prepend=-1) != 0]
+def _maxima(group: Indices, mass: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The entry of the largest mass in each group, on ties the first one."""
+    order = np.argsort(group, kind="stable")
+    ordered, first = mass[order], np.flatnonzero(np.diff(group[order], prepend=-1))
+    largest = np.maximum.reduceat(ordered, first)
+    found = order[ordered == np.repeat(largest, np.diff(first, append=len(order)))]
+    return found[np.diff(group[found], prepend=-1) != 0]

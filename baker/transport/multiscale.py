@@ -25,7 +25,7 @@ _FINER = 2  # blocks within a block
 _NEIGHBORS = 6  # neighbours whose partners are tried
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
 _FEW = 4_000  # pairs up to which that is all that is done
-_WHOLE = 3_000  # points of both sides up to which a level has one cell
+WHOLE = 3_000  # points of both sides up to which a level has one cell
 _CELL, _LARGER = 500, 1.5  # points of both sides in a cell above that, and so much more next time
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
@@ -109,6 +109,8 @@ def _levels(points: Points, masses: Masses, seed: int) -> tuple[Indices, list[_L
         counts.append(count)
         count *= _FINER
     levels, above = [], np.zeros(1, np.int64)
+    if not counts:
+        return order, [_Level(np.asarray(points, np.float64), masses, above)]
     for count in (*counts, n):
         own = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
         sizes = np.diff(own, append=n)
@@ -135,26 +137,31 @@ def _improve(
     best, sweep = np.inf, 0
     while True:
         size = round(_CELL * _LARGER**sweep)  # what is left to do in later sweeps is little
-        cells = 1 if n + m <= _WHOLE else -(-(n + m) // size)
+        cells = 1 if n + m <= WHOLE else -(-(n + m) // size)
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, search)
+        if cells == 1:
+            return edges, mass, sweep + 1
         cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
         gained, best, sweep = best - cost, cost, sweep + 1
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        if cells == 1 or sweep == most or gained <= max(_ENOUGH * cost, search.slack):
+        if sweep == most or gained <= max(_ENOUGH * cost, search.slack):
             return edges, mass, sweep
 
 
 def _neighbours(points: Points, pairs: int) -> NDArray[np.int32]:
-    """(n, k) the nearest other points of each point; itself where there are fewer than k, or so
-    few pairs that all of them are tried anyway.
+    """(n, k) the nearest other points of each point; itself where there are fewer than k.
+
+    None, (n, 0), where there are so few pairs that all of them are tried anyway.
     """
     from baker.nearby import nearest_others
 
     n = len(points)
+    if pairs <= _FEW:
+        return np.empty((n, 0), np.int32)
     near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
     k = min(_NEIGHBORS, n - 1)
-    if k > 0 and pairs > _FEW:
+    if k > 0:
         near[:, :k] = nearest_others(points, np.arange(k))[1]
     return near
 
@@ -181,7 +188,7 @@ def _solve_cells(
     """Solve each cell's rows exactly for the masses that they now send."""
     from baker.transport.simplex import improve_cells
 
-    order = np.lexsort((edges[0], cell[edges[0]]))
+    order = np.argsort(cell[edges[0]] * len(start) + edges[0], kind="stable")
     rows, columns, mass = edges[0][order], edges[1][order], mass[order]
     cells = int(cell.max()) + 1
     first = np.searchsorted(cell[rows], np.arange(cells + 1))

@@ -118,7 +118,7 @@ def make_plan(
 
     masses: of either side, of equal sums; by default each is uniform.
     """
-    order = np.lexsort((edges[1], edges[0]))
+    order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
     rows, columns = edges[0][order], edges[1][order]
     flow = np.asarray(mass, np.float64)[order]
     cost = float(flow @ costs(start, end, (rows, columns), power))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from baker.transport.plan import Edges, Points
 
+TINY = float(np.finfo(float).tiny)
 RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible
 
 
@@ -30,9 +31,10 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
         return p, q
     source += RIDGE * np.trace(source) / 3 * np.eye(3)
     target += RIDGE * np.trace(target) / 3 * np.eye(3)
-    root, inverse = matrix_power(source, 0.5), matrix_power(source, -0.5)
+    root, inverse = _matrix_powers(source, 0.5, -0.5)
     gauss_map = inverse @ matrix_power(root @ target @ root, 0.5) @ inverse
-    return p @ matrix_power(gauss_map, 0.5), q @ matrix_power(gauss_map, -0.5)
+    ahead, back = _matrix_powers(gauss_map, 0.5, -0.5)
+    return p @ ahead, q @ back
 
 
 def explained_cost(start: Points, end: Points, here: Points, there: Points) -> float:
@@ -48,9 +50,15 @@ def _moment(points: Points) -> float:
 
 def matrix_power(matrix: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
     """A power of a symmetric positive (semi-)definite matrix."""
+    return _matrix_powers(matrix, exponent)[0]
+
+
+def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArray[np.float64]]:
     values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
-    values = np.maximum(values, np.finfo(float).tiny) if exponent < 0 else np.maximum(values, 0.0)
-    return (vectors * values**exponent) @ vectors.T
+    return [
+        (vectors * np.maximum(values, TINY if exponent < 0 else 0.0) ** exponent) @ vectors.T
+        for exponent in exponents
+    ]
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
