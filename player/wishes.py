@@ -26,13 +26,13 @@ def granted(
     if wish is Wish.SAVE_PATH:
         return scene.told(_saved_path(scene, shown))
     plain = scene.output.size is None and not scene.output.transparent
-    if wish is Wish.PICTURE and (plain or shown.file is None):
-        date = date_at(shown.clip.scans, scene.timeline.day)
-        return scene.told(save_screenshot(pixels, area, f"{shown.name} {date}"))
+    still = wish is Wish.PICTURE
+    name = f"{shown.name} {date_at(shown.clip.scans, scene.timeline.day)}" if still else shown.name
+    if still and (plain or shown.file is None):
+        return scene.told(save_screenshot(pixels, area, name))
     if shown.file is None:
         return scene.told("Only clips that were opened from a file can be exported.")
-    still = wish is Wish.PICTURE
-    return scene.told(exports.toggle(scene, shown.file, shown.name, area, still))
+    return scene.told(exports.toggle(scene, shown.file, name, area, still))
 
 
 def _saved_path(scene: Scene, shown: Shown) -> str:

@@ -158,6 +158,7 @@ def test_a_transparent_picture_of_what_is_seen(shown: Shown, clip_file: Path) ->
     with Image.open(clip_file.parent / notice.removeprefix("Saved ")) as picture:
         alpha = np.asarray(picture.convert("RGBA"))[..., 3]
         assert picture.size == (SIZE[0] - PANEL_WIDTH, SIZE[1])
+    assert DATES[0] in notice  # as pictures of the window are named
     assert alpha[0, 0] == 0
     assert alpha.max() == 255
     shown.key("shift+s")
