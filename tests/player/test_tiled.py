@@ -23,7 +23,7 @@ BOTH = ((90, 160, 60, 255), (200, 120, 40, 255))
 
 
 def two_sheets() -> Clip:
-    """A near sheet before the middle of a far one that is wider, in the far one's order and back."""
+    """A near sheet before the middle of a far one, which comes before it and after it again."""
     across, above = np.meshgrid(np.linspace(-20, 20, 40), np.linspace(0, 40, 40))
     far = np.column_stack([across.ravel(), np.full(1600, 12.0), above.ravel()])
     near = far * [0.5, -1.0, 0.5] + [0.0, 0.0, 10.0]

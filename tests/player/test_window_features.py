@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from player.layout import PANEL_WIDTH, panel_place
-from tests.player.shown import TIMES, Shown, layout, small_clip
+from tests.player.shown import DATES, TIMES, Shown, layout, small_clip
 
 SIZE = (900, 600)
 
