@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
 
-KEPT, SURE = (
-    0.9,
-    1.0,
-)  # cosine of an organ's ways from which on, and at which, one foretells the next
-STEADY = (
-    0.9,
-    0.97,
-)  # the same of the usual organ of a plant: else it sways, and what keeps on is chance
+# Of an organ's ways in two intervals: the cosine from which on, and at which, one foretells the other.
+KEPT, SURE = 0.9, 1.0
+# The same of the usual organ that moves: else the plant sways, and what keeps its way does by chance.
+STEADY = 0.9, 0.97
 MOST = 0.25  # of the way: beyond that a path of degree two would turn back
 OPEN = 0.5  # of the change at an interval's one scan that is likely at the series' end, too
+MOVES = 1.0  # point spacings; what goes less far stands, and has no direction
 MATTERS = 0.1  # point spacings; less is below what the scan shows
 
 Way = NDArray[np.float64]
@@ -43,7 +40,6 @@ def paces(
 
     Negative where an organ comes to be faster. Those that go evenly are left out.
     """
-
     ways = [
         _ways(clouds[k : k + 2], match, named)
         for k, (match, named) in enumerate(zip(matches, organs, strict=True))
@@ -54,6 +50,7 @@ def paces(
         for known, following in pairwise(ways)
         for organ, way in known.items()
         if organ in following
+        and min(np.linalg.norm(way), np.linalg.norm(following[organ])) > MOVES * spacing
     ]
     if not kept:
         return [{} for _ in ways]

@@ -38,6 +38,13 @@ def test_half_way_an_organ_has_the_size_that_its_birth_says():
         assert middle - (bud + base) / 2 == pytest.approx(size * (end - base), abs=1e-5)
 
 
+def test_a_base_goes_at_the_pace_of_what_bears_it():
+    base, bud = np.array([1.0, 2, 3]), np.float32([[1, 2, 1]])
+    control = Birth(base, 0.5, pace=0.1).control(bud, base[None])
+    middle = np.tensordot(bernstein(2, 0.5), np.stack([bud, control, base[None]]), axes=1)
+    assert middle == pytest.approx(bud + 0.6 * (base - bud), abs=1e-6)
+
+
 def test_an_organ_that_grows_fast_comes_late(tmp_path):
     slow = write(tmp_path, (0, 4, 4.5))
     assert reach(slow, 0.5) == pytest.approx(EVEN * 4, rel=0.1)

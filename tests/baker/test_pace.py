@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from baker import Options, bake
 from baker.match import IntervalOrgans, Match
 from baker.pace import MOST, paces
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
@@ -93,3 +94,16 @@ def test_where_most_organs_sway_none_foretells_its_way():
     times = np.arange(4.0)
     assert all(paced_of([calm], times)[0])
     assert not any(paced_of([calm, *swaying], times)[0])
+
+
+def test_a_clip_shows_it(tmp_path):
+    shape = np.random.default_rng(0).random((300, 3))
+    for day, height in enumerate([0.0, 4.0, 6.0, 7.0]):
+        cloud = np.concatenate([shape * [9.0, 9.0, 0.1], shape + np.array([0, 0, height + 1])])
+        table = np.c_[cloud, np.repeat([0, 1], len(shape))]
+        np.savetxt(tmp_path / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
+    fixed = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
+    for paths, share in (("curved", 2 - 2**0.5), ("straight", 0.5)):
+        frame = bake([tmp_path], Options(paths=paths, **fixed)).at(1.5)
+        middle = frame.positions[frame.tracks == 1][:, 2].mean()
+        assert middle == pytest.approx(shape[:, 2].mean() + 5 + 2 * share, abs=0.04)
