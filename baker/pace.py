@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
 
-# Of an organ's ways in two intervals: the cosine from which on, and at which, one foretells the other.
+# Cosine of an organ's ways in two intervals from which on, and at which, one foretells the other.
 KEPT, SURE = 0.9, 1.0
-# The same of the usual organ that moves: else the plant sways, and what keeps its way does by chance.
+# The same of the usual organ that moves: else the plant sways, and what goes on does so by chance.
 STEADY = 0.9, 0.97
 MOST = 0.25  # of the way: beyond that a path of degree two would turn back
 OPEN = 0.5  # of the change at an interval's one scan that is likely at the series' end, too
