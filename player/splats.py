@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from player.glsl import give, program
 from player.movers import LOOK, Movers
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from player.region import Region
     from player.targets import Targets
 
+BEYOND = 512  # samples: how far outside of the picture the centres of discs may lie
 NOTHING, EVERYTHING = [(False,) * 4] * 2, [(True,) * 4] * 2
 
 
@@ -38,7 +42,13 @@ class Splats:
         summing.clear(0.0, 0.0, 0.0, 0.0, viewport=region.rectangle)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
-        uniforms = discs.uniforms() | {"projection": discs.projection}
+        # OpenGL drops a point whose centre lies outside of the viewport, however far it reaches.
+        beyond = min(math.ceil(discs.radius * discs.magnification / discs.camera.near), BEYOND)
+        width, height = discs.samples
+        wide, tall = width + 2 * beyond, height + 2 * beyond
+        shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
+        uniforms = discs.uniforms() | {"projection": shrunk @ discs.projection}
+        summing.viewport = (-beyond, -beyond, wide, tall)
         summing.color_mask = NOTHING  # type: ignore[assignment]
         self._movers.draw("surface", portions, uniforms)
 
@@ -49,6 +59,7 @@ class Splats:
         self._movers.palette.use(0)
         self._movers.draw("splat", portions, uniforms | {"palette": 0})
 
+        summing.viewport = (0, 0, width, height)
         targets.surface.scissor = region.scaled(targets.size, self._supersample).rectangle
         targets.surface.use()
         context.enable_only(moderngl.DEPTH_TEST)

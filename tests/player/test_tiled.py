@@ -39,14 +39,20 @@ def two_sheets() -> Clip:
 
 
 def picture(
-    context: moderngl.Context, clip: Clip, style: Style, supersample: int, tiled: bool, **draw: int
+    context: moderngl.Context,
+    clip: Clip,
+    style: Style,
+    supersample: int,
+    tiled: bool,
+    nearer: float = 1.0,
+    **draw: int,
 ) -> np.ndarray:
     renderer = Renderer(context, clip, supersample)
     if not tiled:
         renderer._tiled = None
     framebuffer = context.simple_framebuffer(SIZE)
     camera = Camera.fit(clip.bounds, clip.up, SIZE[0] / SIZE[1])
-    camera = replace(camera, yaw=math.radians(-70), pitch=0.2)
+    camera = replace(camera, yaw=math.radians(-70), pitch=0.2).zoom(nearer)
     renderer.draw(framebuffer, 2.3, camera, style, SIZE, **draw)
     pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
     renderer.release()
@@ -90,6 +96,18 @@ def test_what_is_near_hides_what_is_far(cpu_context: moderngl.Context, supersamp
     red = tiled[..., 0] > tiled[..., 2] + 60
     assert blue[50:70, 70:90].all()
     assert red.sum() > blue.sum() > 1000
+    assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
+
+
+@pytest.mark.parametrize("supersample", [1, 2])
+def test_discs_reach_into_the_picture_from_outside(
+    cpu_context: moderngl.Context, make_clip, supersample: int
+) -> None:
+    clip, style = make_clip(degree=2), Style(show_ground=False, point_size=2.0)
+    tiled, blended = (
+        picture(cpu_context, clip, style, supersample, way, nearer=4.0) for way in (True, False)
+    )
+    assert (blended.max(axis=2) > 60).mean() > 0.5
     assert (np.abs(tiled - blended).max(axis=2) > 2).mean() < 0.004
 
 
