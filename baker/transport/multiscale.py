@@ -21,12 +21,12 @@ from baker.transport.plan import Edges, Indices, Masses, Points, costs
 from baker.workers import Crew
 
 _COARSEST = 64  # blocks of either side on the first level
-_FINER = 2  # blocks within a block
+_FINER = 4  # blocks within a block
 _NEIGHBORS = 6  # neighbours whose partners are tried
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
 _FEW = 4_000  # pairs up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL, _LARGER = 500, 1.5  # points of both sides in a cell above that, and so much more next time
+_CELL = 500  # points of both sides in a cell above that: its data stay in the cache; then double
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
 
@@ -136,7 +136,7 @@ def _improve(
     near = _neighbours(start, n * m), _neighbours(end, n * m)
     best, sweep = np.inf, 0
     while True:
-        size = round(_CELL * _LARGER**sweep)  # what is left to do in later sweeps is little
+        size = _CELL * 2**sweep  # what is left to do in later sweeps is little
         cells = 1 if n + m <= WHOLE else -(-(n + m) // size)
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, search)
