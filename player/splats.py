@@ -29,6 +29,7 @@ class Splats:
     def __init__(self, movers: Movers, supersample: int = 1) -> None:
         self._movers = movers
         self._supersample = supersample
+        self._largest = min(movers.context.info["GL_MAX_VIEWPORT_DIMS"])
         self._sums: SplatSums | None = None
         self._resolve: moderngl.VertexArray | None = None
 
@@ -43,8 +44,9 @@ class Splats:
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         # OpenGL drops a point whose centre lies outside of the viewport, however far it reaches.
-        beyond = min(math.ceil(discs.radius * discs.magnification / discs.camera.near), BEYOND)
         width, height = discs.samples
+        reach = math.ceil(discs.radius * discs.magnification / discs.camera.near)
+        beyond = max(min(reach, BEYOND, (self._largest - max(width, height)) // 2), 0)
         wide, tall = width + 2 * beyond, height + 2 * beyond
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
         uniforms = discs.uniforms() | {"projection": shrunk @ discs.projection}
