@@ -12,11 +12,11 @@ from baker.compiled import compiled
 def halve(
     points: NDArray[np.floating], depth: int, axes: NDArray[np.integer], axes_known: bool
 ) -> NDArray[np.integer]:
-    """(n,) indices of (n, 3) points, sorted within each half of each half ... `depth` times.
+    """(n,) indices of (n, 3) points, halved `depth` times, and on the last level sorted.
 
     On every level, part p of 2 ** level parts goes from p n / 2 ** level on, rounded up, and is
-    sorted along one axis, equal ones as they stand: along axes[2 ** level + p], or, where those
-    are not known, along the longest extent, which is put there.
+    parted along one axis: along axes[2 ** level + p], or, where those are not known, along the
+    longest extent, which is put there.
     """
     n = len(points)
     order = np.arange(n)
@@ -30,8 +30,41 @@ def halve(
             along = np.empty(len(members))
             for i in range(len(members)):
                 along[i] = points[members[i], axes[parts + part]]
-            order[begin:end] = members[np.argsort(along, kind="mergesort")]
+            if level + 1 == depth:
+                order[begin:end] = members[np.argsort(along, kind="mergesort")]
+            else:
+                # Only which half they are in counts: the next level orders them anew.
+                _select(along, members, -(-(2 * part + 1) * n // (2 * parts)) - begin)
+                order[begin:end] = members
     return order
+
+
+@compiled
+def _select(values: NDArray[np.floating], members: NDArray[np.integer], middle: int) -> None:
+    """Order both so that no value before the middle is larger than one from there on.
+
+    Quickselect (Hoare, Comm. ACM 4, 1961).
+    """
+    first, last = 0, len(values) - 1
+    while first < last:
+        a, b, c = values[first], values[(first + last) // 2], values[last]
+        pivot = max(min(a, b), min(max(a, b), c))
+        i, j = first, last
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                members[i], members[j] = members[j], members[i]
+                i, j = i + 1, j - 1
+        if middle <= j:
+            last = j
+        elif middle >= i:
+            first = i
+        else:
+            return
 
 
 @compiled
