@@ -21,6 +21,7 @@ DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at
 SMOOTHING = 1.3  # reach of the blur of distances, in disc radii
 STEEP = 1.0  # depth over width of a pixel from which on its samples are lit one by one
 WIDE = 6.0  # samples from which on the blur's places are whole pixels
+TAPS = 4, 8  # places on either side, of narrow blurs and wide ones: fewer would leave stripes
 FARTHEST = 8  # samples across which a slope is looked for
 NEXT = 1.5  # samples up to which the blur reaches no farther than the next one
 
@@ -69,7 +70,8 @@ class Lighting:
             "smallest": discs.smallest,
         }
         wide = int(SMOOTHING * discs.typical_radius >= WIDE)
-        self._passes.fill("smooth", uniforms, CROSS=cross, SMOOTHING=SMOOTHING, WHOLE=wide)
+        chosen = {"CROSS": cross, "SMOOTHING": SMOOTHING, "WHOLE": wide, "TAPS": TAPS[wide]}
+        self._passes.fill("smooth", uniforms, **chosen)
         target.scissor = None  # type: ignore[assignment]
 
     def light(

@@ -12,7 +12,7 @@ uniform float magnification;  // samples that one unit takes up at distance 1
 uniform float smallest;       // diameter in samples
 out PACKED out_away;
 
-const int TAPS = 4;  // on either side
+// TAPS: places looked at on either side.
 
 float[S] pixel_at(ivec2 texel) {
     ivec2 last = textureSize(distances, 0) - 1;
