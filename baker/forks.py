@@ -98,7 +98,7 @@ class _Late:
         from baker.motion.follow import along, beside, follow
         from baker.motion.nearest import gaps, nearest
         from baker.nearby import nearest_others
-        from baker.segment.merge_tree import branches  # noqa: F401
+        from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
 
         few = np.eye(3)
@@ -106,6 +106,7 @@ class _Late:
         solve(np.tile(few, (2, 1)), few)
         nearest(few, few)
         gaps(few[None], few, few)
+        branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
         curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
         keys, around = along(curve, every, weights)
         beside(keys, keys, around, around, 1.0, 1)

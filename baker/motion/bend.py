@@ -42,5 +42,6 @@ def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:
     some = slice(None, None, max(len(start) // SEARCHED, 1))
     sparse = np.ascontiguousarray(end[:: max(len(end) // SEARCHED, 1)])
     turned = np.abs(choices[:, 0]) + np.abs(choices.sum(axis=1))
-    price = gaps(laid(rolls, some), end, sparse) * (1.0 + ROLL_PRICE * turned / np.pi)
+    clouds = np.ascontiguousarray(laid(rolls, some))
+    price = gaps(clouds, end, sparse) * (1.0 + ROLL_PRICE * turned / np.pi)
     return laid(rolls[[np.argmin(price)]])[0]
