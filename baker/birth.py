@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
+from baker.pace import Pace
 from baker.segment.hierarchy import NO_PARENT
 from baker.workers import ALONE, Crew
 
@@ -32,12 +33,12 @@ class Birth:
     """How an organ unfolds.
 
     base: (3,) where it is attached at the end; size: its share of its size half-way.
-    pace: how far beyond the half of its way what bears it is half-way, of the way.
+    pace: of what bears it; None where that goes evenly.
     """
 
     base: NDArray[np.float64]
     size: float
-    pace: float = 0.0
+    pace: Pace | None = None
 
     def control(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
@@ -47,7 +48,9 @@ class Birth:
         The base itself is as far from bud to attachment then as what bears it is on its way.
         """
         unfolding = start / 2 + (1 - 2 * self.size) * self.base + (2 * self.size - 0.5) * end
-        return (unfolding + 2 * self.pace * (self.base - start)).astype(np.float32)
+        if self.pace is not None:
+            unfolding = unfolding + 2 * self.pace.shift(start, self.base)
+        return unfolding.astype(np.float32)
 
 
 def births(
@@ -55,7 +58,7 @@ def births(
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
-    paces: Sequence[Mapping[int, float]],
+    paces: Sequence[Mapping[int, Pace]],
     crew: Crew = ALONE,
 ) -> list[dict[int, Birth]]:
     """For each interval, by organ, how those that are born in it unfold.
@@ -116,10 +119,10 @@ def _opens(segment: int, match: Match, new: set[int]) -> bool:
 
 
 def _pace_of_bearer(
-    segment: int, match: Match, named: IntervalOrgans, paces: Mapping[int, float]
-) -> float:
+    segment: int, match: Match, named: IntervalOrgans, paces: Mapping[int, Pace]
+) -> Pace | None:
     parent = match.second.parents[segment]
-    return 0.0 if parent == NO_PARENT else paces.get(named.second[parent], 0.0)
+    return None if parent == NO_PARENT else paces.get(named.second[parent])
 
 
 def _tops(match: Match) -> set[int]:

@@ -88,10 +88,10 @@ def solve_task(
         origin, target = movers.curve
         curve = (origin, task.birth.control(origin, target), target)
         movers = replace(movers, curve=curve)
-    if task.pace:
-        # Of a curve of degree two the control point counts half in its middle.
+    if task.pace is not None:
         origin, target = movers.curve
-        control = origin + (0.5 + 2.0 * task.pace) * (target - origin)
+        # Of a curve of degree two the control point counts half in its middle.
+        control = (origin + target) / 2 + 2.0 * task.pace.shift(origin, target)
         movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)

@@ -2,12 +2,13 @@
 
 What grows comes to rest by and by: half-way in time it is beyond the half of its way. Two scans
 don't say so, the next ones do, wherever an organ keeps its direction. What sways turns from scan to
-scan, and goes evenly.
+scan, and goes evenly. Where an organ is and how large it is have each a pace of their own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -20,11 +21,31 @@ KEPT, SURE = 0.9, 1.0
 # The same of the usual organ that moves: else the plant sways, and what goes on does so by chance.
 STEADY = 0.9, 0.97
 MOST = 0.25  # of the way: beyond that a path of degree two would turn back
-OPEN = 0.5  # of the change at an interval's one scan that is likely at the series' end, too
 MOVES = 1.0  # point spacings; what goes less far stands, and has no direction
 MATTERS = 0.1  # point spacings; less is below what the scan shows
 
-Way = NDArray[np.float64]
+FEWEST = 20  # points that tell an organ's size
+
+Vector = NDArray[np.float64]
+Known = dict[int, Vector]  # by organ, its way, or what it grows by
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How far beyond the half of its way an organ is half-way; negative where it gets faster.
+
+    way: (3,) of its middle; ahead: a share of that; growing: a share of the rest of a point's way.
+    """
+
+    way: Vector
+    ahead: float
+    growing: float
+
+    def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Vector:
+        """(N, 3) how far movers between these points are from the middle half-way."""
+        rest = np.asarray(end, float) - start - self.way
+        shift: Vector = self.ahead * self.way + self.growing * rest
+        return shift
 
 
 def paces(
@@ -33,87 +54,94 @@ def paces(
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
     spacing: float,
-) -> list[dict[int, float]]:
-    """For each interval, by organ, how far beyond the half of its way it is half-way, of the way.
+) -> list[dict[int, Pace]]:
+    """For each interval, by organ, at which pace it goes.
 
     clouds: (N, 3) each; times: of the scans; spacing: of their points.
 
-    Negative where an organ comes to be faster. Those that go evenly are left out.
+    Those that go evenly are left out.
     """
-    ways = [
-        _ways(clouds[k : k + 2], match, named)
+    known = [
+        _known(clouds[k : k + 2], match, named)
         for k, (match, named) in enumerate(zip(matches, organs, strict=True))
     ]
-    spans = np.diff(times)
+    ways, growths = [way for way, _ in known], [growth for _, growth in known]
     kept = [
         _cosine(way, following[organ])
-        for known, following in pairwise(ways)
-        for organ, way in known.items()
+        for before, following in pairwise(ways)
+        for organ, way in before.items()
         if organ in following
         and min(np.linalg.norm(way), np.linalg.norm(following[organ])) > MOVES * spacing
     ]
     if not kept:
         return [{} for _ in ways]
     steady = _between(float(np.median(kept)), *STEADY)
-    found: list[dict[int, float]] = []
-    for k, known in enumerate(ways):
-        beside = [
-            (ways[n], float(spans[n])) if 0 <= n < len(ways) else None for n in (k - 1, k + 1)
-        ]
+    spans = [float(span) for span in np.diff(times)]
+    found: list[dict[int, Pace]] = []
+    for k, known_ways in enumerate(ways):
         found.append({})
-        for organ, way in known.items():
-            before, after = (
-                (side[0][organ], side[1]) if side and organ in side[0] else None for side in beside
-            )
-            ahead = steady * _ahead(way, float(spans[k]), before, after)
-            if abs(ahead) * np.linalg.norm(way) > MATTERS * spacing:
-                found[k][organ] = ahead
+        for organ, way in known_ways.items():
+            ahead = steady * _ahead(ways, spans, k, organ)
+            growing = steady * _ahead(growths, spans, k, organ)
+            far = abs(ahead) * np.linalg.norm(way)
+            grown = abs(growing) * np.linalg.norm(growths[k].get(organ, np.zeros(1)))
+            if max(far, grown) > MATTERS * spacing:
+                found[k][organ] = Pace(way, ahead, growing)
     return found
 
 
-def _ways(
+def _known(
     clouds: Sequence[NDArray[np.floating]], match: Match, organs: IntervalOrgans
-) -> dict[int, Way]:
-    """(3,) for each matched organ, the mean way of its points."""
-    ways = {}
+) -> tuple[Known, Known]:
+    """For each matched organ (3,) the way of its middle, and (1,) what its radius grows by."""
+    ways, growths = {}, {}
     for a, b in match.pairs:
         first, second = match.first.segments[a], match.second.segments[b]
         if len(first) and len(second):
-            before = clouds[0][first].mean(axis=0, dtype=float)
-            ways[organs.second[b]] = clouds[1][second].mean(axis=0, dtype=float) - before
-    return ways
+            before, after = clouds[0][first].astype(float), clouds[1][second].astype(float)
+            organ = organs.second[b]
+            ways[organ] = after.mean(axis=0) - before.mean(axis=0)
+            if min(len(first), len(second)) >= FEWEST:
+                growths[organ] = np.array([_radius(after) - _radius(before)])
+    return ways, growths
 
 
-def _ahead(
-    way: Way, span: float, before: tuple[Way, float] | None, after: tuple[Way, float] | None
-) -> float:
-    """How far beyond the half of its way an organ is half-way, whose speeds at the scans agree.
+def _radius(points: NDArray[np.float64]) -> float:
+    return float(np.sqrt(points.var(axis=0).sum()))
 
-    before, after: the ways in the intervals beside this one, and how long these take.
+
+def _ahead(known: Sequence[Known], spans: Sequence[float], k: int, organ: int) -> float:
+    """How far beyond the half of interval k's way an organ is half-way, of the way.
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 half-way, v and w its speeds at the ends.
     """
-    first, last = (_faster(way, span, beside) for beside in (before, after))
+    if organ not in known[k]:
+        return 0.0
+    first, last = (
+        _faster(known[k][organ], spans[k], known[n][organ], spans[n])
+        if 0 <= n < len(known) and organ in known[n]
+        else None
+        for n in (k - 1, k + 1)
+    )
     if first is None and last is None:
         return 0.0
-    first = -OPEN * last if first is None and last is not None else first
-    last = -OPEN * first if last is None and first is not None else last
+    # At the series' ends speeds go on to change as they do at the interval's other scan.
+    first = -last if first is None and last is not None else first
+    last = -first if last is None and first is not None else last
     assert first is not None
     assert last is not None
     return float(np.clip((first - last) / 8, -MOST, MOST))
 
 
-def _faster(way: Way, span: float, beside: tuple[Way, float] | None) -> float | None:
-    """By how much faster an organ is at a scan than on the way to or from it, as a share.
+def _faster(way: Vector, span: float, other: Vector, long: float) -> float:
+    """By how much faster an organ is at a scan than on its way to or from it, as a share.
 
-    At a scan it has the weighted harmonic mean of the speeds on both sides (F. N. Fritsch and
-    J. Butland, A Method for Constructing Local Monotone Piecewise Cubic Interpolants, SIAM Journal
-    on Scientific and Statistical Computing 5, 1984), as far as it keeps its direction. None where
-    the other side is not known.
+    other, long: its way on the scan's other side, and how long it takes.
+
+    At the scan it has the weighted harmonic mean of both speeds (F. N. Fritsch and J. Butland, A
+    Method for Constructing Local Monotone Piecewise Cubic Interpolants, SIAM Journal on Scientific
+    and Statistical Computing 5, 1984), as far as it keeps its direction.
     """
-    if beside is None:
-        return None
-    other, long = beside
     own, speed = float(np.linalg.norm(way)) / span, float(np.linalg.norm(other)) / long
     if own == 0 or speed == 0:
         return 0.0
@@ -122,7 +150,7 @@ def _faster(way: Way, span: float, beside: tuple[Way, float] | None) -> float | 
     return _between(_cosine(way, other), KEPT, SURE) * (mean / own - 1)
 
 
-def _cosine(way: Way, other: Way) -> float:
+def _cosine(way: Vector, other: Vector) -> float:
     """0 where either is none."""
     lengths = float(np.linalg.norm(way) * np.linalg.norm(other))
     return float(way @ other) / lengths if lengths > 0 else 0.0

@@ -27,7 +27,7 @@ from baker.intervals import solve_intervals
 from baker.job import IntervalJob
 from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options, Paths
-from baker.pace import paces
+from baker.pace import Pace, paces
 from baker.paint import painted
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
@@ -272,7 +272,7 @@ def _interval_jobs(
     keyframes, matches = whole.keyframes, whole.matches
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]
-    paced: list[dict[int, float]] = [{} for _ in matches]
+    paced: list[dict[int, Pace]] = [{} for _ in matches]
     if recipe.paths == Paths.curved:
         paced = paces(clouds, matches, organs, times, spacing)
     if recipe.paths != Paths.straight:

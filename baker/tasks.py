@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from baker.birth import Birth
 from baker.match import IntervalOrgans, Match
 from baker.missing import Part
+from baker.pace import Pace
 from baker.scraps import is_scrap
 from baker.segment.hierarchy import NO_PARENT
 from gclip.clip import Motion
@@ -27,7 +28,7 @@ class Task:
     event: "match", "birth" (start is the bud), "loss" (end is empty), or "part": of a matched
            organ a part is lost, and leaves in its own way.
     birth:  how a new organ unfolds; None in straight lines from its bud.
-    pace:   of a matched organ, how far beyond the half of its way it is half-way, of the way.
+    pace:   at which a matched organ goes; None of one that goes evenly.
     leaves: how a part goes; notes: for the report.
     """
 
@@ -36,7 +37,7 @@ class Task:
     start: NDArray[np.intp]
     end: NDArray[np.intp]
     birth: Birth | None = None
-    pace: float = 0.0
+    pace: Pace | None = None
     leaves: Motion | None = None
     notes: tuple[str, ...] = ()
 
@@ -49,7 +50,7 @@ def interval_tasks(
     parts: Sequence[Part] = (),
     born: Mapping[int, Birth] = MappingProxyType({}),
     scraps: bool = False,
-    paces: Mapping[int, float] = MappingProxyType({}),
+    paces: Mapping[int, Pace] = MappingProxyType({}),
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
@@ -66,7 +67,7 @@ def interval_tasks(
             organs.second[b],
             first.segments[a],
             second.segments[b],
-            pace=paces.get(organs.second[b], 0.0),
+            pace=paces.get(organs.second[b]),
         )
         for a, b in match.pairs
         if len(first.segments[a]) and len(second.segments[b])

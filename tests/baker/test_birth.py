@@ -7,6 +7,7 @@ import pytest
 
 from baker import Options, bake
 from baker.birth import EVEN, LATE, Birth
+from baker.pace import Pace
 from gclip.evaluate import bernstein
 
 FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
@@ -40,7 +41,7 @@ def test_half_way_an_organ_has_the_size_that_its_birth_says():
 
 def test_a_base_goes_at_the_pace_of_what_bears_it():
     base, bud = np.array([1.0, 2, 3]), np.float32([[1, 2, 1]])
-    control = Birth(base, 0.5, pace=0.1).control(bud, base[None])
+    control = Birth(base, 0.5, Pace(np.array([0.0, 0, 2]), 0.1, 0.0)).control(bud, base[None])
     middle = np.tensordot(bernstein(2, 0.5), np.stack([bud, control, base[None]]), axes=1)
     assert middle == pytest.approx(bud + 0.6 * (base - bud), abs=1e-6)
 

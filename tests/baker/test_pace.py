@@ -5,7 +5,7 @@ import pytest
 
 from baker import Options, bake
 from baker.match import IntervalOrgans, Match
-from baker.pace import MOST, paces
+from baker.pace import MOST, Pace, paces
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
 POINTS = np.random.default_rng(0).random((20, 3))
@@ -28,7 +28,9 @@ def paced_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
         len(times) - 1
     )
     by_interval = paces(clouds, matches, named, times, spacing)
-    return [[found.get(7 + n, 0.0) for found in by_interval] for n in numbers]
+    return [
+        [found[7 + n].ahead if 7 + n in found else 0.0 for found in by_interval] for n in numbers
+    ]
 
 
 def found(places: np.ndarray, times, spacing: float = 1e-6) -> list[float]:
@@ -107,3 +109,22 @@ def test_a_clip_shows_it(tmp_path):
         frame = bake([tmp_path], Options(paths=paths, **fixed)).at(1.5)
         middle = frame.positions[frame.tracks == 1][:, 2].mean()
         assert middle == pytest.approx(shape[:, 2].mean() + 5 + 2 * share, abs=0.04)
+
+
+def test_what_an_organ_grows_by_has_a_pace_of_its_own():
+    sizes, places = 1 - 0.5 ** np.arange(1, 5), 3.0 * np.arange(4)
+    shape = POINTS - POINTS.mean(axis=0)
+    clouds = [10 * size * shape + [0, 0, place] for size, place in zip(sizes, places, strict=True)]
+    one = Hierarchy((np.arange(len(POINTS)),), (0,), (NO_PARENT,), 0)
+    organs = [IntervalOrgans({0: 7}, {0: 7}, {})] * 3
+    pace = paces(clouds, [Match(one, one, ((0, 0),), (), ())] * 3, organs, range(4), 1e-6)[1][7]
+    assert pace.ahead == pytest.approx(0, abs=1e-9)
+    # Each day half as fast as the day before: 59 % of the way by noon.
+    assert pace.growing == pytest.approx((1 - 0.5**0.5) / 0.5 - 0.5, abs=0.01)
+
+
+def test_a_shift_is_that_of_the_middle_and_of_the_rest():
+    start = np.zeros((2, 3))
+    end = np.array([[2.0, 0, 0], [4.0, 0, 0]])
+    pace = Pace(np.array([3.0, 0, 0]), 0.1, 0.2)
+    np.testing.assert_allclose(pace.shift(start, end)[:, 0], [0.3 - 0.2, 0.3 + 0.2])

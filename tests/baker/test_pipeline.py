@@ -99,8 +99,10 @@ def test_the_reversed_series_gives_the_reversed_motion(write_scans):
             frame = clip.at(time)
             ids = [t.id for t in clip.track_table if t.name in shared]
             clouds.append(frame.positions[np.isin(frame.tracks, ids)])
-        # A spacing: what spans the gap to an organ that is born spans none to one that is lost.
-        assert farthest_apart(*clouds) < forward.spacing
+        # Where an organ is born one mover more may span the gap to it, and none where it is lost.
+        ahead, back = cKDTree(clouds[1]).query(clouds[0])[0], cKDTree(clouds[0]).query(clouds[1])[0]
+        assert np.sort(ahead)[-2] < 0.02
+        assert back.max() < 0.02
 
 
 def test_shuffled_labels_give_the_same_organs(write_scans):
