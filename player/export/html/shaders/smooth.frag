@@ -13,7 +13,7 @@ uniform float middle;
 out vec4 out_away;            // in scene radii beyond the target, FAR where nothing is
 
 const float FAR = 1e4;
-const int TAPS = 4;
+const int NARROW = 4, WIDE = 8;  // places on either side; fewer would leave stripes
 
 float away_at(ivec2 texel) {
     float value = texelFetch(source, texel, 0).r;
@@ -35,9 +35,10 @@ void main() {
     float reach = 1.3 * clamp(radius * magnification / away, 0.5 * smallest, 24.0);
     float across = reach * away / magnification / scale;
     float sum = here, total = 1.0;
-    for (int i = 1; i <= TAPS; ++i) {
-        float aside = 2.0 * float(i) / float(TAPS);
-        ivec2 shift = direction * int(round(float(i) * reach / float(TAPS)));
+    int taps = reach < 6.0 ? NARROW : WIDE;
+    for (int i = 1; i <= taps; ++i) {
+        float aside = 2.0 * float(i) / float(taps);
+        ivec2 shift = direction * int(round(float(i) * reach / float(taps)));
         for (int side = -1; side <= 1; side += 2) {
             float met = away_at(clamp(texel + side * shift, ivec2(0), last));
             float apart = (met - here) / across;
