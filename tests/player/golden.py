@@ -131,6 +131,7 @@ def _drawn(
     style: Style,
     way: Way = Way.AUTO,
     tiled: bool = True,
+    every: int = 1,
 ) -> Callable[[], Picture]:
     """By a renderer that is told which way to go."""
 
@@ -140,7 +141,8 @@ def _drawn(
             renderer = Renderer(context, clip, way=way)
             if not tiled:
                 renderer._tiled = None
-            renderer.draw(screen, day, Camera.home(clip, SIZE[0] / SIZE[1]), style, SIZE)
+            camera = Camera.home(clip, SIZE[0] / SIZE[1])
+            renderer.draw(screen, day, camera, style, SIZE, every=every)
             renderer.release()
             return _read(screen)
 
@@ -189,6 +191,7 @@ GOLDEN = tuple(
     for name, *ways in (
         ("splats", _drawn("tomato", 5.0, COARSE), _drawn("tomato", 5.0, COARSE, tiled=False)),
         ("dots", _drawn("tomato", 4.0, FINE, Way.POINTS), _drawn("tomato", 4.0, FINE, Way.COMPUTE)),
+        ("few", _drawn("tomato", 6.0, FINE, every=40)),  # each single mover counts
         ("unshaded", _still("tree", 22.0, Style(eye_dome=0.0, depth_cue=False, show_ground=False))),
         ("shaded", _still("tree", 22.0, Style(eye_dome=2.0))),
         (
