@@ -95,7 +95,7 @@ class _Late:
         import scipy.sparse.csgraph
         import scipy.spatial  # noqa: F401
 
-        from baker.motion.follow import along, beside, follow
+        from baker.motion.follow import balls, beside, follow, moved
         from baker.motion.nearest import gaps, nearest
         from baker.nearby import nearest_others
         from baker.segment.merge_tree import branches
@@ -108,8 +108,8 @@ class _Late:
         gaps(few[None], few, few)
         branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
         curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
-        keys, around = along(curve, every, weights)
-        beside(keys, keys, around, around, 1.0, 1)
+        around = moved(balls(curve), weights)
+        beside(curve, curve, around, around, weights, weights, 1.0, 1)
         follow(curve, every, curve, every, weights, 1.0, 1.0, 1.0, 1, 1.0, 1.0)
 
 

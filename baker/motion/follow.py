@@ -3,10 +3,12 @@
 The paths of all movers of an organ change at once, and only few of them, those near the bearer, are
 looked at for it: the loops over them would be short, and Python's calls around them long.
 
-What is near is found by balls. Points that follow one another are passed over together where the
-ball around them is too far off: large balls, about as many as each has points, and the small ones
-in each, so that the work grows with the points and not with their pairs. It is fast where
-neighbours lie side by side, as along a Morton curve.
+What is near at an instant is found by balls. Movers that follow one another are passed over
+together where the ball around them is too far off: large balls, about as many as each has movers,
+and the small ones in each, so that the work grows with the movers and not with their pairs. It is
+fast where neighbours lie side by side, as along a Morton curve. Balls move as movers do: one with
+all of some movers' first control points, one with their second ones, and so on, weighted as the
+points are, make one that holds the movers.
 
 All this is one file: numba, which keeps machine code by file, does not see that another changes.
 """
@@ -20,48 +22,54 @@ from numpy.typing import NDArray
 
 from baker.compiled import compiled
 
-LEAST = 16  # points in a small ball
+LEAST = 8  # points in a small ball
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
+Place = tuple[float, float, float]
 Number = TypeVar("Number", np.int64, np.float64)
 
 
 @compiled
-def along(curve: Floats, movers: Ints, weights: Floats) -> tuple[Floats, Floats]:
-    """(I, n, 3) positions of some movers at I instants, and the balls around them.
-
-    curve: (degree + 1, N, 3) control points; weights: (I, degree + 1) theirs at each instant.
-    """
-    positions = np.zeros((len(weights), len(movers), 3))
-    for k in range(len(weights)):
-        for i in range(len(movers)):
-            for point in range(len(curve)):
-                for axis in range(3):
-                    positions[k, i, axis] += weights[k, point] * curve[point, movers[i], axis]
-    return positions, balls(positions)
-
-
-@compiled
 def beside(
-    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats, margin: float, most: int
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    margin: float,
+    most: int,
 ) -> tuple[Floats, Ints, Ints]:
-    """(I,) the gaps between moving clouds, and which points of either are near the other.
+    """(I,) the gaps between two organs, and which movers of either are near the other.
 
-    mine, theirs: (I, a, 3) and (I, b, 3); my_balls, their_balls: of both.
-    margin: how far beyond an instant's gap is near.
-    most:   points of either side at an instant that count, the nearest ones.
+    mine, theirs: (degree + 1, a, 3) and (degree + 1, b, 3) control points; my_balls, their_balls:
+             (I, B, 4) of both, moved; weights, their_weights: (I, degree + 1) at each instant.
+    margin:  how far beyond an instant's gap is near.
+    most:    movers of either side at an instant that count, the nearest ones.
     """
-    gaps = closest(mine, theirs, my_balls, their_balls)[0]
-    instants = len(gaps)
+    instants = len(weights)
+    gaps = np.empty(instants)
     near, nearby = np.empty(instants * most, np.int64), np.empty(instants * most, np.int64)
-    count, other = 0, 0
+    count, other, first, second = 0, 0, 0, 0
     for k in range(instants):
-        reach = (1.0 + 1e-9) * gaps[k] + margin
-        found = _some(*within(mine[k], theirs[k], my_balls[k], their_balls[k], reach, most), most)
-        own = mine[k][found].copy().reshape((1, len(found), 3))
-        around = balls(own)[0]
-        met = _some(*within(theirs[k], own[0], their_balls[k], around, reach, most), most)
+        own_weights, other_weights = weights[k], their_weights[k]
+        here, there = my_balls[k], their_balls[k]
+        gap, first, second = _closest(
+            mine, theirs, here, there, own_weights, other_weights, first, second
+        )
+        gaps[k] = gap
+        reach = (1.0 + 1e-9) * gap + margin
+        found = _some(
+            *within(mine, theirs, here, there, own_weights, other_weights, reach, most, first),
+            most,
+        )
+        own = mine[:, found]
+        here = moved(balls(own), weights[k : k + 1])[0]
+        met = _some(
+            *within(theirs, own, there, here, other_weights, own_weights, reach, most, second),
+            most,
+        )
         near[count : count + len(found)] = found
         nearby[other : other + len(met)] = met
         count, other = count + len(found), other + len(met)
@@ -76,7 +84,7 @@ def _some(found: Ints, away: Floats, most: int) -> Ints:
     """
     if len(found) <= most:
         return found
-    farthest = np.sort(away)[most - 1]
+    farthest = _rank(away, most)
     tied = found[away == farthest]
     chosen = np.empty(most, np.int64)
     size = 0
@@ -115,19 +123,21 @@ def follow(
     Returns the control points with the smallest largest gap that was seen, whether they are other
     ones, the gaps at all instants, and which movers of either are nearest to each other there.
     """
-    there, around = along(bearer, theirs, weights)
+    there = bearer[:, theirs]
+    around = balls(there)
     best, changed = curve, False
-    here, balls_here = along(curve, mine, weights)
-    gaps, first, second = closest(here, there, balls_here, around)
+    here = curve[:, mine]
+    gaps, first, second = closest(here, there, balls(here), around, weights)
     now, now_first, now_second = gaps, first, second
     for _ in range(rounds):
         worst = int(np.argmax(now))
         if now[worst] <= gap + allowed:
             break
-        base, touched = mine[now_first[worst]], there[worst, now_second[worst]]
+        base = mine[now_first[worst]]
+        touched = np.array(_place(there, now_second[worst], weights[worst]))
         curve = _shifted(curve, base, touched, weights[worst], now[worst], gap + left, gentle, span)
-        here, balls_here = along(curve, mine, weights)
-        now, now_first, now_second = closest(here, there, balls_here, around)
+        here = curve[:, mine]
+        now, now_first, now_second = closest(here, there, balls(here), around, weights)
         if now.max() < gaps.max():
             best, changed = curve, True
             gaps, first, second = now, now_first, now_second
@@ -180,14 +190,14 @@ def _shifted(
 
 @compiled
 def balls(points: Floats) -> Floats:
-    """(I, B, 4) balls around successive points of (I, n, 3) clouds: their centres and radii.
+    """(K, B, 4) balls around successive points of (K, n, 3) clouds: their centres and radii.
 
     The large ones come first, then the small ones, `LEAST` points in each.
     """
-    instants, count = points.shape[0], points.shape[1]
+    clouds, count = points.shape[0], points.shape[1]
     large = _large(count)
-    found = np.empty((instants, large + -(-count // LEAST), 4))
-    for k in range(instants):
+    found = np.empty((clouds, large + -(-count // LEAST), 4))
+    for k in range(clouds):
         for ball in range(found.shape[1]):
             size = _size(count) if ball < large else LEAST
             first = (ball if ball < large else ball - large) * size
@@ -206,133 +216,208 @@ def balls(points: Floats) -> Floats:
 
 
 @compiled
+def moved(balls: Floats, weights: Floats) -> Floats:
+    """(I, B, 4) balls at each instant, of (K, B, 4) around control points with (I, K) weights."""
+    found = np.zeros((len(weights), balls.shape[1], 4))
+    for k in range(len(weights)):
+        for point in range(len(balls)):
+            weight = weights[k, point]
+            for ball in range(balls.shape[1]):
+                for value in range(4):
+                    found[k, ball, value] += weight * balls[point, ball, value]
+    return found
+
+
+@compiled
 def closest(
-    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats
+    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats, weights: Floats
 ) -> tuple[Floats, Ints, Ints]:
     """(I,) distances and indices of the pair nearest to each other at each of I instants.
 
-    mine, theirs: (I, a, 3) and (I, b, 3); my_balls, their_balls: of both, as `balls` finds them.
+    mine, theirs: (K, a, 3) and (K, b, 3) control points; my_balls, their_balls: of both, as `balls`
+                  finds them; weights: (I, K).
 
     All pairs count.
     """
-    instants = len(mine)
+    instants = len(weights)
     gap = np.empty(instants)
     first, second = np.zeros(instants, np.int64), np.zeros(instants, np.int64)
+    p, q = 0, 0
+    here, there = moved(my_balls, weights), moved(their_balls, weights)
     for k in range(instants):
-        gap[k], first[k], second[k] = _closest(mine[k], theirs[k], my_balls[k], their_balls[k])
+        gap[k], p, q = _closest(mine, theirs, here[k], there[k], weights[k], weights[k], p, q)
+        first[k], second[k] = p, q
     return gap, first, second
 
 
 @compiled
 def _closest(
-    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    first: int,
+    second: int,
 ) -> tuple[float, int, int]:
-    large, other = _large(len(mine)), _large(len(theirs))
-    # The two balls whose middles are nearest give a first bound.
-    nearest, p, q = np.inf, 0, 0
+    """As `closest` at one instant; my_balls, their_balls: (A, 4) and (B, 4) there.
+
+    first, second: a pair that may be the closest, as that of an instant before: what is farther
+             apart is passed over.
+    """
+    large, other = _large(mine.shape[1]), _large(theirs.shape[1])
+    here, there = np.empty((LEAST, 3)), np.empty((LEAST, 3))
+    reach = _apart(_place(mine, first, weights), _place(theirs, second, their_weights))
     for a in range(large):
         for b in range(other):
-            squared = _squared(my_balls, a, their_balls, b)
-            if squared < nearest:
-                nearest, p, q = squared, a, b
-    found = np.inf, 0, 0
-    for a in range(-1, large):
-        for b in range(-1 if a < 0 else 0, 0 if a < 0 else other):
-            one, two = (p, q) if a < 0 else (a, b)
-            if _apart(my_balls, one, their_balls, two, found[0]):
+            if _clear(my_balls, a, their_balls, b, reach):
                 continue
-            for small in _within(one, len(mine)):
-                if _apart(my_balls, small, their_balls, two, found[0]):
+            for small in _within(a, mine.shape[1]):
+                if _clear(my_balls, small, their_balls, b, reach):
                     continue
-                for least in _within(two, len(theirs)):
-                    if not _apart(my_balls, small, their_balls, least, found[0]):
-                        first, second = (small - large) * LEAST, (least - other) * LEAST
-                        found = _closer(mine, theirs, first, second, found)
-    return found
-
-
-@compiled
-def _closer(
-    mine: Floats, theirs: Floats, first: int, second: int, found: tuple[float, int, int]
-) -> tuple[float, int, int]:
-    """The nearest of the pairs between two small balls, if it is nearer than the one so far."""
-    reach, own, other = found
-    least = reach * reach
-    for i in range(first, min(first + LEAST, len(mine))):
-        px, py, pz = mine[i, 0], mine[i, 1], mine[i, 2]
-        for j in range(second, min(second + LEAST, len(theirs))):
-            x, y, z = px - theirs[j, 0], py - theirs[j, 1], pz - theirs[j, 2]
-            squared = x * x + y * y + z * z
-            if squared < least:
-                least, own, other = squared, i, j
-                reach = np.sqrt(squared)
-    return reach, own, other
+                count = _places(mine, small - large, weights, here)
+                for least in _within(b, theirs.shape[1]):
+                    if _clear(my_balls, small, their_balls, least, reach):
+                        continue
+                    others = 0
+                    for i in range(count):
+                        if _beyond(here[i], their_balls, least, reach):
+                            continue
+                        if others == 0:
+                            others = _places(theirs, least - other, their_weights, there)
+                        for j in range(others):
+                            squared = _squared(here, i, there, j)
+                            if squared < reach * reach:
+                                reach = np.sqrt(squared)
+                                first = (small - large) * LEAST + i
+                                second = (least - other) * LEAST + j
+    return reach, first, second
 
 
 @compiled
 def within(
-    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats, reach: float, most: int
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    reach: float,
+    most: int,
+    near_by: int,
 ) -> tuple[Ints, Floats]:
-    """Which points are within reach of theirs, and (w,) their distances to the nearest of them.
+    """Which movers are within reach of theirs, and (w,) their distances to the nearest of them.
 
-    mine, theirs: (a, 3) and (b, 3), at one instant; my_balls, their_balls: of both.
-    most: of more points only those that are as near as the one of this rank.
+    mine, theirs: (K, a, 3) and (K, b, 3) control points; my_balls, their_balls: (A, 4) and (B, 4)
+             at the instant; weights, their_weights: (K,) there.
+    most:    of more movers only those that are as near as the one of this rank.
+    near_by: one that is near, with others around it.
 
-    In their order. Most points are far off, and nothing is written down for them.
+    In their order, but for those around `near_by`, which come first. Most movers are far off, and
+    nothing is written down for them.
     """
-    size, other = _size(len(mine)), _large(len(theirs))
+    count_mine, other = mine.shape[1], _large(theirs.shape[1])
+    size = _size(count_mine)
     found, away = np.empty(size, np.int64), np.empty(size)
-    beside = np.empty(other, np.int64)
+    near = np.empty(other, np.int64)
     count, full = 0, 2 * most
-    for a in range(_large(len(mine))):
-        count_beside = 0
+    begin, partner = near_by // size, 0
+    for step in range(_large(count_mine)):
+        # What is nearest is looked at first: then the rest is too far off.
+        a = begin if step == 0 else step - (step <= begin)
+        count_near = 0
         for b in range(other):
-            if not _apart(my_balls, a, their_balls, b, reach):
-                beside[count_beside] = b
-                count_beside += 1
-        if count_beside == 0:
+            if not _clear(my_balls, a, their_balls, b, reach):
+                near[count_near] = b
+                count_near += 1
+        if count_near == 0:
             continue
         if count + size > len(found):
             found, away = _longer(found, 2 * (count + size)), _longer(away, 2 * (count + size))
-        nearest = np.inf
-        for i in range(a * size, min((a + 1) * size, len(mine))):
+        nearest, before = np.inf, (np.inf, np.inf, np.inf)
+        for i in range(a * size, min((a + 1) * size, count_mine)):
+            place = _place(mine, i, weights)
             # Movers that start from one point of a bud are in one place there.
-            if i == a * size or _squared(mine, i, mine, i - 1) > 0.0:
-                nearest = _nearest(mine[i], theirs, their_balls, beside[:count_beside], reach)
+            if place != before:
+                nearest, partner = _nearest(
+                    place, theirs, their_balls, their_weights, near[:count_near], reach, partner
+                )
+                before = place
             if nearest <= reach:
                 found[count], away[count] = i, nearest
                 count += 1
         if count >= full:
-            # Rounding must not leave out points that are as near.
-            reach = np.sort(away[:count])[most - 1] * (1.0 + 1e-9)
+            # Rounding must not leave out movers that are as near.
+            reach = _rank(away[:count], most) * (1.0 + 1e-9)
             count = _kept(found, away, count, reach)
             full = max(2 * most, 2 * count)
     if count > most:
-        count = _kept(found, away, count, np.sort(away[:count])[most - 1])
+        count = _kept(found, away, count, _rank(away[:count], most))
     return found[:count].copy(), away[:count].copy()
 
 
 @compiled
 def _nearest(
-    point: Floats, theirs: Floats, their_balls: Floats, beside: Ints, reach: float
-) -> float:
-    """The distance to the nearest of the points in some of their large balls; inf beyond reach."""
-    large = _large(len(theirs))
-    least, bound, near = reach * reach, reach, False
-    for b in beside:
-        if _beyond(point, their_balls, b, bound):
+    place: Place,
+    theirs: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    near: Ints,
+    reach: float,
+    partner: int,
+) -> tuple[float, int]:
+    """The distance to the nearest of the movers in some of their large balls; inf beyond reach.
+
+    partner: one that may be near, as that of a neighbour is. Also gives the nearest one.
+    """
+    large = _large(theirs.shape[1])
+    bound = _apart(place, _place(theirs, partner, weights))
+    found = bound <= reach
+    bound = min(bound, reach)
+    least = bound * bound
+    for b in near:
+        if _beyond(place, their_balls, b, bound):
             continue
-        for small in _within(b, len(theirs)):
-            if _beyond(point, their_balls, small, bound):
+        for small in _within(b, theirs.shape[1]):
+            if _beyond(place, their_balls, small, bound):
                 continue
-            nearest = np.inf
             first = (small - large) * LEAST
-            for j in range(first, min(first + LEAST, len(theirs))):
-                x, y, z = point[0] - theirs[j, 0], point[1] - theirs[j, 1], point[2] - theirs[j, 2]
-                nearest = min(nearest, x * x + y * y + z * z)
-            if nearest <= least:
-                least, bound, near = nearest, np.sqrt(nearest), True
-    return bound if near else np.inf
+            for j in range(first, min(first + LEAST, theirs.shape[1])):
+                x, y, z = _place(theirs, j, weights)
+                x, y, z = x - place[0], y - place[1], z - place[2]
+                squared = x * x + y * y + z * z
+                if squared < least or (squared == least and not found):
+                    least, bound, found, partner = squared, np.sqrt(squared), True, j
+    return (bound if found else np.inf), partner
+
+
+@compiled
+def _place(curve: Floats, i: int, weights: Floats) -> Place:
+    """Where a mover is."""
+    x, y, z = 0.0, 0.0, 0.0
+    for point in range(len(weights)):
+        weight = weights[point]
+        x += weight * curve[point, i, 0]
+        y += weight * curve[point, i, 1]
+        z += weight * curve[point, i, 2]
+    return x, y, z
+
+
+@compiled
+def _places(curve: Floats, ball: int, weights: Floats, places: Floats) -> int:
+    """Where the movers of a small ball are, and how many these are."""
+    first = ball * LEAST
+    count = min(LEAST, curve.shape[1] - first)
+    for i in range(count):
+        places[i, 0], places[i, 1], places[i, 2] = _place(curve, first + i, weights)
+    return count
+
+
+@compiled
+def _rank(values: Floats, rank: int) -> float:
+    """The value of this rank, 1 being the least."""
+    return np.sort(values)[rank - 1]
 
 
 @compiled
@@ -375,18 +460,24 @@ def _within(ball: int, count: int) -> range:
 
 
 @compiled
-def _apart(a: Floats, i: int, b: Floats, j: int, reach: float) -> bool:
+def _clear(a: Floats, i: int, b: Floats, j: int, reach: float) -> bool:
     """Whether two balls are farther apart than some reach."""
     beyond = reach + a[i, 3] + b[j, 3]
     return _squared(a, i, b, j) > beyond * beyond
 
 
 @compiled
-def _beyond(point: Floats, ball: Floats, i: int, reach: float) -> bool:
-    """Whether a ball is farther from a point than some reach."""
-    x, y, z = point[0] - ball[i, 0], point[1] - ball[i, 1], point[2] - ball[i, 2]
+def _beyond(place: Place, ball: Floats, i: int, reach: float) -> bool:
+    """Whether a ball is farther from a place than some reach."""
+    x, y, z = place[0] - ball[i, 0], place[1] - ball[i, 1], place[2] - ball[i, 2]
     beyond = reach + ball[i, 3]
     return x * x + y * y + z * z > beyond * beyond
+
+
+@compiled
+def _apart(a: Place, b: Place) -> float:
+    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return np.sqrt(x * x + y * y + z * z)
 
 
 @compiled

@@ -1,7 +1,7 @@
 """Where an organ is near what bears it, and what keeps both together between two scans.
 
-All movers are looked at where they start, half-way and where they end, and the gap in between only
-where it is narrow then.
+At some instants all movers are looked at; those that are nearest to the other organ at any of them
+are followed from there on.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from gclip.pack import morton_codes, raised
 
 DRAWN, TIED = 0.5, 0.25  # point spacings from which a gap that widens is narrowed, and spanned
 LEFT = 0.2  # point spacings that a gap is drawn to
-KEY_INSTANTS = (0.0, 0.5, 1.0)  # at which all points are looked at
-INSTANTS = tuple(k / 16 for k in range(17))  # at which those are that are nearest at the ones above
+INSTANTS = tuple(k / 16 for k in range(17))  # of an interval that are looked at
 MARGIN = 6.0  # point spacings beyond the gap that are near
-NEAREST = 100  # movers of either side that are looked at in between, for every key instant
+NEAREST = 20  # movers of either side that are followed, for every instant
 ROUNDS = 6  # of drawing, one instant at a time
 GENTLE = 0.375  # of a shift half-way, at least, is what an instant may ask for: 2 u (1 - u)
 REACH = 0.5  # of an organ, in its root mean square radii, that follows its base
@@ -38,32 +37,40 @@ class Organ:
 
     curve: (degree + 1, n, 3) float32 control points of its movers.
     order: the movers in the order of a Morton curve half-way.
-    keys, balls: at each key instant where they are in that order, (3, n, 3) float64, and the balls
-                 around them as `follow.balls` finds them.
+    moving: the control points in that order; balls: (I, B, 4) around them at each instant.
     """
 
     moved: Moved
     curve: Points
     order: Indices
-    keys: Points
+    moving: Points
     balls: Points
 
     @classmethod
     def of(cls, moved: Moved) -> Organ:
-        from baker.motion.follow import along
+        from baker.motion.follow import balls
+        from baker.motion.follow import moved as at
 
         degree = len(moved.movers.curve) - 1
         curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
-        half_way = along(curve, np.arange(len(moved.movers)), _weights(degree, (0.5,)))[0][0]
+        half_way = np.tensordot(bernstein(degree, 0.5), curve, axes=1)
         order = np.argsort(morton_codes(half_way), kind="stable")
-        return cls(moved, curve, order, *along(curve, order, _weights(degree, KEY_INSTANTS)))
+        moving = np.ascontiguousarray(curve[:, order])
+        return cls(moved, curve, order, moving, at(balls(moving), _weights(degree, INSTANTS)))
 
     def met_by(self, other: Organ, spacing: float) -> Meeting:
         """Where another organ's movers and these come near each other."""
         from baker.motion.follow import beside
 
         gaps, near, nearby = beside(
-            other.keys, self.keys, other.balls, self.balls, MARGIN * spacing, NEAREST
+            other.moving,
+            self.moving,
+            other.balls,
+            self.balls,
+            _weights(len(other.curve) - 1, INSTANTS),
+            _weights(len(self.curve) - 1, INSTANTS),
+            MARGIN * spacing,
+            NEAREST,
         )
         return Meeting(
             own=other,
@@ -79,8 +86,8 @@ class Organ:
 class Meeting:
     """Where an organ and its bearer are near each other in an interval.
 
-    mine, theirs: the movers of either that are nearest to the other at some key instant. All
-                  others are left out, which can make a gap between seem wider, never narrower.
+    mine, theirs: the movers of either that are nearest to the other at some instant. All others are
+                  left out, which can make a gap seem wider where one moves on, never narrower.
     gap:          the larger one of those at the scans.
     """
 

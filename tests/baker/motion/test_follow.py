@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.follow import along, balls, beside, follow
+from baker.motion.follow import balls, beside, follow, moved
 from gclip.evaluate import bernstein
 
 INSTANTS = np.array([bernstein(2, u) for u in np.linspace(0, 1, 9)])
@@ -15,19 +15,15 @@ def curves(count: int, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=(3, count, 3)).astype(np.float32)
 
 
-def test_positions_along_are_those_of_the_curves() -> None:
-    curve, movers = curves(40, 0), np.array([3, 7, 7, 20])
-    found, around = along(curve, movers, INSTANTS)
-    expected = np.tensordot(INSTANTS, curve.astype(float), axes=1)[:, movers]
-    np.testing.assert_allclose(found, expected, atol=1e-12)
-    np.testing.assert_array_equal(around, balls(found))
-
-
 @pytest.mark.parametrize("most", [5, 1000])
 def test_beside_are_the_nearest_within_the_margin(most: int) -> None:
-    a, b = (along(curves(n, n), np.arange(n), INSTANTS[:1]) for n in (70, 90))
-    apart = np.linalg.norm(a[0][0][:, None] - b[0][0], axis=2)
-    gaps, near, nearby = beside(a[0], b[0], a[1], b[1], 1.0, most)
+    a, b = curves(70, 0), curves(90, 1)
+    weights = np.array([bernstein(2, 0.4)])
+    here, there = (np.tensordot(weights[0], curve.astype(float), axes=1) for curve in (a, b))
+    apart = np.linalg.norm(here[:, None] - there, axis=2)
+    gaps, near, nearby = beside(
+        a, b, moved(balls(a), weights), moved(balls(b), weights), weights, weights, 1.0, most
+    )
     assert gaps[0] == pytest.approx(apart.min())
     own = apart.min(axis=1)
     within = np.flatnonzero(own <= apart.min() + 1.0)
@@ -38,9 +34,32 @@ def test_beside_are_the_nearest_within_the_margin(most: int) -> None:
     assert nearby.tolist() == np.sort(met[np.argsort(other[met])][:most]).tolist()
 
 
+def test_who_passes_by_between_the_scans_is_near() -> None:
+    """A stem's points slide past a leaf's base: others are beside it at every instant."""
+    leaf, stem = np.zeros((2, 1, 3), np.float32), np.zeros((2, 101, 3), np.float32)
+    stem[0, :, 2] = np.linspace(0, 10, 101)
+    stem[1, :, 2] = np.linspace(-10, 0, 101)
+    weights = np.array([bernstein(1, u) for u in np.linspace(0, 1, 11)])
+    gaps, _, passing = beside(
+        leaf,
+        stem,
+        moved(balls(leaf), weights),
+        moved(balls(stem), weights),
+        weights,
+        weights,
+        0.01,
+        3,
+    )
+    np.testing.assert_allclose(gaps, 0, atol=1e-6)
+    assert passing.tolist() == [*range(0, 101, 10)]
+
+
 def test_of_many_that_are_equally_near_an_even_share_is_looked_at() -> None:
     bearer, bud = np.zeros((1, 1, 3)), np.zeros((1, 500, 3))
-    near = beside(bud, bearer, balls(bud), balls(bearer), 1.0, 50)[1]
+    one = np.ones((1, 1))
+    near = beside(
+        bud, bearer, moved(balls(bud), one), moved(balls(bearer), one), one, one, 1.0, 50
+    )[1]
     assert near.tolist() == [*range(0, 500, 10)]
 
 
