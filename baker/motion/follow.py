@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from baker.compiled import compiled
 
 LEAST = 8  # points in a small ball
+WIDELY = 4  # of so many instants one at which more than the nearest movers count
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
@@ -46,11 +47,13 @@ def beside(
     mine, theirs: (degree + 1, a, 3) and (degree + 1, b, 3) control points; my_balls, their_balls:
              (I, B, 4) of both, moved; weights, their_weights: (I, degree + 1) at each instant.
     margin:  how far beyond an instant's gap is near.
-    most:    movers of either side at an instant that count, the nearest ones.
+    most:    movers of either side at an instant that count, the nearest ones. At most instants the
+             nearest alone counts: the gap, as it is, is known by that.
     """
     instants = len(weights)
     gaps = np.empty(instants)
-    near, nearby = np.empty(instants * most, np.int64), np.empty(instants * most, np.int64)
+    room = instants * (most + 1)
+    near, nearby = np.empty(room, np.int64), np.empty(room, np.int64)
     count, other, first, second = 0, 0, 0, 0
     for k in range(instants):
         own_weights, other_weights = weights[k], their_weights[k]
@@ -59,6 +62,10 @@ def beside(
             mine, theirs, here, there, own_weights, other_weights, first, second
         )
         gaps[k] = gap
+        near[count], nearby[other] = first, second
+        count, other = count + 1, other + 1
+        if k % WIDELY > 0:
+            continue
         reach = (1.0 + 1e-9) * gap + margin
         found = _some(
             *within(mine, theirs, here, there, own_weights, other_weights, reach, most, first),
