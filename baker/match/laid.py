@@ -21,6 +21,7 @@ ROUNDS = 3  # of laying an organ on itself by its limbs
 FEWEST = 3  # limbs that both scans show, else an organ is but forked
 GROWTH = 5.0  # times as far from the foot as it was, or as near, that a limb is at most
 PROMISING = 6  # swings that are looked at closely
+TRIED = 2_000_000  # pairs of limbs, in all swings together, that are looked at for these
 BACK = -0.5  # cosine of a swing beyond which none is looked for
 
 
@@ -157,6 +158,10 @@ def _swings(planted: _Way, foot: Points) -> list[_Way]:
     grown = later[None] / np.maximum(far, tiny)[:, None]
     cosine = (before @ after.T) / np.maximum(far[:, None] * later[None], tiny**2)
     i, j = np.nonzero((grown > 1 / GROWTH) & (grown < GROWTH) & (cosine > BACK))
+    # The largest limbs are found most surely.
+    size = np.minimum(planted.first.count[i], planted.second.count[j])
+    largest = np.argsort(-size, kind="stable")[: TRIED // (2 * grown.size)]
+    i, j = i[largest], j[largest]
     turns = rotation.between(before[i] / far[i, None], after[j] / later[j, None])
     maps = np.concatenate([turns, turns * grown[i, j, None, None]])
     scales = np.concatenate([np.ones(len(i)), grown[i, j]])

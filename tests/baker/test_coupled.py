@@ -27,6 +27,21 @@ def test_leaves_born_take_no_points_of_the_old_ones(seed):
     assert "each on its own" in limbs.notes[0]
 
 
+def test_mass_that_one_scan_alone_has_draws_nothing_out_of_its_place(monkeypatch):
+    """Among many leaves born: on the whole, against even masses."""
+
+    def share(seed: int) -> float:
+        before, after = twig(6, seed), twig(14, seed + 9, stretch=1.1, swell=1.2)
+        feet = (before.foot, after.foot)
+        found = coupled(before.points, after.points, TransportOptions(), feet)
+        return own_share(found, before, after)
+
+    shared = np.mean([share(seed) for seed in range(8)])
+    monkeypatch.setattr("baker.coupled.replace", lambda options, **_: options)
+    even = np.mean([share(seed) for seed in range(8)])
+    assert shared > even + 0.005
+
+
 def test_every_point_is_in_a_pair_once_with_each_partner():
     before, after = twig(6, 0), twig(8, 1, stretch=1.1)
     found = coupled(before.points, after.points, TransportOptions(), (before.foot, after.foot))

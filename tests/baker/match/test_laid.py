@@ -1,10 +1,12 @@
 """An organ laid on itself: limbs are found again wherever it has swung, however it has grown."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from twigs import twig
 
-from baker.match.laid import laid_on
+from baker.match.laid import Limbs, laid_on, paired
 
 LIMB = 6
 
@@ -44,3 +46,27 @@ def test_limbs_in_one_place_lie_on_nothing_that_is_not_a_number():
     here, there, _ = laid_on(before.points, flat, (before.foot, 0), before.leaf, before.leaf)
     assert np.isfinite(here).all()
     assert np.isfinite(there).all()
+
+
+def test_an_organ_of_a_hundred_limbs_takes_little_memory():
+    """All swings of all pairs of its limbs would take gigabytes."""
+    before, after = twig(90), twig(90, 9)
+    tracemalloc.start()
+    pairs = laid_on(
+        before.points, after.points, (before.foot, after.foot), before.leaf, after.leaf
+    )[2]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(pairs) > 80
+    assert peak < 300e6
+
+
+@pytest.mark.parametrize(("away", "same"), [(0.0, True), (1.9, True), (2.1, False), (50.0, False)])
+def test_limbs_two_radii_apart_are_not_the_same(away: float, same: bool):
+    first, second = (
+        Limbs(np.array([[x, 0.0, 0.0]]), np.array([r]), np.array([10.0]), 10)
+        for x, r in ((0.0, 1.0), (away, 0.5))
+    )
+    pairs, worth = paired(first, second)
+    assert pairs.tolist() == ([[0, 0]] if same else [])
+    assert (worth > 0) == same

@@ -67,13 +67,6 @@ def test_a_twig_that_has_lost_its_leaves_stays_whole():
     assert pieces(bare, before.points, (0, before.foot)) == []
 
 
-def test_twigs_far_off_share_no_limb():
-    before, after = twig(6, 0), twig(6, 1)
-    turned = after.points * [-1, -1, 1] @ np.diag([1.0, 1.0, -1.0])
-    cut = pieces(before.points, turned, (before.foot, after.foot))
-    assert_partition(cut, len(before.points), len(turned))
-
-
 def test_limbs_none_of_which_are_the_same_leave_an_organ_whole(monkeypatch):
     monkeypatch.setattr("baker.match.laid.FAR", 1e-9)
     before, after = twig(6, 0), twig(6, 1)
