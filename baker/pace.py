@@ -18,8 +18,9 @@ from baker.match import IntervalOrgans, Match
 
 # Cosine of an organ's ways in two intervals from which on, and at which, one foretells the other.
 KEPT, SURE = 0.9, 1.0
-# The same of the usual organ that moves: else the plant sways, and what goes on does so by chance.
-STEADY = 0.9, 0.97
+# The same of the usual organ that moves, at least: else the plant sways, and what goes on does so
+# by chance. Either or: were it by degrees, one more scan would change every interval a little.
+STEADY = 0.95
 MOST = 0.25  # of the way: beyond that a path of degree two would turn back
 MOVES = 1.0  # point spacings; what goes less far stands, and has no direction
 MATTERS = 0.1  # point spacings; less is below what the scan shows
@@ -73,16 +74,15 @@ def paces(
         if organ in following
         and min(np.linalg.norm(way), np.linalg.norm(following[organ])) > MOVES * spacing
     ]
-    if not kept:
+    if not kept or np.median(kept) < STEADY:
         return [{} for _ in ways]
-    steady = _between(float(np.median(kept)), *STEADY)
     spans = [float(span) for span in np.diff(times)]
     found: list[dict[int, Pace]] = []
     for k, known_ways in enumerate(ways):
         found.append({})
         for organ, way in known_ways.items():
-            ahead = steady * _ahead(ways, spans, k, organ)
-            growing = steady * _ahead(growths, spans, k, organ)
+            ahead = _ahead(ways, spans, k, organ)
+            growing = _ahead(growths, spans, k, organ)
             far = abs(ahead) * np.linalg.norm(way)
             grown = abs(growing) * np.linalg.norm(growths[k].get(organ, np.zeros(1)))
             if max(far, grown) > MATTERS * spacing:
