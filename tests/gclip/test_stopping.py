@@ -5,11 +5,20 @@ from __future__ import annotations
 import importlib
 import signal
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from gclip.console import run
+
+
+@pytest.fixture(autouse=True)
+def usual_handler() -> Iterator[None]:
+    """As a command finds it when it starts, whatever other tests have loaded."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def test_a_stop_that_python_drops_is_asked_for_again(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,7 @@
 """docs/examples: the scripts say what the libraries and `bake` understand."""
 
 import runpy
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -79,7 +80,9 @@ def test_the_job_of_fixed_size_is_a_script():
 def test_slurm_takes_what_the_example_asks_for(called, monkeypatch):
     runpy.run_path(str(EXAMPLES / "on_slurm.py"))["main"]("/data/a", "/data/b")
     monkeypatch.delitem(sys.modules, "dask_jobqueue")
+    usual = signal.getsignal(signal.SIGINT)
     jobqueue = pytest.importorskip("dask_jobqueue", reason="dask-jobqueue is not installed")
+    signal.signal(signal.SIGINT, usual)  # loading it puts a handler of its own in place
     asked = FakeCluster.last.asked
     script = jobqueue.slurm.SLURMJob("tcp://scheduler:1", "name", **asked).job_script()
     assert "--nworkers 16" in script
