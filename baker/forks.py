@@ -95,14 +95,13 @@ class _Late:
         import scipy.sparse.csgraph
         import scipy.spatial  # noqa: F401
 
-        from baker.motion.follow import balls, beside, follow, moved
+        from baker.motion.beside import balls, beside, moved
+        from baker.motion.follow import follow
         from baker.motion.nearest import gaps, nearest
-        from baker.nearby import nearest_others
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
 
         few = np.eye(3)
-        nearest_others(few, np.arange(2))
         solve(np.tile(few, (2, 1)), few)
         nearest(few, few)
         gaps(few[None], few, few)

@@ -48,8 +48,8 @@ class Organ:
 
     @classmethod
     def of(cls, moved: Moved) -> Organ:
-        from baker.motion.follow import balls
-        from baker.motion.follow import moved as at
+        from baker.motion.beside import balls
+        from baker.motion.beside import moved as at
 
         degree = len(moved.movers.curve) - 1
         curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
@@ -60,7 +60,7 @@ class Organ:
 
     def met_by(self, other: Organ, spacing: float) -> Meeting:
         """Where another organ's movers and these come near each other."""
-        from baker.motion.follow import beside
+        from baker.motion.beside import beside
 
         gaps, near, nearby = beside(
             other.moving,

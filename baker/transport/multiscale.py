@@ -133,7 +133,7 @@ def _improve(
     """Improve a feasible plan in up to `most` sweeps, until one gains next to nothing."""
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    near = _neighbours(start, n * m), _neighbours(end, n * m)
+    near = _neighbours(start, search.workers, n * m), _neighbours(end, search.workers, n * m)
     best, sweep = np.inf, 0
     while True:
         size = _CELL * 2**sweep  # what is left to do in later sweeps is little
@@ -149,12 +149,12 @@ def _improve(
             return edges, mass, sweep
 
 
-def _neighbours(points: Points, pairs: int) -> NDArray[np.int32]:
+def _neighbours(points: Points, workers: int, pairs: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k.
 
     None, (n, 0), where there are so few pairs that all of them are tried anyway.
     """
-    from baker.nearby import nearest_others
+    from scipy.spatial import cKDTree
 
     n = len(points)
     if pairs <= _FEW:
@@ -162,7 +162,8 @@ def _neighbours(points: Points, pairs: int) -> NDArray[np.int32]:
     near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
     k = min(_NEIGHBORS, n - 1)
     if k > 0:
-        near[:, :k] = nearest_others(points, np.arange(k))[1]
+        threads = workers if n > WHOLE else 1
+        near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2), workers=threads)[1]
     return near
 
 
