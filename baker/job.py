@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +11,13 @@ from baker.density import with_even_density
 from baker.feet import Feet
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
-from baker.motion import Shapes, attached, curved, organ_motions, shaping
+from baker.motion import Bend, Bending, attached, shaping
 from baker.tasks import Task
 from baker.transport.plan import Method, TransportOptions
 from baker.vertical import Vertical
 from baker.workers import ALONE, Crew, Done
 from gclip.clip import Interval, Motion
 from gclip.pack import pack_interval
-
-Clouds = tuple[NDArray[np.floating], NDArray[np.floating]]
 
 
 @dataclass(frozen=True)
@@ -88,10 +83,11 @@ def move_interval(
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
     total = sum(map(_size, job.tasks))
     feet = Feet((job.start.positions, job.end.positions), job.match, job.organs)
+    bending = _bending(job, crew) if job.curved else None
     # The paper knows of no limbs.
     limbs = job.transport.power == 2 and job.transport.method != Method.SINKHORN
 
-    def solve(task: Task) -> Moved:
+    def solve(task: Task) -> tuple[Moved, Bend | None]:
         # Only what is more than one's share of the work is shared out itself.
         threads = crew.workers if _size(task) * crew.workers > total else 1
         moved = solve_task(
@@ -104,20 +100,15 @@ def move_interval(
             floor=job.floor,
             feet=feet.of(task) if limbs else None,
         )
+        bend = bending.of(moved) if bending else None
         done(1)
-        return moved
+        return moved, bend
 
     # The largest first: none is left to a single thread in the end.
     order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
-    shapes = shaping(*_plant(job)) if job.curved else []
-    works: list[Callable[[], Shapes | Moved]]
-    works = [*shapes, *(partial(solve, job.tasks[k]) for k in order)]
-    found = crew.map(lambda work: work(), works)
-    moved = cast("list[Moved]", found[len(shapes) :])
-    solved = [one for _, one in sorted(zip(order, moved, strict=True), key=lambda kv: kv[0])]
-    if not job.curved:
-        return solved
-    return _on_curves(job, solved, cast("list[Shapes]", found[: len(shapes)]), crew)
+    found = crew.map(solve, [job.tasks[k] for k in order])
+    moved, bends = zip(*(found[k] for k in np.argsort(order)), strict=True)
+    return bending.curved(moved, bends) if bending else [*moved]
 
 
 def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -> Interval:
@@ -134,17 +125,10 @@ def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -
     )
 
 
-def _on_curves(
-    job: IntervalJob, solved: list[Moved], shapes: list[Shapes], crew: Crew
-) -> list[Moved]:
-    clouds, matches, bases = _plant(job)
-    motions = organ_motions(clouds, matches, bases, job.spacing, crew, shapes)
-    return curved([solved], clouds, matches, [job.organs], motions, crew)[0]
-
-
-def _plant(job: IntervalJob) -> tuple[Clouds, list[Match], Clouds]:
-    """The two clouds, their match, and where either leaves the ground."""
-    return (job.start.positions, job.end.positions), [job.match], job.bases
+def _bending(job: IntervalJob, crew: Crew) -> Bending:
+    clouds = job.start.positions, job.end.positions
+    shapes = crew.map(lambda find: find(), shaping(clouds, job.match, job.bases))
+    return Bending(clouds, job.match, job.organs, shapes, job.spacing)
 
 
 def _size(task: Task) -> int:

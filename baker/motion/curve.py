@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import OrganShape, organ_shapes
 from baker.segment.hierarchy import NO_PARENT
-from baker.workers import ALONE, Crew
 from gclip.pack import raised
 
 MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
@@ -22,125 +21,102 @@ ASKED = 50  # points of an organ that bound how far it is from its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
 
-Motions = dict[int, OrganMotion]  # of an interval's bending organs, by segment of the second scan
-Shapes = list[OrganShape | None]
+Shapes = list[OrganShape | None]  # of a scan's organs, by segment
 
 
 def shaping(
     clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
+    match: Match,
     bases: Sequence[NDArray[np.floating]],
 ) -> list[Callable[[], Shapes]]:
-    """For each interval's first and second scan what finds its organs' shapes once it is called.
+    """For an interval's first and second scan what finds its organs' shapes once it is called.
 
     bases: (3,) where the plant leaves the ground in each scan.
     """
     return [
-        partial(
-            organ_shapes,
-            clouds[k + side],
-            hierarchy,
-            bases[k + side],
-            [pair[side] for pair in match.pairs],
-        )
-        for k, match in enumerate(matches)
-        for side, hierarchy in enumerate((match.first, match.second))
+        partial(organ_shapes, clouds[k], hierarchy, bases[k], [pair[k] for pair in match.pairs])
+        for k, hierarchy in enumerate((match.first, match.second))
     ]
 
 
-def organ_motions(
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
-    bases: Sequence[NDArray[np.floating]],
-    spacing: float,
-    crew: Crew = ALONE,
-    known: Sequence[Shapes] | None = None,
-) -> list[Motions]:
-    """For each interval, by segment of its second scan, how the organs that bend or turn move.
+@dataclass(frozen=True)
+class Bending:
+    """How the organs of an interval bend and turn.
 
-    bases: (3,) where the plant leaves the ground in each scan.
-    known: what `shaping` finds, where that is known.
+    The root stands, and what has too few points or hardly bends goes straight.
 
-    The root stands, and what has too few points or hardly bends goes straight: they are left out.
+    clouds:  of the two scans; shapes: of their organs, as `shaping` finds them.
+    spacing: the point spacing, which says what bows matter.
     """
-    if known is None:
-        known = crew.map(lambda find: find(), shaping(clouds, matches, bases))
-    shapes = iter(known)
-    pairs: list[tuple[int, int, OrganShape, OrganShape]] = []
-    for k, match in enumerate(matches):
-        before, after = next(shapes), next(shapes)
-        for a, b in match.pairs:
-            one, two = before[a], after[b]
-            if a != match.first.root and b != match.second.root and one and two:
-                pairs.append((k, b, one, two))
-    fitted = crew.map(lambda pair: fit_motion(pair[2], pair[3], MATTERS * spacing), pairs)
-    motions: list[Motions] = [{} for _ in matches]
-    for (k, b, _, _), motion in zip(pairs, fitted, strict=True):
-        if motion is not None:
-            motions[k][b] = motion
-    return motions
+
+    clouds: Sequence[NDArray[np.floating]]
+    match: Match
+    organs: IntervalOrgans
+    shapes: Sequence[Shapes]
+    spacing: float
+
+    def of(self, moved: Moved) -> Bend | None:
+        """How one task's movers bend, and where that takes what their organ bears."""
+        segment = self._segments.get(_track(moved))
+        if segment is None or segment not in self._partners:
+            return None
+        if moved.start_points is None or moved.born:
+            return None
+        before, after = self._partners[segment]
+        motion = fit_motion(before, after, MATTERS * self.spacing)
+        if motion is None:
+            return None
+        borne = {child: self.match.second.segments[child] for child in self._borne.get(segment, ())}
+        return _bend(motion, moved, self.clouds, borne)
+
+    def curved(self, solved: Sequence[Moved], bends: Sequence[Bend | None]) -> list[Moved]:
+        """The solved tasks, what bends on curves of degree 2, the rest as it was.
+
+        bends: of each task. An organ is carried along, as a whole, by what it grows from.
+        """
+        found = [self._segments.get(_track(moved)) for moved in solved]
+        of = {
+            segment: bend
+            for segment, bend in zip(found, bends, strict=True)
+            if segment is not None and bend is not None
+        }
+        carried = _carried(self.match, of)
+        done = []
+        for moved, segment, bend in zip(solved, found, bends, strict=True):
+            if segment is None or moved.start_points is None:
+                done.append(moved)
+                continue
+            shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
+            if bend is not None:
+                shift = shift + bend.own
+            done.append(_bowed(moved, shift) if shift.any() else moved)
+        return done
+
+    @cached_property
+    def _segments(self) -> dict[int, int]:
+        """The segment of the second scan that each organ is there."""
+        return {self.organs.second[b]: b for b in self.match.second.from_the_root()}
+
+    @cached_property
+    def _partners(self) -> dict[int, tuple[OrganShape, OrganShape]]:
+        """By segment of the second scan the shapes of what may bend."""
+        partners = {}
+        for a, b in self.match.pairs:
+            before, after = self.shapes[0][a], self.shapes[1][b]
+            if a != self.match.first.root and b != self.match.second.root and before and after:
+                partners[b] = before, after
+        return partners
+
+    @cached_property
+    def _borne(self) -> dict[int, list[int]]:
+        borne: dict[int, list[int]] = {}
+        for child in self.match.second.from_the_root():
+            borne.setdefault(self.match.second.parents[child], []).append(child)
+        return borne
 
 
-def curved(
-    solved: Sequence[Sequence[Moved]],
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
-    motions: Sequence[Motions],
-    crew: Crew = ALONE,
-) -> list[list[Moved]]:
-    """The solved tasks of each interval, what bends on curves of degree 2, the rest as it was.
-
-    An organ is carried along, as a whole, by what it grows from.
-    """
-    return [
-        _interval(tasks, clouds[k : k + 2], matches[k], organs[k], motions[k], crew)
-        if motions[k]
-        else [*tasks]
-        for k, tasks in enumerate(solved)
-    ]
-
-
-def _interval(
-    tasks: Sequence[Moved],
-    clouds: Sequence[NDArray[np.floating]],
-    match: Match,
-    organs: IntervalOrgans,
-    motions: Motions,
-    crew: Crew,
-) -> list[Moved]:
-    segments = {organs.second[b]: b for b in match.second.from_the_root()}
-    found = [segments.get(int(m.movers.tracks[0])) if len(m.movers) else None for m in tasks]
-    bending = [
-        (segment, moved)
-        for moved, segment in zip(tasks, found, strict=True)
-        if segment is not None
-        and segment in motions
-        and moved.start_points is not None
-        and not moved.born
-    ]
-    borne: dict[int, list[int]] = {}
-    for child in match.second.from_the_root():
-        borne.setdefault(match.second.parents[child], []).append(child)
-
-    def bend(which: tuple[int, Moved]) -> Bend | None:
-        segment, moved = which
-        members = {child: match.second.segments[child] for child in borne.get(segment, ())}
-        return _bend(motions[segment], moved, clouds, members)
-
-    bends = crew.map(bend, bending)
-    bows = {b: bow for (b, _), bow in zip(bending, bends, strict=True) if bow is not None}
-    carried = _carried(match, bows)
-    done = []
-    for moved, segment in zip(tasks, found, strict=True):
-        if segment is None or moved.start_points is None:
-            done.append(moved)
-            continue
-        shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
-        if segment in bows and not moved.born:
-            shift = shift + bows[segment].own
-        done.append(_bowed(moved, shift) if shift.any() else moved)
-    return done
+def _track(moved: Moved) -> int:
+    return int(moved.movers.tracks[0]) if len(moved.movers) else -1
 
 
 @dataclass(frozen=True)

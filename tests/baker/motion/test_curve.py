@@ -9,9 +9,8 @@ import pytest
 
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
-from baker.motion import curved, organ_motions
+from baker.motion import Bending, shaping
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
-from baker.workers import Crew
 from gclip.clip import Motion
 from gclip.pack import Movers
 from tests.baker.motion.shapes import leaf, sample
@@ -33,6 +32,12 @@ def lowest(clouds: list[np.ndarray]) -> list[np.ndarray]:
     return [cloud[np.argmin(cloud[:, 2])] for cloud in clouds]
 
 
+def bent(clouds: list[np.ndarray], match: Match) -> Bending:
+    organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
+    shapes = [find() for find in shaping(clouds, match, lowest(clouds))]
+    return Bending(clouds, match, organs, shapes, 1.0)
+
+
 @pytest.fixture(scope="module")
 def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
     clouds = [plant(0.0), np.concatenate([plant(1.0), plant(1.0)[-100:] + 1.0])]
@@ -40,16 +45,16 @@ def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
     first = Hierarchy(segments[:3], (0, 1, 2), PARENTS[:3], 0)
     second = Hierarchy(segments, (0, 1, 2, 3), PARENTS, 0)
     match = Match(first, second, ((0, 0), (1, 1), (2, 2)), (3,), ())
-    organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
     tasks = []
     for organ, members in enumerate(segments):
         a = segments[2] if organ == 3 else members
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
         tasks.append(Moved(movers, None, None, a, members, organ == 3))
-    motions = organ_motions(clouds, [match], lowest(clouds), 1.0)
-    assert 1 in motions[0]
-    assert 0 not in motions[0]
-    return clouds, match, tasks, curved([tasks], clouds, [match], [organs], motions)[0]
+    bending = bent(clouds, match)
+    bends = [bending.of(moved) for moved in tasks]
+    assert bends[0] is None
+    assert bends[1] is not None
+    return clouds, match, tasks, bending.curved(tasks, bends)
 
 
 def middle(moved: Moved) -> np.ndarray:
@@ -93,20 +98,11 @@ def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
 
 def test_what_hardly_moves_is_not_bent_by_a_wrong_spine(baked: tuple) -> None:
     clouds, match, before, _ = baked
-    organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
-    motions = organ_motions(clouds, [match], lowest(clouds), 1.0)
+    bending = bent(clouds, match)
     standing = []
     for moved in before:
         origin, target = moved.movers.curve
         near = (origin, (origin + 0.02 * (target - origin)).astype(np.float32))
         standing.append(replace(moved, movers=replace(moved.movers, curve=near)))
-    after = curved([standing], clouds, [match], [organs], motions)[0]
+    after = bending.curved(standing, [bending.of(moved) for moved in standing])
     assert all(one is two for one, two in zip(standing, after, strict=True))
-
-
-def test_workers_make_no_difference(baked: tuple) -> None:
-    clouds, match, _, _ = baked
-    one, two = (
-        organ_motions(clouds, [match], lowest(clouds), 1.0, Crew(workers))[0] for workers in (1, 2)
-    )
-    np.testing.assert_array_equal(one[1].half_nodes, two[1].half_nodes)
