@@ -87,7 +87,8 @@ def _meet(
 ) -> list[tuple[Curve | None, Tie | None]]:
     """For each organ that one bearer bears: its paths where they are drawn to it, and its tie."""
     bearer = Organ.of(moving[group[0][1]])
-    return [bearer.met_by(Organ.of(moving[own]), spacing).settled(draw) for own, _ in group]
+    meetings = [bearer.met_by(Organ.of(moving[own]), spacing) for own, _ in group]
+    return [meeting.settled(draw) if meeting else (None, None) for meeting in meetings]
 
 
 def _of_one_bearer(pairs: Sequence[Pair]) -> list[list[Pair]]:

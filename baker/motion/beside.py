@@ -29,6 +29,44 @@ Number = TypeVar("Number", np.int64, np.float64)
 
 
 @compiled
+def parted(
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    allowed: float,
+) -> bool:
+    """Whether two organs are farther apart on the way than at the first and the last instant.
+
+    By more than is allowed; other arguments as those of `beside`. All pairs count, but where two
+    movers that were near a while ago are near enough still, nobody else has to be looked at.
+    """
+    last = len(weights) - 1
+    gap, first, second = _closest_at(
+        mine, theirs, my_balls, their_balls, weights[last], their_weights[last], 0, 0, 0.0
+    )
+    begun = False
+    for k in range(last - 1, 0, -1):
+        away, first, second = _closest_at(
+            mine, theirs, my_balls, their_balls,
+            weights[k], their_weights[k], first, second, gap + allowed,
+        )  # fmt: skip
+        if away <= gap + allowed:
+            continue
+        if not begun:
+            at_first = _closest_at(
+                mine, theirs, my_balls, their_balls,
+                weights[0], their_weights[0], first, second, 0.0,
+            )  # fmt: skip
+            gap, begun = max(gap, at_first[0]), True
+        if away > gap + allowed:
+            return True
+    return False
+
+
+@compiled
 def beside(
     mine: Floats,
     theirs: Floats,
@@ -42,7 +80,7 @@ def beside(
     """(I,) the gaps between two organs, and which movers of either are near the other.
 
     mine, theirs: (degree + 1, a, 3) and (degree + 1, b, 3) control points; my_balls, their_balls:
-             (I, B, 4) of both, moved; weights, their_weights: (I, degree + 1) at each instant.
+             (degree + 1, B, 4) around both; weights, their_weights: (I, degree + 1) at any instant.
     margin:  how far beyond an instant's gap is near.
     most:    movers of either side at an instant that count, the nearest ones. At most instants the
              nearest alone counts: the gap, as it is, is known by that.
@@ -54,9 +92,9 @@ def beside(
     count, other, first, second = 0, 0, 0, 0
     for k in range(instants):
         own_weights, other_weights = weights[k], their_weights[k]
-        here, there = my_balls[k], their_balls[k]
+        here, there = moved(my_balls, own_weights), moved(their_balls, other_weights)
         gap, first, second = _closest(
-            mine, theirs, here, there, own_weights, other_weights, first, second
+            mine, theirs, here, there, own_weights, other_weights, first, second, 0.0
         )
         gaps[k] = gap
         near[count], nearby[other] = first, second
@@ -69,7 +107,7 @@ def beside(
             most,
         )
         own = mine[:, found]
-        here = moved(balls(own), weights[k : k + 1])[0]
+        here = moved(balls(own), own_weights)
         met = _some(
             *within(theirs, own, there, here, other_weights, own_weights, reach, most, second),
             most,
@@ -131,14 +169,12 @@ def balls(points: Floats) -> Floats:
 
 @compiled
 def moved(balls: Floats, weights: Floats) -> Floats:
-    """(I, B, 4) balls at each instant, of (K, B, 4) around control points with (I, K) weights."""
-    found = np.zeros((len(weights), balls.shape[1], 4))
-    for k in range(len(weights)):
-        for point in range(len(balls)):
-            weight = weights[k, point]
-            for ball in range(balls.shape[1]):
-                for value in range(4):
-                    found[k, ball, value] += weight * balls[point, ball, value]
+    """(B, 4) balls at an instant, of (K, B, 4) around control points with (K,) weights."""
+    found = np.zeros(balls.shape[1:])
+    for point in range(len(balls)):
+        for ball in range(balls.shape[1]):
+            for value in range(4):
+                found[ball, value] += weights[point] * balls[point, ball, value]
     return found
 
 
@@ -157,11 +193,32 @@ def closest(
     gap = np.empty(instants)
     first, second = np.zeros(instants, np.int64), np.zeros(instants, np.int64)
     p, q = 0, 0
-    here, there = moved(my_balls, weights), moved(their_balls, weights)
     for k in range(instants):
-        gap[k], p, q = _closest(mine, theirs, here[k], there[k], weights[k], weights[k], p, q)
+        gap[k], p, q = _closest_at(
+            mine, theirs, my_balls, their_balls, weights[k], weights[k], p, q, 0.0
+        )
         first[k], second[k] = p, q
     return gap, first, second
+
+
+@compiled
+def _closest_at(
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    first: int,
+    second: int,
+    enough: float,
+) -> tuple[float, int, int]:
+    """As `_closest`, of balls (degree + 1, B, 4) that have still to be moved."""
+    away = _apart(place_of(mine, first, weights), place_of(theirs, second, their_weights))
+    if away <= enough:
+        return away, first, second
+    here, there = moved(my_balls, weights), moved(their_balls, their_weights)
+    return _closest(mine, theirs, here, there, weights, their_weights, first, second, enough)
 
 
 @compiled
@@ -174,17 +231,21 @@ def _closest(
     their_weights: Floats,
     first: int,
     second: int,
+    enough: float,
 ) -> tuple[float, int, int]:
     """As `closest` at one instant; my_balls, their_balls: (A, 4) and (B, 4) there.
 
     first, second: a pair that may be the closest, as that of an instant before: what is farther
              apart is passed over.
+    enough:  how near a pair has to be, at least, for the search to end with it.
     """
     large, other = _large(mine.shape[1]), _large(theirs.shape[1])
     here, there = np.empty((LEAST, 3)), np.empty((LEAST, 3))
     reach = _apart(place_of(mine, first, weights), place_of(theirs, second, their_weights))
     for a in range(large):
         for b in range(other):
+            if reach <= enough:
+                return reach, first, second
             if _clear(my_balls, a, their_balls, b, reach):
                 continue
             for small in _within(a, mine.shape[1]):

@@ -37,7 +37,7 @@ class Organ:
 
     curve: (degree + 1, n, 3) float32 control points of its movers.
     order: the movers in the order of a Morton curve half-way.
-    moving: the control points in that order; balls: (I, B, 4) around them at each instant.
+    moving: the control points in that order; balls: (degree + 1, B, 4) around them.
     """
 
     moved: Moved
@@ -49,29 +49,32 @@ class Organ:
     @classmethod
     def of(cls, moved: Moved) -> Organ:
         from baker.motion.beside import balls
-        from baker.motion.beside import moved as at
 
         degree = len(moved.movers.curve) - 1
         curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
         half_way = np.tensordot(bernstein(degree, 0.5), curve, axes=1)
         order = np.argsort(morton_codes(half_way), kind="stable")
         moving = np.ascontiguousarray(curve[:, order])
-        return cls(moved, curve, order, moving, at(balls(moving), _weights(degree, INSTANTS)))
+        return cls(moved, curve, order, moving, balls(moving))
 
-    def met_by(self, other: Organ, spacing: float) -> Meeting:
-        """Where another organ's movers and these come near each other."""
-        from baker.motion.beside import beside
+    def met_by(self, other: Organ, spacing: float) -> Meeting | None:
+        """Where another organ's movers and these come near each other.
 
-        gaps, near, nearby = beside(
+        None where they don't part on the way by more than they are apart at the scans.
+        """
+        from baker.motion.beside import beside, parted
+
+        both = (
             other.moving,
             self.moving,
             other.balls,
             self.balls,
             _weights(len(other.curve) - 1, INSTANTS),
             _weights(len(self.curve) - 1, INSTANTS),
-            MARGIN * spacing,
-            NEAREST,
         )
+        if not parted(*both, TIED * spacing):
+            return None
+        gaps, near, nearby = beside(*both, MARGIN * spacing, NEAREST)
         return Meeting(
             own=other,
             bearer=self,

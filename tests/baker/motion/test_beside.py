@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.beside import LEAST, balls, beside, closest, moved, within
+from baker.motion.beside import LEAST, balls, beside, closest, moved, parted, within
 from gclip.evaluate import bernstein
 
 COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 70 * LEAST + 3]  # with the last, balls within balls
@@ -43,7 +43,7 @@ def test_the_closest_on_curves(mine: int, theirs: int) -> None:
     np.testing.assert_allclose(gap, apart.min(axis=(1, 2)), rtol=1e-12)
     np.testing.assert_allclose(apart[np.arange(4), first, second], gap, rtol=1e-12)
     for k in range(4):
-        around = moved(balls(a), weights)[k], moved(balls(b), weights)[k]
+        around = moved(balls(a), weights[k]), moved(balls(b), weights[k])
         found, away = within(a, b, *around, weights[k], weights[k], 2.0, 10**9, mine - 1)
         nearest = apart[k].min(axis=1)
         assert sorted(found) == np.flatnonzero(nearest <= 2.0).tolist()
@@ -111,9 +111,7 @@ def test_beside_are_the_nearest_within_the_margin(most: int) -> None:
     weights = np.array([bernstein(2, 0.4)])
     here, there = (np.tensordot(weights[0], curve.astype(float), axes=1) for curve in (a, b))
     apart = np.linalg.norm(here[:, None] - there, axis=2)
-    gaps, near, nearby = beside(
-        a, b, moved(balls(a), weights), moved(balls(b), weights), weights, weights, 1.0, most
-    )
+    gaps, near, nearby = beside(a, b, balls(a), balls(b), weights, weights, 1.0, most)
     assert gaps[0] == pytest.approx(apart.min())
     own = apart.min(axis=1)
     within = np.flatnonzero(own <= apart.min() + 1.0)
@@ -130,24 +128,31 @@ def test_who_passes_by_between_the_scans_is_near() -> None:
     stem[0, :, 2] = np.linspace(0, 10, 101)
     stem[1, :, 2] = np.linspace(-10, 0, 101)
     weights = np.array([bernstein(1, u) for u in np.linspace(0, 1, 11)])
-    gaps, _, passing = beside(
-        leaf,
-        stem,
-        moved(balls(leaf), weights),
-        moved(balls(stem), weights),
-        weights,
-        weights,
-        0.01,
-        3,
-    )
+    both = leaf, stem, balls(leaf), balls(stem), weights, weights
+    gaps, _, passing = beside(*both, 0.01, 3)
     np.testing.assert_allclose(gaps, 0, atol=1e-6)
     assert passing.tolist() == [*range(0, 101, 10)]
+    assert not parted(*both, 0.01)
+    assert parted(leaf, stem[:, ::20], balls(leaf), balls(stem[:, ::20]), weights, weights, 0.01)
+
+
+@pytest.mark.parametrize("mine", COUNTS)
+@pytest.mark.parametrize("theirs", COUNTS)
+def test_who_parts_is_told_of_all_pairs(mine: int, theirs: int) -> None:
+    a, b, _ = clouds(mine, theirs)
+    weights = np.array([bernstein(3, u) for u in (0.0, 0.2, 0.5, 0.8, 1.0)])
+    for later in range(0, 4):
+        there = b + np.float64([0.0, 0.0, later])  # beside one another, or far apart
+        around = balls(a), balls(there)
+        gaps = closest(a, there, *around, weights)[0]
+        by = gaps.max() - max(gaps[0], gaps[-1])
+        for allowed in (0.0, by - 1e-6, by + 1e-6):
+            found = parted(a, there, *around, weights, weights, max(allowed, 0.0))
+            assert found == (by > max(allowed, 0.0))
 
 
 def test_of_many_that_are_equally_near_an_even_share_is_looked_at() -> None:
     bearer, bud = np.zeros((1, 1, 3)), np.zeros((1, 500, 3))
     one = np.ones((1, 1))
-    near = beside(
-        bud, bearer, moved(balls(bud), one), moved(balls(bearer), one), one, one, 1.0, 50
-    )[1]
+    near = beside(bud, bearer, balls(bud), balls(bearer), one, one, 1.0, 50)[1]
     assert near.tolist() == [*range(0, 500, 10)]
