@@ -7,8 +7,8 @@ SIGTERM, 129 by SIGHUP.
 from __future__ import annotations
 
 import errno
-import io
 import gc
+import io
 import os
 import sys
 from collections.abc import Callable
