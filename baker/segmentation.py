@@ -56,6 +56,7 @@ def segment_scans(
         labels.labels,
         bases,
         consistent=labels.consistent,
+        agreeing=recipe.match_by_shape,
         virtual_root=options.root == "virtual",
         spacings=spacings,
         done=done,

@@ -8,7 +8,7 @@ from all others (ten spacings) no label is the stem: all hang under a virtual, e
 from __future__ import annotations
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ REACH = 3.0  # gap that still counts as touching, in median point spacings
 ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
 NEIGHBORS = 32  # neighbours looked at for touching points of other segments
 
-Gaps = dict[tuple[int, int], float]
+Gaps = Mapping[tuple[int, int], float]  # by what grows, and what it may grow from
 
 
 def hierarchy_from_labels(
@@ -32,25 +32,48 @@ def hierarchy_from_labels(
     root_label: int,
     spacing: float | None = None,
     workers: int = 1,
+    touching: Gaps | None = None,
+    agreed: Gaps | None = None,
 ) -> Hierarchy:
     """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
 
-    spacing: the cloud's point spacing, where it is known; workers: threads.
+    spacing:  the cloud's point spacing, where it is known; workers: threads.
+    touching: the scan's `contacts`, where they are known.
+    agreed:   `baker.segment.agreed.agreed_gaps`: these decide who grows from whom, not this scan's.
     """
     names, segments = split_by_label(labels)
-    owner = np.empty(len(points), np.intp)
-    for index, members in enumerate(segments):
-        owner[members] = index
-    first = names.index(root_label)
     spacing = point_spacing(points) if spacing is None else spacing
-    touching = _touching_gaps(points, owner, REACH * spacing, workers)
+    touching = contacts(points, labels, spacing, workers) if touching is None else touching
+    first = names.index(root_label)
     others = set(range(len(segments))) - {first}
-    if len(others) > 1 and not any(first in pair for pair in touching):
+    if len(others) > 1 and not any(root_label in pair for pair in touching):
         gap, *_ = _smallest_gap(points, segments, {first}, others)
         if gap > ALONE * spacing:
             return under_virtual_root(labels)
-    parents, notes = _grow_from(first, points, segments, touching, names)
+    number = {name: index for index, name in enumerate(names)}
+    gaps = {
+        (number[a], number[b]): gap
+        for (a, b), gap in (agreed or touching).items()
+        if a in number and b in number
+    }
+    parents, notes = _grow_from(first, points, segments, gaps, names)
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
+
+
+def contacts(
+    points: NDArray[np.floating],
+    labels: NDArray[np.integer],
+    spacing: float,
+    workers: int = 1,
+) -> Gaps:
+    """By their labels, how far apart segments of an (N, 3) cloud are that touch each other."""
+    names, owner = np.unique(labels, return_inverse=True)
+    found = _touching_gaps(points, owner, REACH * spacing, workers)
+    return {
+        (int(names[one]), int(names[other])): gap
+        for (a, b), gap in found.items()
+        for one, other in ((a, b), (b, a))
+    }
 
 
 def root_point(
@@ -71,7 +94,7 @@ def root_point(
 
 def _touching_gaps(
     points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float, workers: int = 1
-) -> Gaps:
+) -> dict[tuple[int, int], float]:
     """Smallest distance between each two segments that come closer than the threshold."""
     from scipy.spatial import cKDTree
 
@@ -103,14 +126,13 @@ def _grow_from(
     first: int,
     points: NDArray[np.floating],
     segments: Sequence[NDArray[np.intp]],
-    touching: Gaps,
+    gaps: Gaps,
     names: Sequence[int],
 ) -> tuple[list[int], list[str]]:
     """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
     adjacent: list[list[tuple[float, int]]] = [[] for _ in segments]
-    for (a, b), gap in touching.items():
-        adjacent[a].append((gap, b))
-        adjacent[b].append((gap, a))
+    for (child, bearer), gap in gaps.items():
+        adjacent[bearer].append((gap, child))
     parents, notes = [NO_PARENT] * len(segments), []
     reached, unreached = {first}, set(range(len(segments))) - {first}
     heap = [(gap, child, first) for gap, child in adjacent[first]]

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segment.given import hierarchy_from_labels, under_virtual_root
+from baker.segment.agreed import agreed_gaps
+from baker.segment.given import Gaps, contacts, hierarchy_from_labels, under_virtual_root
 from baker.segment.hierarchy import Hierarchy, whole
 from baker.segment.thin import segment_thin
 from baker.workers import ALONE, Crew, Done
@@ -42,6 +43,7 @@ def labelled_hierarchies(
     bases: Sequence[int],
     *,
     consistent: bool,
+    agreeing: bool,
     virtual_root: bool,
     spacings: Sequence[float],
     done: Done,
@@ -50,19 +52,28 @@ def labelled_hierarchies(
     """Segments by label (section 3.2.1).
 
     consistent: labels name organs, so the scans elect one root between them.
+    agreeing: and they agree on who grows from whom.
     virtual_root: no label is a stem; all hang under an empty root.
     spacings: each cloud's point spacing.
     """
 
+    def touch(scan: int) -> Gaps:
+        return contacts(clouds[scan], labels[scan], spacings[scan], threads)
+
     def hang(scan: int) -> Hierarchy:
         names = labels[scan]
-        if virtual_root:
-            return under_virtual_root(names)
         root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
-        return hierarchy_from_labels(clouds[scan], names, root, spacings[scan], threads)
+        return hierarchy_from_labels(
+            clouds[scan], names, root, spacings[scan], threads, touching[scan], agreed
+        )
 
+    if virtual_root:
+        done(len(clouds))
+        return [under_virtual_root(names) for names in labels]
     threads = crew.beside(len(clouds))
-    return crew.map(hang, range(len(clouds)), done=done)
+    touching = crew.map(touch, range(len(clouds)), done=done)
+    agreed = agreed_gaps(labels, touching, spacings) if consistent and agreeing else None
+    return crew.map(hang, range(len(clouds)))
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:
