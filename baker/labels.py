@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.match.glimpses import without_glimpses
 from baker.match.pieces import agreement, consistent_pieces
 from baker.match.tracks import track_organs
 from baker.scans.scan import Scan
@@ -90,7 +91,7 @@ def labels_of_organs(
 
     numbers: (N,) of each scan. origin: why there were no labels, for the sentence.
     """
-    named = track_organs(clouds, numbers, root_points, stem=True)
+    named = without_glimpses(clouds, track_organs(clouds, numbers, root_points, stem=True))
     sentence = f"{origin}: organs found and matched by shape"
     return LabelUse(tuple(named), True, sentence, renamed=True, found=True)
 
