@@ -95,7 +95,7 @@ class _Late:
         import scipy.sparse.csgraph
         import scipy.spatial  # noqa: F401
 
-        from baker.motion.beside import balls, beside, parted
+        from baker.motion.beside import balls, gaps_of
         from baker.motion.follow import follow
         from baker.motion.nearest import gaps, nearest
         from baker.segment.merge_tree import branches
@@ -106,11 +106,11 @@ class _Late:
         nearest(few, few)
         gaps(few[None], few, few)
         branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
-        curve, every, weights = np.ones((3, 3, 3), np.float32), np.arange(3), np.eye(3)
-        both = curve, curve, balls(curve), balls(curve), weights, weights
-        parted(*both, 1.0)
-        beside(*both, 1.0, 1)
-        follow(curve, every, curve, every, weights, 1.0, 1.0, 1.0, 1, 1.0, 1.0)
+        curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
+        around = balls(curve)
+        _, *pair = gaps_of(curve, curve, around, around, weights, weights, 1.0)
+        apart = np.ones(3), pair[0], pair[1]
+        follow(curve, curve, around, weights, weights, apart, 0.5, 0.5, 0.5, 1, 1.0, 1.0)
 
 
 class ForkPool:

@@ -12,24 +12,20 @@ All this is one file: numba, which keeps machine code by file, does not see that
 
 from __future__ import annotations
 
-from typing import TypeVar
-
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.compiled import compiled
 
 LEAST = 8  # points in a small ball
-WIDELY = 4  # of so many instants one at which more than the nearest movers count
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
 Place = tuple[float, float, float]
-Number = TypeVar("Number", np.int64, np.float64)
 
 
 @compiled
-def parted(
+def gaps_of(
     mine: Floats,
     theirs: Floats,
     my_balls: Floats,
@@ -37,107 +33,37 @@ def parted(
     weights: Floats,
     their_weights: Floats,
     allowed: float,
-) -> bool:
-    """Whether two organs are farther apart on the way than at the first and the last instant.
-
-    By more than is allowed; other arguments as those of `beside`. All pairs count, but where two
-    movers that were near a while ago are near enough still, nobody else has to be looked at.
-    """
-    last = len(weights) - 1
-    gap, first, second = _closest_at(
-        mine, theirs, my_balls, their_balls, weights[last], their_weights[last], 0, 0, 0.0
-    )
-    begun = False
-    for k in range(last - 1, 0, -1):
-        away, first, second = _closest_at(
-            mine, theirs, my_balls, their_balls,
-            weights[k], their_weights[k], first, second, gap + allowed,
-        )  # fmt: skip
-        if away <= gap + allowed:
-            continue
-        if not begun:
-            at_first = _closest_at(
-                mine, theirs, my_balls, their_balls,
-                weights[0], their_weights[0], first, second, 0.0,
-            )  # fmt: skip
-            gap, begun = max(gap, at_first[0]), True
-        if away > gap + allowed:
-            return True
-    return False
-
-
-@compiled
-def beside(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    margin: float,
-    most: int,
 ) -> tuple[Floats, Ints, Ints]:
-    """(I,) the gaps between two organs, and which movers of either are near the other.
+    """(I,) the gaps between two organs, and which of their movers are that far apart.
 
     mine, theirs: (degree + 1, a, 3) and (degree + 1, b, 3) control points; my_balls, their_balls:
              (degree + 1, B, 4) around both; weights, their_weights: (I, degree + 1) at any instant.
-    margin:  how far beyond an instant's gap is near.
-    most:    movers of either side at an instant that count, the nearest ones. At most instants the
-             nearest alone counts: the gap, as it is, is known by that.
+    allowed: by how much they may be farther apart on the way than at the first and last instant.
+
+    All pairs count, but where two movers are near enough, as those that were a while ago mostly
+    are, nobody else is looked at. If they are at every instant, the first gap is left at 0.
     """
-    instants = len(weights)
-    gaps = np.empty(instants)
-    room = instants * (most + 1)
-    near, nearby = np.empty(room, np.int64), np.empty(room, np.int64)
-    count, other, first, second = 0, 0, 0, 0
-    for k in range(instants):
-        own_weights, other_weights = weights[k], their_weights[k]
-        here, there = moved(my_balls, own_weights), moved(their_balls, other_weights)
-        gap, first, second = _closest(
-            mine, theirs, here, there, own_weights, other_weights, first, second, 0.0
+    last = len(weights) - 1
+    gaps, first, second = (
+        np.zeros(last + 1),
+        np.zeros(last + 1, np.int64),
+        np.zeros(last + 1, np.int64),
+    )
+    p, q, limit, begun = 0, 0, 0.0, False
+    for k in range(last, 0, -1):
+        gaps[k], p, q = _closest_at(
+            mine, theirs, my_balls, their_balls, weights[k], their_weights[k], p, q, limit
         )
-        gaps[k] = gap
-        near[count], nearby[other] = first, second
-        count, other = count + 1, other + 1
-        if k % WIDELY > 0:
-            continue
-        reach = (1.0 + 1e-9) * gap + margin
-        found = _some(
-            *within(mine, theirs, here, there, own_weights, other_weights, reach, most, first),
-            most,
-        )
-        own = mine[:, found]
-        here = moved(balls(own), own_weights)
-        met = _some(
-            *within(theirs, own, there, here, other_weights, own_weights, reach, most, second),
-            most,
-        )
-        near[count : count + len(found)] = found
-        nearby[other : other + len(met)] = met
-        count, other = count + len(found), other + len(met)
-    return gaps, np.unique(near[:count]), np.unique(nearby[:other])
-
-
-@compiled
-def _some(found: Ints, away: Floats, most: int) -> Ints:
-    """Of those found the `most` nearest where they are more; of ties an even share.
-
-    Movers that start from one point of a bud are all as far off there.
-    """
-    if len(found) <= most:
-        return found
-    farthest = _rank(away, most)
-    tied = found[away == farthest]
-    chosen = np.empty(most, np.int64)
-    size = 0
-    for i in range(len(found)):
-        if away[i] < farthest:
-            chosen[size] = found[i]
-            size += 1
-    left = most - size
-    for k in range(left):
-        chosen[size + k] = tied[k * len(tied) // left]
-    return chosen
+        first[k], second[k] = p, q
+        if k == last:
+            limit = gaps[k] + allowed
+        elif gaps[k] > limit and not begun:
+            begun = True
+            gaps[0], first[0], second[0] = _closest_at(
+                mine, theirs, my_balls, their_balls, weights[0], their_weights[0], p, q, 0.0
+            )
+            limit = max(gaps[0] + allowed, limit)
+    return gaps, first, second
 
 
 @compiled
@@ -180,25 +106,30 @@ def moved(balls: Floats, weights: Floats) -> Floats:
 
 @compiled
 def closest(
-    mine: Floats, theirs: Floats, my_balls: Floats, their_balls: Floats, weights: Floats
+    mine: Floats,
+    theirs: Floats,
+    my_balls: Floats,
+    their_balls: Floats,
+    weights: Floats,
+    their_weights: Floats,
+    first: Ints,
+    second: Ints,
+    enough: float,
 ) -> tuple[Floats, Ints, Ints]:
     """(I,) distances and indices of the pair nearest to each other at each of I instants.
 
-    mine, theirs: (K, a, 3) and (K, b, 3) control points; my_balls, their_balls: of both, as `balls`
-                  finds them; weights: (I, K).
-
-    All pairs count.
+    mine, theirs, my_balls, their_balls, weights, their_weights: as those of `gaps_of`.
+    first, second: (I,) a pair at each instant that may be the closest.
+    enough:        any pair will do that is as near.
     """
-    instants = len(weights)
-    gap = np.empty(instants)
-    first, second = np.zeros(instants, np.int64), np.zeros(instants, np.int64)
-    p, q = 0, 0
-    for k in range(instants):
-        gap[k], p, q = _closest_at(
-            mine, theirs, my_balls, their_balls, weights[k], weights[k], p, q, 0.0
-        )
-        first[k], second[k] = p, q
-    return gap, first, second
+    gaps = np.empty(len(weights))
+    first, second = first.copy(), second.copy()
+    for k in range(len(weights)):
+        gaps[k], first[k], second[k] = _closest_at(
+            mine, theirs, my_balls, their_balls,
+            weights[k], their_weights[k], first[k], second[k], enough,
+        )  # fmt: skip
+    return gaps, first, second
 
 
 @compiled
@@ -271,103 +202,6 @@ def _closest(
 
 
 @compiled
-def within(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    reach: float,
-    most: int,
-    near_by: int,
-) -> tuple[Ints, Floats]:
-    """Which movers are within reach of theirs, and (w,) their distances to the nearest of them.
-
-    mine, theirs: (K, a, 3) and (K, b, 3) control points; my_balls, their_balls: (A, 4) and (B, 4)
-             at the instant; weights, their_weights: (K,) there.
-    most:    of more movers only those that are as near as the one of this rank.
-    near_by: one that is near, with others around it.
-
-    In their order, but for those around `near_by`, which come first. Most movers are far off, and
-    nothing is written down for them.
-    """
-    count_mine, other = mine.shape[1], _large(theirs.shape[1])
-    size = _size(count_mine)
-    found, away = np.empty(size, np.int64), np.empty(size)
-    near = np.empty(other, np.int64)
-    count, full = 0, 2 * most
-    begin, partner = near_by // size, 0
-    for step in range(_large(count_mine)):
-        # What is nearest is looked at first: then the rest is too far off.
-        a = begin if step == 0 else step - (step <= begin)
-        count_near = 0
-        for b in range(other):
-            if not _clear(my_balls, a, their_balls, b, reach):
-                near[count_near] = b
-                count_near += 1
-        if count_near == 0:
-            continue
-        if count + size > len(found):
-            found, away = _longer(found, 2 * (count + size)), _longer(away, 2 * (count + size))
-        nearest, before = np.inf, (np.inf, np.inf, np.inf)
-        for i in range(a * size, min((a + 1) * size, count_mine)):
-            place = place_of(mine, i, weights)
-            # Movers that start from one point of a bud are in one place there.
-            if place != before:
-                nearest, partner = _nearest(
-                    place, theirs, their_balls, their_weights, near[:count_near], reach, partner
-                )
-                before = place
-            if nearest <= reach:
-                found[count], away[count] = i, nearest
-                count += 1
-        if count >= full:
-            # Rounding must not leave out movers that are as near.
-            reach = _rank(away[:count], most) * (1.0 + 1e-9)
-            count = _kept(found, away, count, reach)
-            full = max(2 * most, 2 * count)
-    if count > most:
-        count = _kept(found, away, count, _rank(away[:count], most))
-    return found[:count].copy(), away[:count].copy()
-
-
-@compiled
-def _nearest(
-    place: Place,
-    theirs: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    near: Ints,
-    reach: float,
-    partner: int,
-) -> tuple[float, int]:
-    """The distance to the nearest of the movers in some of their large balls; inf beyond reach.
-
-    partner: one that may be near, as that of a neighbour is. Also gives the nearest one.
-    """
-    large = _large(theirs.shape[1])
-    bound = _apart(place, place_of(theirs, partner, weights))
-    found = bound <= reach
-    bound = min(bound, reach)
-    least = bound * bound
-    for b in near:
-        if _beyond(place, their_balls, b, bound):
-            continue
-        for small in _within(b, theirs.shape[1]):
-            if _beyond(place, their_balls, small, bound):
-                continue
-            first = (small - large) * LEAST
-            for j in range(first, min(first + LEAST, theirs.shape[1])):
-                x, y, z = place_of(theirs, j, weights)
-                x, y, z = x - place[0], y - place[1], z - place[2]
-                squared = x * x + y * y + z * z
-                if squared < least or (squared == least and not found):
-                    least, bound, found, partner = squared, np.sqrt(squared), True, j
-    return (bound if found else np.inf), partner
-
-
-@compiled
 def place_of(curve: Floats, i: int, weights: Floats) -> Place:
     """Where a mover is."""
     x, y, z = 0.0, 0.0, 0.0
@@ -387,30 +221,6 @@ def _places(curve: Floats, ball: int, weights: Floats, places: Floats) -> int:
     for i in range(count):
         places[i, 0], places[i, 1], places[i, 2] = place_of(curve, first + i, weights)
     return count
-
-
-@compiled
-def _rank(values: Floats, rank: int) -> float:
-    """The value of this rank, 1 being the least."""
-    return np.sort(values)[rank - 1]
-
-
-@compiled
-def _kept(found: Ints, away: Floats, count: int, reach: float) -> int:
-    """How many of those found are within reach; they move up to the front, in their order."""
-    kept = 0
-    for i in range(count):
-        if away[i] <= reach:
-            found[kept], away[kept] = found[i], away[i]
-            kept += 1
-    return kept
-
-
-@compiled
-def _longer(values: NDArray[Number], count: int) -> NDArray[Number]:
-    longer = np.empty(count, values.dtype)
-    longer[: len(values)] = values
-    return longer
 
 
 @compiled

@@ -1,7 +1,7 @@
 """An organ drawn to what bears it, at one instant after the other.
 
-The paths of all movers of an organ change at once, and only few of them, those near the bearer, are
-looked at for it. The loops over all movers are compiled by numba: import this module late.
+The paths of all movers of an organ change at once. The loops over them are compiled by numba:
+import this module late.
 """
 
 from __future__ import annotations
@@ -17,49 +17,46 @@ Ints = NDArray[np.integer]  # int64
 
 def follow(
     curve: Floats,
-    mine: Ints,
     bearer: Floats,
-    theirs: Ints,
+    around: Floats,
     weights: Floats,
-    gap: float,
+    their_weights: Floats,
+    apart: tuple[Floats, Ints, Ints],
     allowed: float,
+    fine: float,
     left: float,
     rounds: int,
     gentle: float,
     span: float,
-) -> tuple[Floats, bool, Floats, Ints, Ints]:
+) -> tuple[Floats, float]:
     """The organ drawn to its bearer in up to so many rounds, in each one at the worst instant.
 
-    curve, bearer: (degree + 1, N, 3) float32 control points of both, of one degree, which is 2 or
-             more where there are rounds; mine, theirs: the movers of either that are looked at.
-    weights: (I, degree + 1) of control points at each instant.
-    gap:     at the scans; allowed: beyond it; left: beyond it where the organ is drawn.
+    curve, bearer: (degree + 1, N, 3) float32 control points of both; the organ's degree is 2 or
+             more; around: the bearer's `balls`.
+    weights, their_weights: (I, degree + 1) of control points at each instant.
+    apart:   (I,) how far both are from each other there, and which movers of either are.
+    allowed: gap from which on they are drawn, left: gap that is left where they are; fine: gap
+             below which it does not matter who is nearest.
     gentle:  the weight at least of the inner control points; span: share of the organ that follows.
 
-    Returns the control points with the smallest largest gap that was seen, whether they are other
-    ones, the gaps at all instants, and which movers of either are nearest to each other there.
+    Returns the control points with the smallest largest gap that was seen, and that gap.
     """
     from baker.motion.beside import balls, closest, place_of
 
-    there = np.take(bearer, theirs, axis=1)
-    around = balls(there)
-    best, changed = curve, False
-    here = np.take(curve, mine, axis=1)
-    gaps, first, second = closest(here, there, balls(here), around, weights)
-    now, now_first, now_second = gaps, first, second
+    now, first, second = apart
+    best, least = curve, float(now.max())
     for _ in range(rounds):
         worst = int(np.argmax(now))
-        if now[worst] <= gap + allowed:
+        if now[worst] <= allowed:
             break
-        base = mine[now_first[worst]]
-        touched = np.array(place_of(there, now_second[worst], weights[worst]))
-        curve = _shifted(curve, base, touched, weights[worst], now[worst], gap + left, gentle, span)
-        here = np.take(curve, mine, axis=1)
-        now, now_first, now_second = closest(here, there, balls(here), around, weights)
-        if now.max() < gaps.max():
-            best, changed = curve, True
-            gaps, first, second = now, now_first, now_second
-    return best, changed, gaps, mine[first], theirs[second]
+        base, gap = first[worst], now[worst]
+        touched = np.array(place_of(bearer, second[worst], their_weights[worst]))
+        curve = _shifted(curve, base, touched, weights[worst], gap, left, gentle, span)
+        both = curve, bearer, balls(curve), around, weights, their_weights
+        now, first, second = closest(*both, first, second, fine)
+        if now.max() < least:
+            best, least = curve, float(now.max())
+    return best, least
 
 
 @compiled

@@ -1,8 +1,4 @@
-"""Where an organ is near what bears it, and what keeps both together between two scans.
-
-At some instants all movers are looked at; those that are nearest to the other organ at any of them
-are followed from there on.
-"""
+"""Where an organ parts from what bears it, and what keeps both together between two scans."""
 
 from __future__ import annotations
 
@@ -19,8 +15,6 @@ from gclip.pack import morton_codes, raised
 DRAWN, TIED = 0.5, 0.25  # point spacings from which a gap that widens is narrowed, and spanned
 LEFT = 0.2  # point spacings that a gap is drawn to
 INSTANTS = tuple(k / 16 for k in range(17))  # of an interval that are looked at
-MARGIN = 6.0  # point spacings beyond the gap that are near
-NEAREST = 40  # movers of either side that are followed, for every fourth instant
 ROUNDS = 6  # of drawing, one instant at a time
 GENTLE = 0.375  # of a shift half-way, at least, is what an instant may ask for: 2 u (1 - u)
 REACH = 0.5  # of an organ, in its root mean square radii, that follows its base
@@ -35,67 +29,54 @@ Tie = tuple[Moved, Moved]  # one mover of the organ, and one of its bearer
 class Organ:
     """An organ or what bears it, as it moves.
 
-    curve: (degree + 1, n, 3) float32 control points of its movers.
-    order: the movers in the order of a Morton curve half-way.
-    moving: the control points in that order; balls: (degree + 1, B, 4) around them.
+    order:  its movers in the order of a Morton curve half-way.
+    curve:  (degree + 1, n, 3) float32 control points in that order.
+    balls:  (degree + 1, B, 4) around them.
     """
 
     moved: Moved
-    curve: Points
     order: Indices
-    moving: Points
+    curve: Points
     balls: Points
 
     @classmethod
     def of(cls, moved: Moved) -> Organ:
         from baker.motion.beside import balls
 
-        degree = len(moved.movers.curve) - 1
         curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
-        half_way = np.tensordot(bernstein(degree, 0.5), curve, axes=1)
+        half_way = np.tensordot(bernstein(len(curve) - 1, 0.5), curve, axes=1)
         order = np.argsort(morton_codes(half_way), kind="stable")
-        moving = np.ascontiguousarray(curve[:, order])
-        return cls(moved, curve, order, moving, balls(moving))
+        curve = np.take(curve, order, axis=1)
+        return cls(moved, order, curve, balls(curve))
 
     def met_by(self, other: Organ, spacing: float) -> Meeting | None:
-        """Where another organ's movers and these come near each other.
+        """Where another organ's movers and these are nearest to each other.
 
         None where they don't part on the way by more than they are apart at the scans.
         """
-        from baker.motion.beside import beside, parted
+        from baker.motion.beside import gaps_of
 
-        both = (
-            other.moving,
-            self.moving,
-            other.balls,
-            self.balls,
-            _weights(len(other.curve) - 1, INSTANTS),
-            _weights(len(self.curve) - 1, INSTANTS),
-        )
-        if not parted(*both, TIED * spacing):
+        weights = _weights(len(other.curve)), _weights(len(self.curve))
+        both = other.curve, self.curve, other.balls, self.balls, *weights
+        gaps, first, second = gaps_of(*both, TIED * spacing)
+        gap = float(max(gaps[0], gaps[-1]))
+        if gaps.max() <= gap + TIED * spacing:
             return None
-        gaps, near, nearby = beside(*both, MARGIN * spacing, NEAREST)
-        return Meeting(
-            own=other,
-            bearer=self,
-            mine=other.order[near],
-            theirs=self.order[nearby],
-            gap=float(max(gaps[0], gaps[-1])),
-            spacing=spacing,
-        )
+        return Meeting(other, self, gaps, first, second, gap, spacing)
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Where an organ and its bearer are near each other in an interval.
+    """An organ and its bearer that are farther apart at some instant than at both scans.
 
-    mine, theirs: the movers of either that are nearest to the other at some instant. All others are
-                  left out, which can make a gap seem wider where one moves on, never narrower.
-    gap:          the larger one of those at the scans.
+    gaps:   (I,) between them at each instant, or where it is not larger than may be some more.
+    mine, theirs: (I,) movers of either, by their places in `curve`, that are so far apart.
+    gap:    the larger one of those at the scans.
     """
 
     own: Organ
     bearer: Organ
+    gaps: Points
     mine: Indices
     theirs: Indices
     gap: float
@@ -108,38 +89,40 @@ class Meeting:
         """
         from baker.motion.follow import follow
 
-        degree = max(len(self.own.curve), len(self.bearer.curve), 3 if draw else 2) - 1
-        curve, changed, gaps, mine, theirs = follow(
-            _of_degree(self.own.curve, degree),
-            self.mine,
-            _of_degree(self.bearer.curve, degree),
-            self.theirs,
-            _weights(degree, INSTANTS),
-            self.gap,
-            DRAWN * self.spacing,
-            LEFT * self.spacing,
-            ROUNDS if draw else 0,
+        allowed, fine, left = (self.gap + share * self.spacing for share in (DRAWN, TIED, LEFT))
+        if not draw or self.gaps.max() <= allowed:
+            return None, self._tie(self.own.moved)
+        curve = _of_degree(self.own.curve, max(len(self.own.curve), 3) - 1)
+        drawn, least = follow(
+            curve,
+            self.bearer.curve,
+            self.bearer.balls,
+            _weights(len(curve)),
+            _weights(len(self.bearer.curve)),
+            (self.gaps, self.mine, self.theirs),
+            allowed,
+            fine,
+            left,
+            ROUNDS,
             GENTLE,
             REACH,
         )
-        drawn = tuple(curve) if changed else self.own.moved.movers.curve
-        tie = self._tie(on_curve(self.own.moved, drawn), gaps, mine, theirs)
-        return (drawn if changed else None), tie
+        if drawn is curve:
+            return None, self._tie(self.own.moved)
+        paths = np.empty_like(drawn)
+        paths[:, self.own.order] = drawn
+        tie = self._tie(on_curve(self.own.moved, tuple(paths))) if least > fine else None
+        return tuple(paths), tie
 
-    def _tie(self, moved: Moved, gaps: Points, own: Indices, touched: Indices) -> Tie | None:
+    def _tie(self, moved: Moved) -> Tie:
         """A mover of the organ and one of its bearer that are never farther apart than at a scan.
-
-        gaps, own, touched: at each instant the gap, and the movers of both that are nearest then.
-
-        None where the organ does not part from its bearer by more anyway.
 
         Both go between the points that are nearest to each other at the scans, with the bow that
         their surroundings have; were they to part by it, they meet half-way.
         """
-        if gaps.max() <= self.gap + TIED * self.spacing:
-            return None
         bearer = self.bearer.moved
-        a, b, p, q = own[0], own[-1], touched[0], touched[-1]
+        a, b = self.own.order[self.mine[[0, -1]]]
+        p, q = self.bearer.order[self.theirs[[0, -1]]]
         degree = max(len(moved.movers.curve), len(bearer.movers.curve)) - 1
         mine = _link(raised(moved.movers.curve, degree), a, b)
         theirs = _link(raised(bearer.movers.curve, degree), p, q)
@@ -152,9 +135,9 @@ class Meeting:
 
 
 @cache
-def _weights(degree: int, instants: tuple[float, ...]) -> Points:
-    """(instants, degree + 1) the weight of each control point."""
-    return np.array([bernstein(degree, u) for u in instants])
+def _weights(points: int) -> Points:
+    """(instants, points) the weight of each control point."""
+    return np.array([bernstein(points - 1, u) for u in INSTANTS])
 
 
 def _of_degree(curve: Points, degree: int) -> Points:
