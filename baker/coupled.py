@@ -18,7 +18,10 @@ Points = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Coupled:
-    """rows, columns: (M,) the pairs, ordered by row, then column; the rest as in `Plan`."""
+    """rows, columns: (M,) the pairs, ordered by row, then column; the rest as in `Plan`.
+
+    limbs: whether limbs were moved each on its own.
+    """
 
     rows: NDArray[np.integer]
     columns: NDArray[np.integer]
@@ -26,6 +29,7 @@ class Coupled:
     marginal_error: float
     solver: str
     notes: tuple[str, ...] = ()
+    limbs: bool = False
 
 
 def coupled(
@@ -63,6 +67,7 @@ def coupled(
         max(one.marginal_error for one in found),
         max(zip(work, found, strict=True), key=lambda pair: pair[0])[1].solver,
         (f"its limbs moved each on its own, {len(cut)} pieces in all",) if len(cut) > 1 else (),
+        len(cut) > 1,
     )
 
 

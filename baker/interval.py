@@ -39,6 +39,7 @@ class Moved:
     start_points, end_points: (M,) the points of both scans that movers go from and to; None of
              what is lost.
     born:    whether they unfold from a bud.
+    limbs:   whether the organ's limbs were moved each on its own.
     """
 
     movers: Movers
@@ -47,6 +48,7 @@ class Moved:
     start_points: NDArray[np.intp] | None = None
     end_points: NDArray[np.intp] | None = None
     born: bool = False
+    limbs: bool = False
 
 
 def solve_task(
@@ -96,7 +98,7 @@ def solve_task(
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
     surface = surface_half_way(before, found.rows, after, found.columns, born)
-    return Moved(movers, pair, surface, a, b, born)
+    return Moved(movers, pair, surface, a, b, born, found.limbs)
 
 
 def _movers(

@@ -43,7 +43,8 @@ def shaping(
 class Bending:
     """How the organs of an interval bend and turn.
 
-    The root stands, and what has too few points or hardly bends goes straight.
+    The root stands, and what has too few points or hardly bends goes straight; so does what has
+    limbs, through which no one spine runs.
 
     clouds:  of the two scans; shapes: of their organs, as `shaping` finds them.
     spacing: the point spacing, which says what bows matter.
@@ -60,7 +61,7 @@ class Bending:
         segment = self._segments.get(_track(moved))
         if segment is None or segment not in self._partners:
             return None
-        if moved.start_points is None or moved.born:
+        if moved.start_points is None or moved.born or moved.limbs:
             return None
         before, after = self._partners[segment]
         motion = fit_motion(before, after, MATTERS * self.spacing)

@@ -25,6 +25,8 @@ def test_leaves_born_take_no_points_of_the_old_ones(seed):
     assert own_share(limbs, before, after) > 0.85
     assert own_share(plain, before, after) < 0.7
     assert "each on its own" in limbs.notes[0]
+    assert limbs.limbs
+    assert not plain.limbs
 
 
 def test_mass_that_one_scan_alone_has_draws_nothing_out_of_its_place(monkeypatch):

@@ -106,3 +106,10 @@ def test_what_hardly_moves_is_not_bent_by_a_wrong_spine(baked: tuple) -> None:
         standing.append(replace(moved, movers=replace(moved.movers, curve=near)))
     after = bending.curved(standing, [bending.of(moved) for moved in standing])
     assert all(one is two for one, two in zip(standing, after, strict=True))
+
+
+def test_what_has_limbs_is_not_bent_by_one_spine(baked: tuple) -> None:
+    clouds, match, before, _ = baked
+    bending = bent(clouds, match)
+    assert bending.of(before[1]) is not None
+    assert bending.of(replace(before[1], limbs=True)) is None
