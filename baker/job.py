@@ -13,7 +13,7 @@ from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
 from baker.motion import Bend, Bending, attached, shaping
 from baker.tasks import Task
-from baker.transport.plan import Method, TransportOptions
+from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from baker.workers import ALONE, Crew, Done
 from gclip.clip import Interval, Motion
@@ -31,6 +31,7 @@ class IntervalJob:
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
     transport: `workers` in it does not count.
+    limbs:    whether an organ's limbs are paired and moved one by one.
     decay:    how lost organs leave.
     curved:   whether organs bend, or go straight.
     attached: whether organs are kept on what bears them.
@@ -51,6 +52,7 @@ class IntervalJob:
     spacing: float
     series_spacing: float
     transport: TransportOptions
+    limbs: bool
     decay: Motion
     curved: bool
     attached: bool
@@ -84,8 +86,6 @@ def move_interval(
     total = sum(map(_size, job.tasks))
     feet = Feet((job.start.positions, job.end.positions), job.match, job.organs)
     bending = _bending(job, crew) if job.curved else None
-    # The paper knows of no limbs.
-    limbs = job.transport.power == 2 and job.transport.method != Method.SINKHORN
 
     def solve(task: Task) -> tuple[Moved, Bend | None]:
         # Only what is more than one's share of the work is shared out itself.
@@ -98,7 +98,7 @@ def move_interval(
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
-            feet=feet.of(task) if limbs else None,
+            feet=feet.of(task) if job.limbs else None,
         )
         bend = bending.of(moved) if bending else None
         done(1)

@@ -302,6 +302,7 @@ def _interval_jobs(
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             series_spacing=spacing,
             transport=recipe.transport,
+            limbs=recipe.limbs,
             decay=Motion(options.decay),
             curved=recipe.paths != Paths.straight,
             attached=not options.paper or recipe.paths != Paths.straight,

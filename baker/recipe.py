@@ -18,6 +18,7 @@ class Recipe:
     match_by_shape:  organs numbered anew are matched all at once; else down the hierarchies.
     rules:           of matching down the hierarchies.
     transport:       of each pair of segments.
+    limbs:           an organ's limbs are paired and moved one by one.
     even:            movers to add at most where they would be sparse, as a share of all.
     missing:         what becomes of parts of organs that a later scan lacks.
     paths:           how movers travel: straight, curved or smooth.
@@ -28,6 +29,7 @@ class Recipe:
     match_by_shape: bool
     rules: GreedyRules
     transport: TransportOptions
+    limbs: bool
     even: float
     missing: str
     paths: str
@@ -49,6 +51,7 @@ def recipe_for(options: Options) -> Recipe:
                 neighbors=options.neighbors,
                 feasible=False,
             ),
+            limbs=False,
             even=options.even or 0.0,
             missing=options.missing or Missing.shrink,
             paths=Paths.straight if options.paths == Paths.auto else options.paths,
@@ -61,6 +64,7 @@ def recipe_for(options: Options) -> Recipe:
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
+        limbs=method != "sinkhorn",
         even=usual if options.even is None else options.even,
         missing=options.missing or Missing.fade,
         paths=paths,
