@@ -96,15 +96,18 @@ class _Late:
         import scipy.spatial  # noqa: F401
 
         from baker.motion.beside import balls, gaps_of
+        from baker.motion.coherent import draw
+        from baker.motion.drawing import laid
         from baker.motion.follow import follow
-        from baker.motion.nearest import gaps, nearest
+        from baker.motion.nearest import nearest_cloud
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
 
         few = np.eye(3)
         solve(np.tile(few, (2, 1)), few)
-        nearest(few, few)
-        gaps(few[None], few, few)
+        draw(few, few)
+        laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)
+        nearest_cloud(few[None], few, few, np.ones(1))
         branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
         curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
         around = balls(curve)

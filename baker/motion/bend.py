@@ -20,7 +20,8 @@ def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:
     Each level turns by the smallest rotation of its tangent and by one roll about it, for the
     whole organ: the smallest of those that bring the clouds nearest to each other.
     """
-    from baker.motion.nearest import gaps
+    from baker.motion.drawing import laid
+    from baker.motion.nearest import nearest_cloud
 
     turns = rotation.between(here.tangents, there.tangents)
     offset = start - at_levels(here.nodes, here.along)
@@ -28,20 +29,17 @@ def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:
     width = np.sqrt((other**2).sum(1).mean() / max((offset**2).sum(1).mean(), 1e-30))
     width = float(np.clip(width, 1 / 3, 3))
 
-    def laid(rolls: NDArray[np.float64], chosen: slice = slice(None)) -> NDArray[np.float64]:
+    def lay(rolls: NDArray[np.float64], chosen: slice = slice(None)) -> NDArray[np.float64]:
         """(c, n, 3) the chosen points, each level rolled by (c, LEVELS) angles."""
-        along = here.along[chosen]
         axes = np.tile(there.tangents, (len(rolls), 1))
         rolled = rotation.about(axes, rolls.ravel()).reshape(*rolls.shape, 3, 3) @ turns
-        at_points = at_levels(rolled.swapaxes(0, 1), along).swapaxes(0, 1)
-        turned = (at_points @ offset[chosen][:, :, None])[..., 0]
-        return at_levels(there.nodes, along) + width * turned
+        along, off = (np.ascontiguousarray(values[chosen]) for values in (here.along, offset))
+        return laid(there.nodes, rolled, along, off, width)
 
     choices = np.array([(roll, twist) for roll in ROLLS for twist in TWISTS])
     rolls = choices[:, :1] + choices[:, 1:] * levels()
     some = slice(None, None, max(len(start) // SEARCHED, 1))
     sparse = np.ascontiguousarray(end[:: max(len(end) // SEARCHED, 1)])
     turned = np.abs(choices[:, 0]) + np.abs(choices.sum(axis=1))
-    clouds = np.ascontiguousarray(laid(rolls, some))
-    price = gaps(clouds, end, sparse) * (1.0 + ROLL_PRICE * turned / np.pi)
-    return laid(rolls[[np.argmin(price)]])[0]
+    best = nearest_cloud(lay(rolls, some), end, sparse, 1.0 + ROLL_PRICE * turned / np.pi)
+    return lay(rolls[[best]])[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.motion.spine import Points
 
@@ -21,69 +20,21 @@ def draw(moving: Points, end: Points) -> Points:
     of some centres the pairs' shifts are fitted by an affine map, the nearer the more they weigh;
     the maps are blended. The kernel narrows: first the whole is moved, then its parts.
     """
-    from baker.motion.nearest import nearest
+    from baker.motion.drawing import mapped, maps, spread_out, terms
+    from baker.motion.nearest import line, nearest, nearest_on
 
     middle = moving.mean(axis=0)
     here, there = moving - middle, end - middle
-    centres = here[spread_out(here, CENTRES)]
     size = float(np.sqrt((here**2).sum(axis=1).mean())) or 1.0
-    squared = ((here[None] - centres[:, None]) ** 2).sum(axis=2)
-    drawn, everyone = here, np.arange(len(here))
+    centres = here[spread_out(here, CENTRES)]
+    # What is fitted to scans of a thousand points is not more accurate than a float32.
+    squared = ((here[None] - centres[:, None]) ** 2).sum(axis=2).astype(np.float32)
+    drawn, target = here, line(there)
     for width in WIDTHS:
-        weights = np.exp(-0.5 * squared / (width * size) ** 2) + 1e-12
-        blend = weights / weights.sum(axis=0)
+        weights = np.exp(squared * np.float32(-0.5 / (width * size) ** 2)) + np.float32(1e-12)
+        blend = (weights / weights.sum(axis=0)).T
         for _ in range(ROUNDS):
-            ahead, partner = nearest(drawn, there)
-            back, owner = nearest(there, drawn)
-            rows = np.concatenate([everyone, owner])
-            shift = np.concatenate([there[partner], there]) - here[rows]
-            away = np.concatenate([ahead, back])
-            trust = 1.0 / (1.0 + (away / (DOUBTFUL * np.median(away) + 1e-12 * size)) ** 2)
-            slopes, offsets = _affine(here, rows, shift, trust, weights, width * size)
-            local = (blend.T @ slopes.reshape(-1, 9)).reshape(-1, 3, 3)
-            drawn = here + (here[:, None] @ local)[:, 0] + blend.T @ offsets
+            pairs = nearest_on(drawn, target), nearest(there, drawn)
+            sums = weights @ terms(here, there, *pairs, DOUBTFUL)
+            drawn = mapped(here, blend @ maps(sums, STIFFNESS * (width * size) ** 2))
     return drawn + middle
-
-
-def _affine(
-    points: Points,
-    rows: NDArray[np.intp],
-    shift: Points,
-    trust: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    width: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Around each centre shift = point @ slope + offset, by weighted least squares.
-
-    rows, shift, trust: (m,) each pair's point, by how much it should move, how much it counts;
-    weights: (centres, n). Returns (centres, 3, 3) and (centres, 3).
-    """
-    count = len(points)
-    mass, pull = np.bincount(rows, trust, count), np.empty((count, 3))
-    for axis in range(3):
-        pull[:, axis] = np.bincount(rows, trust * shift[:, axis], count)
-    outer = points[:, :, None] * np.concatenate([mass[:, None] * points, pull], axis=1)[:, None]
-    summed = weights @ np.concatenate(
-        [mass[:, None], mass[:, None] * points, pull, outer.reshape(count, -1)], axis=1
-    )
-    total, first, moved = summed[:, 0], summed[:, 1:4], summed[:, 4:7]
-    second, cross = np.split(summed[:, 7:].reshape(-1, 3, 6), 2, axis=2)
-    mean, shifted = first / total[:, None], moved / total[:, None]
-    second = second - np.einsum("ci,cj->cij", first, mean)
-    cross = cross - np.einsum("ci,cj->cij", first, shifted)
-    stiff = STIFFNESS * total[:, None, None] * width**2 * np.eye(3)
-    slopes = np.linalg.solve(second + stiff, cross)
-    return slopes, shifted - np.einsum("ci,cik->ck", mean, slopes)
-
-
-def spread_out(points: Points, count: int) -> NDArray[np.intp]:
-    """Indices of up to `count` points, each the farthest from those before."""
-    chosen = [0]
-    away = ((points - points[0]) ** 2).sum(axis=1)
-    for _ in range(min(count, len(points)) - 1):
-        farthest = int(np.argmax(away))
-        if away[farthest] == 0:
-            break
-        chosen.append(farthest)
-        away = np.minimum(away, ((points - points[farthest]) ** 2).sum(axis=1))
-    return np.array(chosen)

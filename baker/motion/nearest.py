@@ -11,28 +11,43 @@ from numpy.typing import NDArray
 
 from baker.compiled import compiled
 
+FEW = 50  # points after which a cloud may be found to be too far off
+
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
+Line = tuple[int, Ints, Floats]  # (n, 3) points along an axis: which, their order, and they in it
 
 
 @compiled
 def nearest(queries: Floats, points: Floats) -> tuple[Floats, Ints]:
-    """(q,) distances from (q, 3) places to the nearest of (n, 3) points, and which those are.
+    """(q,) distances from (q, 3) places to the nearest of (n, 3) points, and which those are."""
+    return nearest_on(queries, line(points))
 
-    Points are looked at in their order along their longest extent, from the place on to both
-    sides, as far as the nearest one so far.
-    """
-    count = len(points)
+
+@compiled
+def line(points: Floats) -> Line:
+    """Points in their order along their longest extent."""
     axis, longest = 0, -1.0
     for k in range(3):
         extent = points[:, k].max() - points[:, k].min()
         if extent > longest:
             axis, longest = k, extent
     order = np.argsort(points[:, axis])
-    lined = np.empty((count, 3))
-    for i in range(count):
+    lined = np.empty((len(points), 3))
+    for i in range(len(points)):
         for k in range(3):
             lined[i, k] = points[order[i], (axis + k) % 3]
+    return axis, order, lined
+
+
+@compiled
+def nearest_on(queries: Floats, points: Line) -> tuple[Floats, Ints]:
+    """As `nearest`, of points on a `line`.
+
+    Those are looked at from the place on to both sides, as far as the nearest one so far.
+    """
+    axis, order, lined = points
+    count = len(lined)
     away, found = np.empty(len(queries)), np.empty(len(queries), np.int64)
     for q in range(len(queries)):
         x, y, z = (queries[q, axis], queries[q, (axis + 1) % 3], queries[q, (axis + 2) % 3])
@@ -69,13 +84,22 @@ def nearest(queries: Floats, points: Floats) -> tuple[Floats, Ints]:
 
 
 @compiled
-def gaps(clouds: Floats, end: Floats, some: Floats) -> Floats:
-    """(c,) how near each of (c, n, 3) clouds comes to an end (m, 3).
+def nearest_cloud(clouds: Floats, end: Floats, some: Floats, prices: Floats) -> int:
+    """Which of (c, n, 3) clouds comes nearest to an end (m, 3), times its price (c,).
 
-    The mean distance of a cloud's points to the end's, and of `some` (s, 3) of the end's to it.
+    What counts is the mean distance of a cloud's points to the end's and of `some` (s, 3) of the
+    end's to it.
     """
-    found = np.empty(len(clouds))
-    for c in range(len(clouds)):
-        cloud = clouds[c]
-        found[c] = nearest(cloud, end)[0].mean() + nearest(some, cloud)[0].mean()
-    return found
+    target = line(end)
+    best, least = 0, np.inf
+    for c in np.argsort(prices):
+        most, gap, first = least / prices[c], 0.0, 0
+        while first < len(clouds[c]) and gap < most:
+            part = clouds[c, first : first + FEW]
+            gap += nearest_on(part, target)[0].sum() / len(clouds[c])
+            first += FEW
+        if gap < most:
+            gap += nearest(some, clouds[c])[0].mean()
+        if gap < most:
+            best, least = c, gap * prices[c]
+    return best

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.nearest import gaps, nearest
+from baker.motion.nearest import nearest, nearest_cloud
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 1), (9, 1, 1), (1, 1, 30), (1, 9, 0)])
@@ -21,9 +21,11 @@ def test_the_nearest_of_all(shape: tuple[int, ...], count: int, away: float) -> 
     np.testing.assert_allclose(apart[np.arange(40), found], apart.min(axis=1))
 
 
-def test_gaps_are_means_both_ways() -> None:
-    rng = np.random.default_rng(0)
-    clouds, end = rng.normal(size=(3, 20, 3)), rng.normal(size=(30, 3))
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_cloud_by_means_both_ways(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    end, prices = rng.normal(size=(30, 3)), rng.uniform(1.0, 1.2, size=12)
+    clouds = rng.normal(size=(12, 120, 3)) + rng.normal(size=(12, 1, 3)) / 2
     apart = np.linalg.norm(clouds[:, :, None] - end, axis=3)
-    expected = apart.min(axis=2).mean(axis=1) + apart[:, :, ::3].min(axis=1).mean(axis=1)
-    np.testing.assert_allclose(gaps(clouds, end, end[::3].copy()), expected)
+    gaps = apart.min(axis=2).mean(axis=1) + apart[:, :, ::3].min(axis=1).mean(axis=1)
+    assert nearest_cloud(clouds, end, end[::3].copy(), prices) == np.argmin(gaps * prices)
