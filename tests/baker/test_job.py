@@ -7,6 +7,7 @@ import pytest
 
 from baker import Options
 from baker.executor import Threads
+from baker.interval import solve_task
 from baker.pipeline import bake_recorded
 from baker.workers import Crew
 
@@ -51,6 +52,27 @@ def test_progress_reaches_all_tasks(write_scans):
         steps = [(done, total) for stage, done, total in told if stage == "transport"]
         assert steps[0][0] == 0
         assert steps[-1][0] == steps[-1][1] > 0
+
+
+@pytest.mark.parametrize(
+    ("options", "limbs"),
+    [
+        (PLAIN, True),
+        (replace(PLAIN, transport="sinkhorn"), False),
+        (replace(PLAIN, paper=True), False),
+        (replace(PLAIN, paper=True, transport="exact"), False),
+    ],
+)
+def test_the_paper_knows_of_no_limbs(write_scans, monkeypatch, options, limbs):
+    asked = []
+
+    def solve(*arguments, feet, **named):
+        asked.append(feet is not None)
+        return solve_task(*arguments, feet=feet, **named)
+
+    monkeypatch.setattr("baker.job.solve_task", solve)
+    bake_recorded([write_scans()], options)
+    assert any(asked) == limbs
 
 
 def test_an_error_in_a_job_ends_the_bake(write_scans, monkeypatch):

@@ -30,6 +30,7 @@ def test_a_glimpse_is_what_it_was_cut_from() -> None:
     [
         ((0, FEWEST, 0), "of so many points it may have been an organ"),
         ((0, 9, 9), "it is there again"),
+        ((9, 9, 0), "it was there before"),
         ((0, 0, 9), "it may have come to stay"),
     ],
 )
