@@ -34,7 +34,7 @@ def draw(moving: Points, end: Points) -> Points:
         weights = np.exp(squared * np.float32(-0.5 / (width * size) ** 2)) + np.float32(1e-12)
         blend = (weights / weights.sum(axis=0)).T
         for _ in range(ROUNDS):
-            pairs = nearest_on(drawn, target), nearest(there, drawn)
+            pairs = nearest_on(drawn, target, np.inf), nearest(there, drawn)
             sums = weights @ terms(here, there, *pairs, DOUBTFUL)
             drawn = mapped(here, blend @ maps(sums, STIFFNESS * (width * size) ** 2))
     return drawn + middle

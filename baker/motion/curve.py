@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
-from baker.motion.shape import OrganShape, organ_shapes
+from baker.motion.shape import FEWEST, OrganShape, organ_shapes
 from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
@@ -33,9 +33,15 @@ def shaping(
 
     bases: (3,) where the plant leaves the ground in each scan.
     """
+    scans = match.first, match.second
+    bending = [
+        pair
+        for pair in match.pairs
+        if all(len(scan.segments[s]) >= FEWEST for scan, s in zip(scans, pair, strict=True))
+    ]
     return [
-        partial(organ_shapes, clouds[k], hierarchy, bases[k], [pair[k] for pair in match.pairs])
-        for k, hierarchy in enumerate((match.first, match.second))
+        partial(organ_shapes, clouds[k], scan, bases[k], [pair[k] for pair in bending])
+        for k, scan in enumerate(scans)
     ]
 
 

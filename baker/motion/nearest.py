@@ -21,7 +21,7 @@ Line = tuple[int, Ints, Floats]  # (n, 3) points along an axis: which, their ord
 @compiled
 def nearest(queries: Floats, points: Floats) -> tuple[Floats, Ints]:
     """(q,) distances from (q, 3) places to the nearest of (n, 3) points, and which those are."""
-    return nearest_on(queries, line(points))
+    return nearest_on(queries, line(points), np.inf)
 
 
 @compiled
@@ -41,14 +41,15 @@ def line(points: Floats) -> Line:
 
 
 @compiled
-def nearest_on(queries: Floats, points: Line) -> tuple[Floats, Ints]:
-    """As `nearest`, of points on a `line`.
+def nearest_on(queries: Floats, points: Line, beyond: float) -> tuple[Floats, Ints]:
+    """As `nearest`, of points on a `line`; inf where it is by so much beyond the least distance.
 
-    Those are looked at from the place on to both sides, as far as the nearest one so far.
+    Points are looked at from the place on to both sides, as far as the nearest one so far.
     """
     axis, order, lined = points
     count = len(lined)
-    away, found = np.empty(len(queries)), np.empty(len(queries), np.int64)
+    away, found = np.full(len(queries), np.inf), np.zeros(len(queries), np.int64)
+    bound = np.inf
     for q in range(len(queries)):
         x, y, z = (queries[q, axis], queries[q, (axis + 1) % 3], queries[q, (axis + 2) % 3])
         low, high = 0, count
@@ -58,7 +59,7 @@ def nearest_on(queries: Floats, points: Line) -> tuple[Floats, Ints]:
                 low = middle + 1
             else:
                 high = middle
-        least, best = np.inf, 0
+        least, best = bound, -1
         before, after = low - 1, low
         while before >= 0 or after < count:
             if after < count:
@@ -79,7 +80,10 @@ def nearest_on(queries: Floats, points: Line) -> tuple[Floats, Ints]:
                     if squared < least:
                         least, best = squared, before
                     before -= 1
-        away[q], found[q] = np.sqrt(least), order[best]
+        if best >= 0:
+            away[q], found[q] = np.sqrt(least), order[best]
+            # Rounding must not leave out what is just as far beyond.
+            bound = min(bound, (1.0 + 1e-9) * (away[q] + beyond) ** 2)
     return away, found
 
 
@@ -96,7 +100,7 @@ def nearest_cloud(clouds: Floats, end: Floats, some: Floats, prices: Floats) -> 
         most, gap, first = least / prices[c], 0.0, 0
         while first < len(clouds[c]) and gap < most:
             part = clouds[c, first : first + FEW]
-            gap += nearest_on(part, target)[0].sum() / len(clouds[c])
+            gap += nearest_on(part, target, np.inf)[0].sum() / len(clouds[c])
             first += FEW
         if gap < most:
             gap += nearest(some, clouds[c])[0].mean()

@@ -63,32 +63,30 @@ def path_lengths(
 
     Parts of the neighbour graph that no seed is in are joined by their shortest gaps.
     """
-    from scipy.sparse import coo_matrix
+    from scipy.sparse import coo_matrix, csr_matrix
     from scipy.sparse.csgraph import connected_components, dijkstra
     from scipy.spatial import cKDTree
 
     count = len(points)
     apart, near = around or neighbours(points)
     tiny = 1e-9 * float(apart.max() or 1.0)
-    rows = [np.repeat(np.arange(count), near.shape[1]), np.full(len(seeds), count)]
-    columns = [near.ravel(), np.asarray(seeds)]
-    weights = [apart.ravel() + tiny, head_starts - head_starts.min() + tiny]
+    weights = np.concatenate([apart.ravel(), head_starts - head_starts.min()]) + tiny
+    columns = np.concatenate([near.ravel(), seeds])
+    ends = np.append(near.shape[1] * np.arange(count + 1), len(columns))
+    graph = csr_matrix((weights, columns, ends), (count + 1, count + 1))
     while True:
-        graph = coo_matrix(
-            (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))),
-            (count + 1, count + 1),
-        ).tocsr()
         parts, part = connected_components(graph, directed=False)
         if parts == 1:
             break
+        joined = []
         for lone in set(range(parts)) - {int(part[count])}:
             inside = np.flatnonzero(part[:count] == lone)
             outside = np.flatnonzero(part[:count] != lone)
             gap, nearest = cKDTree(points[outside]).query(points[inside])
             best = int(np.argmin(gap))
-            rows.append(inside[[best]])
-            columns.append(outside[nearest[[best]]])
-            weights.append(gap[[best]] + tiny)
+            joined.append((gap[best] + tiny, inside[best], outside[nearest[best]]))
+        gaps, rows, columns = (np.array(values) for values in zip(*joined, strict=True))
+        graph = graph + coo_matrix((gaps, (rows, columns)), graph.shape).tocsr()
     return dijkstra(graph, directed=False, indices=count)[:count]
 
 
