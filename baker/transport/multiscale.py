@@ -22,11 +22,12 @@ from baker.workers import Crew
 
 _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
-_NEIGHBORS = 6  # neighbours whose partners are tried
+_NEIGHBORS = 4, 6  # neighbours whose partners are tried: in cells near by, in all others
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
-_FEW = 4_000  # pairs up to which that is all that is done
+_FEW = 100  # points of the smaller side up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL = 500  # points of both sides in a cell above that: its data stay in the cache; then double
+_CELL = 500  # points of both sides in a cell above that: its data stay in the cache
+_NEARBY = 3  # sweeps of such cells; where mass has far to go, cells are ever larger then
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6
 
@@ -84,8 +85,8 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
         return couple(end, start, demand, supply, search).turned()
     if m == 1:
         return Coupling((np.arange(n), np.zeros(n, np.int64)), supply, "only choice")
-    row_order, row_levels = _levels(start, supply, search.seed)
-    column_order, column_levels = _levels(end, demand, search.seed)
+    row_order, row_levels, axes = _levels(start, supply, search.seed)
+    column_order, column_levels, _ = _levels(end, demand, search.seed, axes)
     edges: Edges = (np.zeros(1, np.int64), np.zeros(1, np.int64))
     mass, sweeps = np.array([supply.sum()]), 0
     for index in range(len(row_levels)):
@@ -93,16 +94,22 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
         edges, mass = bisection.expand(
             rows.as_blocks(), columns.as_blocks(), rows.masses, columns.masses, edges, mass
         )
-        most = _SWEEPS if index == len(row_levels) - 1 else 1
-        edges, mass, sweeps = _improve(rows, columns, edges, mass, search, most)
+        last = index == len(row_levels) - 1
+        edges, mass, sweeps = _improve(rows, columns, edges, mass, search, last)
     edges = row_order[edges[0]], column_order[edges[1]]
     return Coupling(edges, mass, "network simplex", sweeps)
 
 
-def _levels(points: Points, masses: Masses, seed: int) -> tuple[Indices, list[_Level]]:
-    """The order of a cloud's bisection, and its levels from coarse to fine."""
+def _levels(
+    points: Points, masses: Masses, seed: int, like: Indices | None = None
+) -> tuple[Indices, list[_Level], Indices]:
+    """The order of a cloud's bisection, its levels from coarse to fine, and the axes of the cuts.
+
+    like: the axes of a cloud of as many points or more, to cut along; what is at the same place of
+          both orders then lies at about the same place.
+    """
     n = len(points)
-    order = bisection.order(points, max(1, (n - 1).bit_length()), seed)[0]
+    order, axes = bisection.order(points, max(1, (n - 1).bit_length()), seed, like)
     points, masses = points[order], masses[order]
     counts, count = [], _COARSEST
     while 3 * count <= n:
@@ -110,14 +117,14 @@ def _levels(points: Points, masses: Masses, seed: int) -> tuple[Indices, list[_L
         count *= _FINER
     levels, above = [], np.zeros(1, np.int64)
     if not counts:
-        return order, [_Level(np.asarray(points, np.float64), masses, above)]
+        return order, [_Level(np.asarray(points, np.float64), masses, above)], axes
     for count in (*counts, n):
         own = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
         sizes = np.diff(own, append=n)
         centres = np.add.reduceat(points, own) / sizes[:, None]
         levels.append(_Level(centres, np.add.reduceat(masses, own), np.searchsorted(own, above)))
         above = own
-    return order, levels
+    return order, levels, axes
 
 
 def _at(levels: list[_Level], index: int) -> _Level:
@@ -128,39 +135,47 @@ def _at(levels: list[_Level], index: int) -> _Level:
 
 
 def _improve(
-    rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, most: int
+    rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, last: bool
 ) -> tuple[Edges, Masses, int]:
-    """Improve a feasible plan in up to `most` sweeps, until one gains next to nothing."""
+    """Improve a feasible plan in a sweep; the last level's until one gains next to nothing."""
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    near = _neighbours(start, search.workers, n * m), _neighbours(end, search.workers, n * m)
-    best, sweep = np.inf, 0
-    while True:
-        size = _CELL * 2**sweep  # what is left to do in later sweeps is little
-        cells = 1 if n + m <= WHOLE else -(-(n + m) // size)
+    few = min(n, m) <= _FEW
+    exhaustive = few or (last and n * m <= _EXHAUSTIVE)
+
+    def neighbours(k: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        return _neighbours(start, k, search.workers), _neighbours(end, k, search.workers)
+
+    whole = n + m <= WHOLE
+    near = neighbours(0 if few else _NEIGHBORS[int(whole)])
+    if whole:
+        return *_solve_cells(
+            start, end, near, edges, mass, np.zeros(n, np.int64), exhaustive, search
+        ), 1
+    now = np.inf
+    for sweep in range(_SWEEPS if last else 1):
+        farther = sweep + 1 - _NEARBY
+        if farther == 1:
+            near = neighbours(0 if few else _NEIGHBORS[1])
+        cells = -(-(n + m) // (_CELL * 4 ** max(0, farther)))
         cell = _cells(start, cells, search.seed, sweep)
-        edges, mass = _solve_cells(start, end, near, edges, mass, cell, search)
-        if cells == 1:
-            return edges, mass, sweep + 1
+        edges, mass = _solve_cells(start, end, near, edges, mass, cell, exhaustive, search)
         cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
-        gained, best, sweep = best - cost, cost, sweep + 1
+        gained, now = now - cost, cost
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        if sweep == most or gained <= max(_ENOUGH * cost, search.slack):
-            return edges, mass, sweep
+        enough = max(search.slack, _ENOUGH * now if farther > 0 else 0.0)
+        if cells == 1 or (farther >= 0 and gained <= enough):
+            break
+    return edges, mass, sweep + 1
 
 
-def _neighbours(points: Points, workers: int, pairs: int) -> NDArray[np.int32]:
-    """(n, k) the nearest other points of each point; itself where there are fewer than k.
-
-    None, (n, 0), where there are so few pairs that all of them are tried anyway.
-    """
+def _neighbours(points: Points, k: int, workers: int) -> NDArray[np.int32]:
+    """(n, k) the nearest other points of each point; itself where there are fewer than k."""
     from scipy.spatial import cKDTree
 
     n = len(points)
-    if pairs <= _FEW:
-        return np.empty((n, 0), np.int32)
-    near = np.repeat(np.arange(n, dtype=np.int32)[:, None], _NEIGHBORS, axis=1)
-    k = min(_NEIGHBORS, n - 1)
+    near = np.repeat(np.arange(n, dtype=np.int32)[:, None], k, axis=1)
+    k = min(k, n - 1)
     if k > 0:
         threads = workers if n > WHOLE else 1
         near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2), workers=threads)[1]
@@ -184,6 +199,7 @@ def _solve_cells(
     edges: Edges,
     mass: Masses,
     cell: NDArray[np.int64],
+    exhaustive: bool,
     search: Search,
 ) -> tuple[Edges, Masses]:
     """Solve each cell's rows exactly for the masses that they now send."""
@@ -193,7 +209,6 @@ def _solve_cells(
     rows, columns, mass = edges[0][order], edges[1][order], mass[order]
     cells = int(cell.max()) + 1
     first = np.searchsorted(cell[rows], np.arange(cells + 1))
-    exhaustive = len(start) * len(end) <= _EXHAUSTIVE
 
     def solve(part: tuple[int, int]) -> tuple[NDArray[np.integer], ...]:
         bounds = first[part[0] : part[1] + 1]

@@ -26,6 +26,7 @@ from baker.compiled import compiled
 _NONE: Any = np.uint32(0xFFFFFFFF)  # no node; numbers without a sign need not be checked for it
 _ROUNDING = 1e-12  # share of the largest cost below which a pair is not cheaper
 _PLENTY = 2**62
+_BLOCK: Any = np.uint32(16)  # columns that lie together
 
 Ints = NDArray[np.integer]  # int32, or uint32 where they are numbers of nodes
 Longs = NDArray[np.integer]  # int64
@@ -131,32 +132,95 @@ def _numbered(members: Longs, local: Ints) -> Longs:
 def _optimize(tree: Tree, n: Node, near: Ints, power: int, exhaustive: bool) -> None:
     """Let pairs in, as long as there are cheaper ones."""
     count = len(tree) - 1
-    zero, largest = np.uint32(0), 0.0
+    largest = 0.0
     for node in range(count):
         if tree[node].parent < count:
             largest = max(largest, _cost(tree, node, tree[node].parent, power))
     tolerance = _ROUNDING * largest
-    v, quiet = zero, 0
-    while quiet < count:
+    while True:
+        _try_nearby(tree, n, near, power, tolerance)
+        if not exhaustive or not _try_all(tree, n, power, tolerance, near.shape[1] == 0):
+            return
+
+
+@compiled
+def _try_nearby(tree: Tree, n: Node, near: Ints, power: int, tolerance: float) -> None:
+    """Let pairs in, as long as there are cheaper ones among the partners of neighbours."""
+    count = len(tree) - 1
+    v, quiet = np.uint32(0), 0
+    while near.shape[1] and quiet < count:
         reduced, other = _cheapest_nearby(tree, near, v, power, -tolerance)
         quiet += 1
         if other != _NONE:
             i, j = (v, other) if v < n else (other, v)
             _pivot(tree, n, i, j, reduced, 0)
             quiet = 0
-        v = np.uint32(v + 1) if v + 1 < count else zero
-    row, quiet = zero, 0
-    while exhaustive and quiet < n:
+        v = np.uint32(v + 1) if v + 1 < count else np.uint32(0)
+
+
+@compiled
+def _try_all(tree: Tree, n: Node, power: int, tolerance: float, persist: bool) -> bool:
+    """Let in each row's cheapest pair, if there is a cheaper one; returns whether any came in.
+
+    persist: go on until none is cheaper, instead of looking at each row once.
+
+    Columns are looked at in blocks, where the block's box and its highest price let one be cheaper.
+    """
+    count = np.uint32(len(tree) - 1)
+    boxes = _boxes(tree, n)
+    highest = np.empty(len(boxes))
+    _find_highest(tree, n, highest)
+    row, quiet, looked, came = np.uint32(0), 0, 0, False
+    while quiet < n and (persist or looked < n):
         reduced, other = -tolerance, _NONE
-        for j in range(n, np.uint32(count)):
-            cost = _reduced_cost(tree, row, j, power)
-            if cost < reduced:
-                reduced, other = cost, j
-        quiet += 1
+        for block in range(len(boxes)):
+            least = _cost_to_box(tree, row, boxes[block], power)
+            if least - tree[row].potential - highest[block] < reduced:
+                begin = n + np.uint32(block * _BLOCK)
+                for j in range(begin, min(begin + _BLOCK, count)):
+                    cost = _reduced_cost(tree, row, j, power)
+                    if cost < reduced:
+                        reduced, other = cost, j
+        quiet, looked = quiet + 1, looked + 1
         if other != _NONE:
             _pivot(tree, n, row, other, reduced, 0)
-            quiet = 0
-        row = np.uint32(row + 1) if row + 1 < n else zero
+            _find_highest(tree, n, highest)
+            quiet, came = 0, True
+        row = np.uint32(row + 1) if row + 1 < n else np.uint32(0)
+    return came and not persist
+
+
+@compiled
+def _boxes(tree: Tree, n: Node) -> Floats:
+    """(blocks, 6) the lowest and the highest coordinates of each block of columns."""
+    count = np.uint32(len(tree) - 1)
+    boxes = np.empty(((count - n + _BLOCK - 1) // _BLOCK, 6))
+    for j in range(n, count):
+        block, x, y, z = (j - n) // _BLOCK, tree[j].x, tree[j].y, tree[j].z
+        box = boxes[block]
+        if (j - n) % _BLOCK == 0:
+            box[0], box[1], box[2], box[3], box[4], box[5] = x, y, z, x, y, z
+        box[0], box[1], box[2] = min(box[0], x), min(box[1], y), min(box[2], z)
+        box[3], box[4], box[5] = max(box[3], x), max(box[4], y), max(box[5], z)
+    return boxes
+
+
+@compiled
+def _find_highest(tree: Tree, n: Node, highest: Floats) -> None:
+    """Put each block's highest price there."""
+    highest[:] = -np.inf
+    for j in range(n, np.uint32(len(tree) - 1)):
+        block = (j - n) // _BLOCK
+        highest[block] = max(highest[block], tree[j].potential)
+
+
+@compiled
+def _cost_to_box(tree: Tree, v: Node, box: Floats, power: int) -> float:
+    x = max(box[0] - tree[v].x, tree[v].x - box[3], 0.0)
+    y = max(box[1] - tree[v].y, tree[v].y - box[4], 0.0)
+    z = max(box[2] - tree[v].z, tree[v].z - box[5], 0.0)
+    squared = x * x + y * y + z * z
+    return squared if power == 2 else np.sqrt(squared)
 
 
 @compiled
@@ -261,37 +325,39 @@ def _pivot(tree: Tree, n: Node, i: Node, j: Node, reduced: float, carried: int) 
     pair left in the tree points to the root, and steps that move no mass can't go round in circles
     (Cunningham, Math. Program. 11, 1976).
     """
-    top = _meeting_point(tree, i, j)
     root = np.uint32(len(tree) - 1)
-    moved, emptied, on_row_side = _PLENTY, _NONE, True
-    v = i
-    while v != top:
-        if (v < n or tree[v].parent == root) and tree[v].flow < moved:
-            moved, emptied = tree[v].flow, v
-        v = tree[v].parent
-    v = j
-    while v != top:
-        if v >= n and tree[v].parent != root and tree[v].flow <= moved:
-            moved, emptied, on_row_side = tree[v].flow, v, False
-        v = tree[v].parent
-    if moved > 0:
-        v = i
-        while v != top:
-            tree[v].flow += -moved if v < n else moved
-            v = tree[v].parent
-        v = j
-        while v != top:
-            tree[v].flow += -moved if v >= n else moved
-            v = tree[v].parent
+    a, moved, emptied = i, _PLENTY, _NONE
+    b, moved_beyond, emptied_beyond = j, _PLENTY, _NONE
+    while a != b:
+        if tree[a].size <= tree[b].size:
+            flow, above = tree[a].flow, tree[a].parent
+            if flow < moved and (a < n or above == root):
+                moved, emptied = flow, a
+            a = above
+        else:
+            flow, above = tree[b].flow, tree[b].parent
+            if flow <= moved_beyond and b >= n and above != root:
+                moved_beyond, emptied_beyond = flow, b
+            b = above
+    top = a
+    on_row_side = moved < moved_beyond
+    if not on_row_side:
+        moved, emptied = moved_beyond, emptied_beyond
     v, parent = (i, j) if on_row_side else (j, i)
     size = tree[emptied].size
-    w = tree[emptied].parent
-    while w != top:
-        tree[w].size -= size
-        w = tree[w].parent
     w = parent
     while w != top:
+        tree[w].flow += -moved if (w >= n) == on_row_side else moved
         tree[w].size += size
+        w = tree[w].parent
+    w = v
+    while moved > 0 and w != emptied:
+        tree[w].flow += -moved if (w < n) == on_row_side else moved
+        w = tree[w].parent
+    w = tree[emptied].parent
+    while w != top:
+        tree[w].flow += -moved if (w < n) == on_row_side else moved
+        tree[w].size -= size
         w = tree[w].parent
     _hang(tree, v, parent, emptied, moved + carried)
     shift = reduced if on_row_side else -reduced
@@ -300,16 +366,6 @@ def _pivot(tree: Tree, n: Node, i: Node, j: Node, reduced: float, carried: int) 
         _shift(tree, n, v, _NONE, shift)
     else:
         _shift(tree, n, root, v, -shift)
-
-
-@compiled
-def _meeting_point(tree: Tree, a: Node, b: Node) -> Node:
-    while a != b:
-        if tree[a].size <= tree[b].size:
-            a = tree[a].parent
-        else:
-            b = tree[b].parent
-    return a
 
 
 @compiled
