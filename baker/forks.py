@@ -110,10 +110,10 @@ class _Late:
         nearest_cloud(few[None], few, few, np.ones(1))
         branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
         curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
-        around = balls(curve)
-        _, *pair = gaps_of(curve, curve, around, around, weights, weights, 1.0)
+        moving = curve, balls(curve), weights
+        _, *pair = gaps_of(moving, moving, 1.0)
         apart = np.ones(3), pair[0], pair[1]
-        follow(curve, curve, around, weights, weights, apart, 0.5, 0.5, 0.5, 1, 1.0, 1.0)
+        follow(curve, weights, moving, apart, 0.5, 0.5, 0.5, 1, 1.0, 1.0)
 
 
 class ForkPool:

@@ -1,4 +1,4 @@
-"""Where two organs are near each other; compiled by numba: import this module late.
+"""How far two organs are from each other as they move; compiled by numba: import this module late.
 
 What is near at an instant is found by balls. Movers that follow one another are passed over
 together where the ball around them is too far off: large balls, about as many as each has movers,
@@ -19,51 +19,165 @@ from baker.compiled import compiled
 
 LEAST = 8  # points in a small ball
 
-Floats = NDArray[np.floating]  # float64
-Ints = NDArray[np.integer]  # int64
+Floats = NDArray[np.floating]
+Ints = NDArray[np.integer]
+Flags = NDArray[np.bool_]
 Place = tuple[float, float, float]
+
+# Movers: their (degree + 1, n, 3) control points, the `balls` around these, and the
+# (I, degree + 1) weights of control points at each instant.
+Moving = tuple[Floats, Floats, Floats]
 
 
 @compiled
-def gaps_of(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    allowed: float,
-) -> tuple[Floats, Ints, Ints]:
+def gaps_of(mine: Moving, theirs: Moving, allowed: float) -> tuple[Floats, Ints, Ints]:
     """(I,) the gaps between two organs, and which of their movers are that far apart.
 
-    mine, theirs: (degree + 1, a, 3) and (degree + 1, b, 3) control points; my_balls, their_balls:
-             (degree + 1, B, 4) around both; weights, their_weights: (I, degree + 1) at any instant.
     allowed: by how much they may be farther apart on the way than at the first and last instant.
 
-    All pairs count, but where two movers are near enough, as those that were a while ago mostly
-    are, nobody else is looked at. If they are at every instant, the first gap is left at 0.
+    All pairs count, but the search ends with one that is near enough, as one that was near a while
+    ago often is. What is exact is the largest gap on the way, if they may not be as far apart, and
+    the larger one of the first and the last; the first is left at 0 where it does not matter.
     """
-    last = len(weights) - 1
-    gaps, first, second = (
-        np.zeros(last + 1),
-        np.zeros(last + 1, np.int64),
-        np.zeros(last + 1, np.int64),
-    )
-    p, q, limit, begun = 0, 0, 0.0, False
-    for k in range(last, 0, -1):
-        gaps[k], p, q = _closest_at(
-            mine, theirs, my_balls, their_balls, weights[k], their_weights[k], p, q, limit
-        )
-        first[k], second[k] = p, q
-        if k == last:
-            limit = gaps[k] + allowed
-        elif gaps[k] > limit and not begun:
-            begun = True
-            gaps[0], first[0], second[0] = _closest_at(
-                mine, theirs, my_balls, their_balls, weights[0], their_weights[0], p, q, 0.0
-            )
-            limit = max(gaps[0] + allowed, limit)
+    last = len(mine[2]) - 1
+    gaps, known = np.zeros(last + 1), np.zeros(last + 1, np.bool_)
+    gaps[last], p, q = _closest(mine, theirs, last, -1, -1, 0.0)
+    first, second = np.full(last + 1, p), np.full(last + 1, q)
+    known[0] = known[last] = True
+    _refine(mine, theirs, gaps, first, second, known, gaps[last] + allowed)
+    if gaps.max() > gaps[last] + allowed:
+        gaps[0], p, q = _closest(mine, theirs, 0, first[1], second[1], gaps[last])
+        first[0], second[0] = p, q
+        enough = max(gaps[0], gaps[last]) + allowed
+        _refine(mine, theirs, gaps, first, second, known, enough)
     return gaps, first, second
+
+
+@compiled
+def widest(
+    mine: Moving, theirs: Moving, first: Ints, second: Ints, enough: float
+) -> tuple[Floats, Ints, Ints]:
+    """(I,) gaps, of which the largest is exact, and which movers are that far apart.
+
+    first, second: (I,) a pair at each instant that may be the closest.
+    enough:        any pair will do that is as near.
+    """
+    gaps, first, second = np.zeros(len(first)), first.copy(), second.copy()
+    _refine(mine, theirs, gaps, first, second, np.zeros(len(first), np.bool_), enough)
+    return gaps, first, second
+
+
+@compiled
+def _refine(
+    mine: Moving,
+    theirs: Moving,
+    gaps: Floats,
+    first: Ints,
+    second: Ints,
+    known: Flags,
+    enough: float,
+) -> None:
+    """Puts (I,) gaps in place, so that the largest one is exact if it is more than enough.
+
+    first, second: a pair at each instant that may be the closest; the closest that was found.
+    known:         where the gap is known.
+    """
+    for k in range(len(gaps)):
+        if not known[k]:
+            gaps[k] = _between(mine, theirs, k, first[k], second[k])
+    while True:
+        widest = -1
+        for k in range(len(gaps)):
+            if not known[k] and gaps[k] > enough and (widest < 0 or gaps[k] > gaps[widest]):
+                widest = k
+        if widest < 0:
+            return
+        gaps[widest], p, q = _closest(mine, theirs, widest, first[widest], second[widest], enough)
+        first[widest], second[widest], known[widest] = p, q, True
+        # What is no wider than this one does not matter.
+        enough = max(enough, gaps[widest])
+        for k in range(len(gaps)):
+            if not known[k]:
+                away = _between(mine, theirs, k, p, q)
+                if away < gaps[k]:
+                    gaps[k], first[k], second[k] = away, p, q
+
+
+@compiled
+def _closest(
+    mine: Moving, theirs: Moving, k: int, first: int, second: int, enough: float
+) -> tuple[float, int, int]:
+    """How far the pair nearest to each other at instant k is apart, and which it is.
+
+    first, second: a pair that may be the closest, as that of another instant: what is farther
+             apart is passed over. Negative where none is known.
+    enough:  how near a pair has to be, at least, for the search to end with it.
+    """
+    count, others = mine[0].shape[1], theirs[0].shape[1]
+    large, other = _large(count), _large(others)
+    here, there = np.empty(mine[1].shape[1:]), np.empty(theirs[1].shape[1:])
+    begun, met = np.zeros(large, np.bool_), np.zeros(other, np.bool_)
+    _move(mine, k, range(large), here)
+    _move(theirs, k, range(other), there)
+    likely, likely_met = _middles(here, range(large), there, range(other))
+    reach = np.inf if first < 0 else _between(mine, theirs, k, first, second)
+    for step in range(large + 1):
+        # Two balls that are close to each other come first: most others are farther off then.
+        a = likely if step == 0 else step - 1
+        for b in range(likely_met if step == 0 else 0, likely_met + 1 if step == 0 else other):
+            if reach <= enough:
+                return reach, first, second
+            if _clear(here, a, there, b, reach):
+                continue
+            if not begun[a]:
+                _move(mine, k, _within(a, count), here)
+                begun[a] = True
+            if not met[b]:
+                _move(theirs, k, _within(b, others), there)
+                met[b] = True
+            reach, first, second = _closer(mine, theirs, k, a, b, here, there, first, second, reach)
+    return reach, first, second
+
+
+@compiled
+def _closer(
+    mine: Moving,
+    theirs: Moving,
+    k: int,
+    a: int,
+    b: int,
+    my_balls: Floats,
+    their_balls: Floats,
+    first: int,
+    second: int,
+    reach: float,
+) -> tuple[float, int, int]:
+    """As `_closest`, of the movers in two large balls; my_balls, their_balls: (B, 4) at instant k.
+
+    first, second, reach: the closest pair so far, and how far it is apart.
+    """
+    large, other = _large(mine[0].shape[1]), _large(theirs[0].shape[1])
+    here, there = np.empty((LEAST, 3)), np.empty((LEAST, 3))
+    for small in _within(a, mine[0].shape[1]):
+        if _clear(my_balls, small, their_balls, b, reach):
+            continue
+        size = _places(mine, k, small - large, here)
+        for least in _within(b, theirs[0].shape[1]):
+            if _clear(my_balls, small, their_balls, least, reach):
+                continue
+            partners = 0
+            for i in range(size):
+                if _beyond(here[i], their_balls, least, reach):
+                    continue
+                if partners == 0:
+                    partners = _places(theirs, k, least - other, there)
+                for j in range(partners):
+                    squared = _squared(here, i, there, j)
+                    if squared < reach * reach:
+                        reach = np.sqrt(squared)
+                        first = (small - large) * LEAST + i
+                        second = (least - other) * LEAST + j
+    return reach, first, second
 
 
 @compiled
@@ -94,119 +208,24 @@ def balls(points: Floats) -> Floats:
 
 
 @compiled
-def moved(balls: Floats, weights: Floats) -> Floats:
-    """(B, 4) balls at an instant, of (K, B, 4) around control points with (K,) weights."""
-    found = np.zeros(balls.shape[1:])
-    for point in range(len(balls)):
-        for ball in range(balls.shape[1]):
-            for value in range(4):
-                found[ball, value] += weights[point] * balls[point, ball, value]
-    return found
+def _move(moving: Moving, k: int, chosen: range, found: Floats) -> None:
+    """Puts the chosen balls in place, (B, 4), as they are at instant k."""
+    balls, weights = moving[1], moving[2]
+    for ball in chosen:
+        for value in range(4):
+            total = 0.0
+            for point in range(len(balls)):
+                total += weights[k, point] * balls[point, ball, value]
+            found[ball, value] = total
 
 
 @compiled
-def closest(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    first: Ints,
-    second: Ints,
-    enough: float,
-) -> tuple[Floats, Ints, Ints]:
-    """(I,) distances and indices of the pair nearest to each other at each of I instants.
-
-    mine, theirs, my_balls, their_balls, weights, their_weights: as those of `gaps_of`.
-    first, second: (I,) a pair at each instant that may be the closest.
-    enough:        any pair will do that is as near.
-    """
-    gaps = np.empty(len(weights))
-    first, second = first.copy(), second.copy()
-    for k in range(len(weights)):
-        gaps[k], first[k], second[k] = _closest_at(
-            mine, theirs, my_balls, their_balls,
-            weights[k], their_weights[k], first[k], second[k], enough,
-        )  # fmt: skip
-    return gaps, first, second
-
-
-@compiled
-def _closest_at(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    first: int,
-    second: int,
-    enough: float,
-) -> tuple[float, int, int]:
-    """As `_closest`, of balls (degree + 1, B, 4) that have still to be moved."""
-    away = _apart(place_of(mine, first, weights), place_of(theirs, second, their_weights))
-    if away <= enough:
-        return away, first, second
-    here, there = moved(my_balls, weights), moved(their_balls, their_weights)
-    return _closest(mine, theirs, here, there, weights, their_weights, first, second, enough)
-
-
-@compiled
-def _closest(
-    mine: Floats,
-    theirs: Floats,
-    my_balls: Floats,
-    their_balls: Floats,
-    weights: Floats,
-    their_weights: Floats,
-    first: int,
-    second: int,
-    enough: float,
-) -> tuple[float, int, int]:
-    """As `closest` at one instant; my_balls, their_balls: (A, 4) and (B, 4) there.
-
-    first, second: a pair that may be the closest, as that of an instant before: what is farther
-             apart is passed over.
-    enough:  how near a pair has to be, at least, for the search to end with it.
-    """
-    large, other = _large(mine.shape[1]), _large(theirs.shape[1])
-    here, there = np.empty((LEAST, 3)), np.empty((LEAST, 3))
-    reach = _apart(place_of(mine, first, weights), place_of(theirs, second, their_weights))
-    for a in range(large):
-        for b in range(other):
-            if reach <= enough:
-                return reach, first, second
-            if _clear(my_balls, a, their_balls, b, reach):
-                continue
-            for small in _within(a, mine.shape[1]):
-                if _clear(my_balls, small, their_balls, b, reach):
-                    continue
-                count = _places(mine, small - large, weights, here)
-                for least in _within(b, theirs.shape[1]):
-                    if _clear(my_balls, small, their_balls, least, reach):
-                        continue
-                    others = 0
-                    for i in range(count):
-                        if _beyond(here[i], their_balls, least, reach):
-                            continue
-                        if others == 0:
-                            others = _places(theirs, least - other, their_weights, there)
-                        for j in range(others):
-                            squared = _squared(here, i, there, j)
-                            if squared < reach * reach:
-                                reach = np.sqrt(squared)
-                                first = (small - large) * LEAST + i
-                                second = (least - other) * LEAST + j
-    return reach, first, second
-
-
-@compiled
-def place_of(curve: Floats, i: int, weights: Floats) -> Place:
-    """Where a mover is."""
+def place_of(moving: Moving, k: int, i: int) -> Place:
+    """Where a mover is at instant k."""
+    curve, weights = moving[0], moving[2]
     x, y, z = 0.0, 0.0, 0.0
-    for point in range(len(weights)):
-        weight = weights[point]
+    for point in range(len(curve)):
+        weight = weights[k, point]
         x += weight * curve[point, i, 0]
         y += weight * curve[point, i, 1]
         z += weight * curve[point, i, 2]
@@ -214,13 +233,33 @@ def place_of(curve: Floats, i: int, weights: Floats) -> Place:
 
 
 @compiled
-def _places(curve: Floats, ball: int, weights: Floats, places: Floats) -> int:
+def _places(moving: Moving, k: int, ball: int, places: Floats) -> int:
     """Where the movers of a small ball are, and how many these are."""
     first = ball * LEAST
-    count = min(LEAST, curve.shape[1] - first)
+    count = min(LEAST, moving[0].shape[1] - first)
     for i in range(count):
-        places[i, 0], places[i, 1], places[i, 2] = place_of(curve, first + i, weights)
+        places[i, 0], places[i, 1], places[i, 2] = place_of(moving, k, first + i)
     return count
+
+
+@compiled
+def _between(mine: Moving, theirs: Moving, k: int, i: int, j: int) -> float:
+    """How far two movers are apart at instant k."""
+    a, b = place_of(mine, k, i), place_of(theirs, k, j)
+    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def _middles(a: Floats, some: range, b: Floats, others: range) -> tuple[int, int]:
+    """Those of some balls whose middles are closest."""
+    least, first, second = np.inf, 0, 0
+    for i in some:
+        for j in others:
+            squared = _squared(a, i, b, j)
+            if squared < least:
+                least, first, second = squared, i, j
+    return first, second
 
 
 @compiled
@@ -252,17 +291,11 @@ def _clear(a: Floats, i: int, b: Floats, j: int, reach: float) -> bool:
 
 
 @compiled
-def _beyond(place: Place, ball: Floats, i: int, reach: float) -> bool:
+def _beyond(place: Floats, ball: Floats, i: int, reach: float) -> bool:
     """Whether a ball is farther from a place than some reach."""
     x, y, z = place[0] - ball[i, 0], place[1] - ball[i, 1], place[2] - ball[i, 2]
     beyond = reach + ball[i, 3]
     return x * x + y * y + z * z > beyond * beyond
-
-
-@compiled
-def _apart(a: Place, b: Place) -> float:
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return np.sqrt(x * x + y * y + z * z)
 
 
 @compiled

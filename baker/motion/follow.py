@@ -13,14 +13,13 @@ from baker.compiled import compiled
 
 Floats = NDArray[np.floating]  # float64
 Ints = NDArray[np.integer]  # int64
+Moving = tuple[Floats, Floats, Floats]  # control points, balls and weights, as in `beside`
 
 
 def follow(
     curve: Floats,
-    bearer: Floats,
-    around: Floats,
     weights: Floats,
-    their_weights: Floats,
+    bearer: Moving,
     apart: tuple[Floats, Ints, Ints],
     allowed: float,
     fine: float,
@@ -31,17 +30,16 @@ def follow(
 ) -> tuple[Floats, float]:
     """The organ drawn to its bearer in up to so many rounds, in each one at the worst instant.
 
-    curve, bearer: (degree + 1, N, 3) float32 control points of both; the organ's degree is 2 or
-             more; around: the bearer's `balls`.
-    weights, their_weights: (I, degree + 1) of control points at each instant.
-    apart:   (I,) how far both are from each other there, and which movers of either are.
+    curve:   (degree + 1, N, 3) float32 control points of the organ, of degree 2 or more; weights:
+             (I, degree + 1) of these at each instant.
+    apart:   (I,) how far both are from each other, and which movers of either are.
     allowed: gap from which on they are drawn, left: gap that is left where they are; fine: gap
              below which it does not matter who is nearest.
     gentle:  the weight at least of the inner control points; span: share of the organ that follows.
 
     Returns the control points with the smallest largest gap that was seen, and that gap.
     """
-    from baker.motion.beside import balls, closest, place_of
+    from baker.motion.beside import balls, place_of, widest
 
     now, first, second = apart
     best, least = curve, float(now.max())
@@ -50,10 +48,9 @@ def follow(
         if now[worst] <= allowed:
             break
         base, gap = first[worst], now[worst]
-        touched = np.array(place_of(bearer, second[worst], their_weights[worst]))
+        touched = np.array(place_of(bearer, worst, second[worst]))
         curve = _shifted(curve, base, touched, weights[worst], gap, left, gentle, span)
-        both = curve, bearer, balls(curve), around, weights, their_weights
-        now, first, second = closest(*both, first, second, fine)
+        now, first, second = widest((curve, balls(curve), weights), bearer, first, second, fine)
         if now.max() < least:
             best, least = curve, float(now.max())
     return best, least

@@ -30,14 +30,13 @@ class Organ:
     """An organ or what bears it, as it moves.
 
     order:  its movers in the order of a Morton curve half-way.
-    curve:  (degree + 1, n, 3) float32 control points in that order.
-    balls:  (degree + 1, B, 4) around them.
+    moving: their (degree + 1, n, 3) float32 control points in that order, the balls around them,
+            and the control points' weights at each instant.
     """
 
     moved: Moved
     order: Indices
-    curve: Points
-    balls: Points
+    moving: tuple[Points, Points, Points]
 
     @classmethod
     def of(cls, moved: Moved) -> Organ:
@@ -47,7 +46,7 @@ class Organ:
         half_way = np.tensordot(bernstein(len(curve) - 1, 0.5), curve, axes=1)
         order = np.argsort(morton_codes(half_way), kind="stable")
         curve = np.take(curve, order, axis=1)
-        return cls(moved, order, curve, balls(curve))
+        return cls(moved, order, (curve, balls(curve), _weights(len(curve))))
 
     def met_by(self, other: Organ, spacing: float) -> Meeting | None:
         """Where another organ's movers and these are nearest to each other.
@@ -56,9 +55,7 @@ class Organ:
         """
         from baker.motion.beside import gaps_of
 
-        weights = _weights(len(other.curve)), _weights(len(self.curve))
-        both = other.curve, self.curve, other.balls, self.balls, *weights
-        gaps, first, second = gaps_of(*both, TIED * spacing)
+        gaps, first, second = gaps_of(other.moving, self.moving, TIED * spacing)
         gap = float(max(gaps[0], gaps[-1]))
         if gaps.max() <= gap + TIED * spacing:
             return None
@@ -70,7 +67,7 @@ class Meeting:
     """An organ and its bearer that are farther apart at some instant than at both scans.
 
     gaps:   (I,) between them at each instant, or where it is not larger than may be some more.
-    mine, theirs: (I,) movers of either, by their places in `curve`, that are so far apart.
+    mine, theirs: (I,) movers of either, by their places in `order`, that are so far apart.
     gap:    the larger one of those at the scans.
     """
 
@@ -92,13 +89,12 @@ class Meeting:
         allowed, fine, left = (self.gap + share * self.spacing for share in (DRAWN, TIED, LEFT))
         if not draw or self.gaps.max() <= allowed:
             return None, self._tie(self.own.moved)
-        curve = _of_degree(self.own.curve, max(len(self.own.curve), 3) - 1)
+        curve = self.own.moving[0]
+        curve = _of_degree(curve, max(len(curve), 3) - 1)
         drawn, least = follow(
             curve,
-            self.bearer.curve,
-            self.bearer.balls,
             _weights(len(curve)),
-            _weights(len(self.bearer.curve)),
+            self.bearer.moving,
             (self.gaps, self.mine, self.theirs),
             allowed,
             fine,

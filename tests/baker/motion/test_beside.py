@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.beside import LEAST, balls, closest, gaps_of
+from baker.motion.beside import LEAST, balls, gaps_of, widest
 from gclip.evaluate import bernstein
 
 COUNTS = [1, LEAST - 1, LEAST, LEAST + 1, 70 * LEAST + 3]  # with the last, balls within balls
@@ -27,46 +27,51 @@ def apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.linalg.norm(here[:, :, None] - there[:, None], axis=3)
 
 
+def moving(curve: np.ndarray, weights: np.ndarray = WEIGHTS) -> tuple[np.ndarray, ...]:
+    return curve, balls(curve), weights
+
+
 @pytest.mark.parametrize("mine", COUNTS)
 @pytest.mark.parametrize("theirs", COUNTS)
 @pytest.mark.parametrize("enough", [0.0, 0.5, 1.5])
-def test_the_closest_of_all_pairs(mine: int, theirs: int, enough: float) -> None:
+def test_the_widest_gap_is_that_of_all_pairs(mine: int, theirs: int, enough: float) -> None:
     a, b = clouds(mine, theirs)
-    gaps, pairs = apart(a, b).min(axis=(1, 2)), apart(a, b)
-    begin = EVERY % mine, EVERY % theirs
-    both = a, b, balls(a), balls(b), WEIGHTS, WEIGHTS
-    found, first, second = closest(*both, *begin, enough)
+    pairs = apart(a, b)
+    gaps = pairs.min(axis=(1, 2))
+    found, first, second = widest(moving(a), moving(b), EVERY % mine, EVERY % theirs, enough)
     np.testing.assert_allclose(pairs[EVERY, first, second], found, rtol=1e-12)
-    np.testing.assert_allclose(found[gaps > enough], gaps[gaps > enough], rtol=1e-12)
-    assert (found[gaps <= enough] <= enough).all()
+    if gaps.max() > enough:
+        assert found.max() == pytest.approx(gaps.max(), rel=1e-12)
+        assert gaps[np.argmax(found)] == pytest.approx(gaps.max(), rel=1e-12)
+    else:
+        assert found.max() <= enough
 
 
 @pytest.mark.parametrize("mine", COUNTS)
 @pytest.mark.parametrize("theirs", COUNTS)
-def test_gaps_that_widen_are_told_of_all_pairs(mine: int, theirs: int) -> None:
+@pytest.mark.parametrize("turned", [False, True])
+def test_gaps_that_widen_are_told_of_all_pairs(mine: int, theirs: int, turned: bool) -> None:
     a, b = clouds(mine, theirs)
     for later in range(4):  # beside one another, or far apart
         b[1:3, :, 2] += later
-        pairs = apart(a, b)
+        here, there = (a[::-1].copy(), b[::-1].copy()) if turned else (a, b)
+        pairs = apart(here, there)
         gaps = pairs.min(axis=(1, 2))
-        widening = gaps.max() - max(gaps[0], gaps[-1])
+        at_scans = max(gaps[0], gaps[-1])
+        widening = gaps.max() - at_scans
         for allowed in {0.0, max(widening - 1e-6, 0.0), widening + 1e-6}:
-            both = a, b, balls(a), balls(b), WEIGHTS, WEIGHTS
-            found, first, second = gaps_of(*both, allowed)
+            found, first, second = gaps_of(moving(here), moving(there), allowed)
             limit = max(found[0], found[-1]) + allowed
             assert (found.max() > limit) == (widening > allowed)
             if widening > allowed:
-                wide = gaps > limit
-                wide[[0, -1]] = True
-                np.testing.assert_allclose(found[wide], gaps[wide], rtol=1e-12)
                 np.testing.assert_allclose(pairs[EVERY, first, second], found, rtol=1e-12)
+                assert max(found[0], found[-1]) == pytest.approx(at_scans, rel=1e-12)
+                assert found.max() == pytest.approx(gaps.max(), rel=1e-12)
 
 
 def test_points_that_touch() -> None:
-    same = np.zeros((2, 20, 3))
-    begin = np.array([3, 3])
-    both = same, same, balls(same), balls(same), np.eye(2), np.eye(2)
-    gaps, a, b = closest(*both, begin, begin, 0.0)
+    same, begin = np.zeros((2, 20, 3)), np.array([3, 3])
+    gaps, a, b = widest(moving(same, np.eye(2)), moving(same, np.eye(2)), begin, begin, 0.0)
     assert gaps.tolist() == [0.0, 0.0]
     assert a.tolist() == b.tolist() == [3, 3]
 
@@ -89,6 +94,6 @@ def test_who_passes_by_between_the_scans_is_near() -> None:
     stem[0, :, 2] = np.linspace(0, 10, 101)
     stem[1, :, 2] = np.linspace(-10, 0, 101)
     weights = np.array([bernstein(1, u) for u in np.linspace(0, 1, 11)])
-    gaps, _, passing = gaps_of(leaf, stem, balls(leaf), balls(stem), weights, weights, 0.01)
+    gaps, _, passing = gaps_of(moving(leaf, weights), moving(stem, weights), 0.01)
     np.testing.assert_allclose(gaps, 0, atol=1e-6)
     assert passing[1:].tolist() == [*range(10, 101, 10)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.beside import balls, closest
+from baker.motion.beside import balls, widest
 from baker.motion.follow import follow
 from gclip.evaluate import bernstein
 
@@ -14,9 +14,9 @@ INSTANTS = np.array([bernstein(2, u) for u in np.linspace(0, 1, 9)])
 
 def met(organ: np.ndarray, bearer: np.ndarray) -> tuple:
     """What `follow` is told of an organ and its bearer."""
-    around, none = balls(bearer), np.zeros(len(INSTANTS), np.int64)
-    both = organ, bearer, balls(organ), around, INSTANTS, INSTANTS
-    return organ, bearer, around, INSTANTS, INSTANTS, closest(*both, none, none, 0.0)
+    none = np.zeros(len(INSTANTS), np.int64)
+    moving, theirs = (organ, balls(organ), INSTANTS), (bearer, balls(bearer), INSTANTS)
+    return organ, INSTANTS, theirs, widest(moving, theirs, none, none, 0.0)
 
 
 def test_an_organ_is_drawn_to_its_bearer_and_its_ends_stay() -> None:
