@@ -17,6 +17,7 @@ from gclip.pack import morton_codes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.spatial import cKDTree
 
     from baker.scans.cloud import Cloud
 
@@ -46,18 +47,30 @@ def without_strays(cloud: Cloud) -> Cloud:
 
 def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[np.int64]:
     """(N,) the labels of (N, 3) points, strays mended."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     names, owner = np.unique(labels, return_inverse=True)
-    tree = cKDTree(points)
+    if len(names) < 2:
+        return labels
+    order = np.argsort(morton_codes(points), kind="stable")  # what is side by side is found faster
+    tree = cKDTree(points[order], balanced_tree=False)
     reach = REACH * point_spacing(points, tree)
-    near = near_others(points, owner, reach) if reach and len(names) > 1 else np.zeros(0, bool)
+    if reach:
+        owner[order] = _mended(points[order], owner[order], tree, reach)
+    return names[owner]
+
+
+def _mended(
+    points: NDArray[np.floating], owner: NDArray[np.intp], tree: cKDTree, reach: float
+) -> NDArray[np.intp]:
+    """(N,) the organ of each point, from 0 on; `tree` is of the points."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    near = near_others(points, owner, reach)
     border = np.flatnonzero(near)
     if not len(border):
-        return labels
-    border = border[np.argsort(morton_codes(points[border]), kind="stable")]  # faster side by side
+        return owner
     k = min(NEIGHBORS + 1, len(points))
     _, around = tree.query(points[border], k, distance_upper_bound=reach)
     around = around[:, 1:]  # the nearest is the point itself
@@ -73,7 +86,7 @@ def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[n
     stray = amid >= SURROUNDED * np.maximum(np.bincount(piece[one], minlength=count), 1)
     stray &= size < SMALL * np.bincount(owner)[organ]
     stray[piece[~near]] = False  # it goes on where no other organ is
-    lost = np.bincount(organ[stray], weights=size[stray], minlength=len(names))
+    lost = np.bincount(organ[stray], weights=size[stray], minlength=int(owner.max()) + 1)
     stray &= (lost <= DOUBTFUL * np.bincount(owner))[organ]
 
     votes = np.flatnonzero(stray[piece[one]] & ~own)
@@ -83,4 +96,4 @@ def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[n
     best = np.lexsort((pairs[:, 1], -number, pairs[:, 0]))
     pieces, first = np.unique(pairs[best, 0], return_index=True)
     organ[pieces] = pairs[best[first], 1]
-    return names[organ[piece]]
+    return organ[piece]
