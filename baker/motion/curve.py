@@ -146,22 +146,24 @@ def _bend(
     """
     from scipy.spatial import cKDTree
 
-    bow = motion.bow(clouds[0][moved.start_points])
+    assert moved.start_points is not None
+    starts, mover = np.unique(moved.start_points, return_inverse=True)
+    bow = motion.bow(clouds[0][starts])[mover]
     way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
     if (bow**2).sum() > MOST**2 * (way**2).sum():
         return None
     tree = cKDTree(motion.warped)
-    shifts = {}
+    touched: dict[int, int] = {}
     for segment, members in borne.items():
         if len(members):
             own = clouds[1][members]
             # A few bound the gap, and the search ends there: most points are farther.
             some = own[:: max(1, len(own) // ASKED)]
             bound = 1.000001 * float(tree.query(some)[0].min()) or np.inf
-            gaps, touched = tree.query(own, distance_upper_bound=bound)
-            base = motion.sample[touched[[int(np.argmin(gaps))]]]
-            shifts[segment] = motion.bow(base)[0]
-    return Bend(bow, shifts)
+            gaps, nearest = tree.query(own, distance_upper_bound=bound)
+            touched[segment] = int(nearest[np.argmin(gaps)])
+    shifts = motion.bow(motion.sample[[*touched.values()]]) if touched else np.empty((0, 3))
+    return Bend(bow, dict(zip(touched, shifts, strict=True)))
 
 
 def _carried(match: Match, bends: dict[int, Bend]) -> dict[int, NDArray[np.float64]]:
