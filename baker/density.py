@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.spacing import reach
+from baker.spacing import Surroundings
 from baker.workers import ALONE, Crew
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, morton_codes, raised
@@ -30,18 +30,17 @@ GROUPS, FEWEST = 24, 8  # of tasks, to share out; from so many on it is worth it
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
 
 
-def point_surface(points: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Surface of each of (N, 3) points up to a factor: its eighth neighbour's distance squared.
+def point_surface(
+    points: NDArray[np.floating], known: NDArray[np.floating] | None = None
+) -> NDArray[np.floating]:
+    """Surface of each of (N, 3) points up to a factor: what its eight nearest lie on.
+
+    known: as in the cloud's `Surroundings`, where these are known.
 
     Points that stand alone count no more than most do.
     """
-    k = min(NEIGHBORS, len(points) - 1)
-    return surface_of(reach(points, k)) if k > 0 else np.ones(len(points))
-
-
-def surface_of(reach: NDArray[np.floating]) -> NDArray[np.floating]:
-    """`point_surface` of points whose eighth neighbours are so far, (N,)."""
-    surface = reach**2
+    surface = Surroundings.of(points, surface=True).surface if known is None else known
+    assert surface is not None
     return np.minimum(surface, np.quantile(surface, 0.98))
 
 

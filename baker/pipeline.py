@@ -18,7 +18,7 @@ from baker.birth import Birth, births
 from baker.cache import IntervalCache
 from baker.cache.alignments import aligned
 from baker.complete import completed
-from baker.density import surface_of
+from baker.density import point_surface
 from baker.describe import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.executor import Executor, Threads
@@ -97,7 +97,7 @@ def bake_recorded(
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
     threads = crew.beside(len(clouds))
-    measured = crew.map(partial(Surroundings.of, workers=threads), clouds)
+    measured = crew.map(partial(Surroundings.of, workers=threads, surface=recipe.even > 0), clouds)
     bases = [
         root_point(cloud, vertical, root, around.reach)
         for cloud, around in zip(clouds, measured, strict=True)
@@ -258,7 +258,7 @@ def _interval_jobs(
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
         keyframes = [
-            replace(frame, surface=np.ones(1) if a.reach is None else surface_of(a.reach))
+            replace(frame, surface=point_surface(frame.positions, a.surface))
             for frame, a in zip(keyframes, measured, strict=True)
         ]
     whole = completed(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.surface import patches
 from gclip.pack import morton_codes
 
 if TYPE_CHECKING:
@@ -25,19 +26,29 @@ class Surroundings:
     spacing: as `point_spacing` has it.
     reach:   (N,) distance to the eighth nearest other point, or the last one of fewer; None for a
              cloud of one point.
+    surface: (N,) what surface its eight nearest lie on, up to a factor; None if that is not asked.
     """
 
     spacing: float
     reach: NDArray[np.float64] | None
+    surface: NDArray[np.float64] | None = None
 
     @classmethod
-    def of(cls, points: NDArray[np.floating], workers: int = 1) -> Surroundings:
-        """All from one search; workers: threads."""
+    def of(
+        cls, points: NDArray[np.floating], workers: int = 1, surface: bool = False
+    ) -> Surroundings:
+        """All from one search; workers: threads; surface: whether that is asked."""
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
-            return cls(0.0, None)
-        nearest, farther = _distances(points, (1, k), workers)
-        return cls(float(np.median(nearest[:: -(-len(points) // SAMPLE)])), farther)
+            return cls(0.0, None, np.ones(len(points)) if surface else None)
+        ranks = tuple(range(k + 1)) if surface else (1, k)
+        order, distances, near = _nearest(points, ranks, workers)
+        found = np.empty((3, len(points)))
+        found[:2, order] = distances[:, 1 if surface else 0], distances[:, -1]
+        if surface:
+            found[2, order] = patches(points[order], near, distances[:, -1])
+        spacing = float(np.median(found[0, :: -(-len(points) // SAMPLE)]))
+        return cls(spacing, found[1], found[2] if surface else None)
 
 
 def point_spacing(points: NDArray[np.floating], tree: cKDTree | None = None) -> float:
@@ -105,18 +116,23 @@ def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
 
     Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
     """
-    return _distances(points, (k,))[0]
+    order, distances, _ = _nearest(points, (k,))
+    found = np.empty(len(points))
+    found[order] = distances[:, 0]
+    return found
 
 
-def _distances(
+def _nearest(
     points: NDArray[np.floating], ranks: tuple[int, ...], workers: int = 1
-) -> NDArray[np.float64]:
-    """(ranks, N) each point's distance to its nearest other points of these ranks, from 1 on."""
+) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.intp]]:
+    """How far each point's nearest ones of these ranks are, and which; 0 is the point itself.
+
+    (N,) the points in the order of a Morton curve, and in that order (N, ranks) distances and
+    places in it.
+    """
     from scipy.spatial import cKDTree
 
     order = np.argsort(morton_codes(points), kind="stable")
-    sorted_points = points[order]
-    found = cKDTree(sorted_points).query(sorted_points, [k + 1 for k in ranks], workers=workers)[0]
-    distances = np.empty((len(ranks), len(points)))
-    distances[:, order] = found.T
-    return distances
+    placed = points[order]
+    distances, near = cKDTree(placed).query(placed, [k + 1 for k in ranks], workers=workers)
+    return order, distances, near
