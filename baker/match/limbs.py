@@ -46,9 +46,10 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
     Together the pieces have every point of either side exactly once. Where too few limbs are the
     same to go by, all is one piece.
     """
-    first, second = limbs(start, feet[0]), limbs(end, feet[1])
-    if first.max() < 0 or second.max() < 0:
+    both = _limbs_of_both(start, end, feet)
+    if both is None:
         return []
+    first, second = both
     here, there, pairs = laid_on(start, end, feet, first, second)
     whole = [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
     if len(pairs) < FEWEST:
@@ -64,6 +65,20 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
             cut.append(Piece(a, b, *lying))
     used = sum(len(piece.start) + len(piece.end) for piece in cut)
     return cut if used == len(start) + len(end) else whole
+
+
+def _limbs_of_both(
+    start: Points, end: Points, feet: tuple[int, int]
+) -> tuple[Indices, Indices] | None:
+    """The limbs of either side; None where one has none, as most have: the smaller is asked."""
+    if len(end) < len(start):
+        turned = _limbs_of_both(end, start, feet[::-1])
+        return turned and turned[::-1]
+    first = limbs(start, feet[0])
+    if first.max() < 0:
+        return None
+    second = limbs(end, feet[1])
+    return None if second.max() < 0 else (first, second)
 
 
 def _named(limb: Indices, chosen: Indices) -> Indices:
