@@ -27,9 +27,9 @@ _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried 
 _FEW = 100  # points of the smaller side up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
 _CELL = 500  # points of both sides in a cell above that: its data stay in the cache
-_NEARBY = 3  # sweeps of such cells; where mass has far to go, cells are ever larger then
+_NEARBY = 3  # sweeps of such cells; where mass has farther to go, in later ones they double
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
-_SWEEPS = 6
+_SWEEPS = 6  # at most: the time that a point takes grows with the cells
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _improve(
         farther = sweep + 1 - _NEARBY
         if farther == 1:
             near = neighbours(0 if few else _NEIGHBORS[1])
-        cells = -(-(n + m) // (_CELL * 4 ** max(0, farther)))
+        cells = round((n + m) / (_CELL * 2 ** max(0, farther)))
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, exhaustive, search)
         cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
