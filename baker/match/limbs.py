@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match.laid import FEWEST, laid_on, middles
+from baker.nearby import nearest
 from baker.segment.limbs import limbs
 from baker.transport.support import balance
 
@@ -95,10 +96,7 @@ def _joined(
 
     What touches is one limb in one scan, perhaps, and two in the other.
     """
-    from scipy.spatial import cKDTree
-
-    ahead = second[cKDTree(there).query(here)[1]]
-    back = first[cKDTree(here).query(there)[1]]
+    ahead, back = second[nearest(here, there)], first[nearest(there, here)]
     return _with_most(first, before, ahead), _with_most(second, after, back)
 
 

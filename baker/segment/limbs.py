@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.nearby import nearest
+
 NEIGHBORS = 5  # more tie leaves together that lie close by
 LONG = 3.0  # median edges of the graph that a limb is long at least, ...
 LONG_SHARE = 0.03  # ... and of the organ
@@ -25,8 +27,6 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
 
     All -1 where no two limbs meet.
     """
-    from scipy.spatial import cKDTree
-
     count = len(points)
     if count <= MOST:
         return _limbs(points, foot)
@@ -35,7 +35,7 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
     found = _limbs(points[some], 0)
     if found.max() < 0:
         return np.full(count, -1)
-    return found[cKDTree(points[some]).query(points)[1]]
+    return found[nearest(points, points[some])]
 
 
 def _limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:

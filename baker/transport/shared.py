@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.nearby import along_curve
 from baker.transport.plan import Masses, Points
 
 if TYPE_CHECKING:
@@ -30,8 +31,11 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     if k < 2:
         shares = np.ones(len(start)), np.ones(len(end))
     else:
-        here, there = cKDTree(start), cKDTree(end)
-        shares = _shared(here, there, k), _shared(there, here, k)
+        orders = along_curve(start), along_curve(end)
+        here, there = cKDTree(start[orders[0]]), cKDTree(end[orders[1]])
+        shares = np.empty(len(start)), np.empty(len(end))
+        shares[0][orders[0]] = _shared(here, there, k)
+        shares[1][orders[1]] = _shared(there, here, k)
     supply, demand = (np.maximum(1, UNITS * (s / s.sum())).astype(np.int64) for s in shares)
     # What rounding has taken goes to the largest, of which it is next to nothing.
     supply[np.argmax(supply)] += max(0, int(demand.sum() - supply.sum()))

@@ -1,0 +1,24 @@
+"""Nearest neighbours, whatever the order that the points come in."""
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+from baker.nearby import along_curve, nearest
+
+random = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize(("n", "m"), [(300, 200), (1, 40), (40, 1)])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_each_point_gets_its_nearest(n, m, dtype):
+    points, among = (random.normal(size=(count, 3)).astype(dtype) for count in (n, m))
+    np.testing.assert_array_equal(nearest(points, among), cdist(points, among).argmin(axis=1))
+
+
+def test_points_that_follow_one_another_along_the_curve_are_near():
+    points = random.random((2000, 3))
+    order = along_curve(points)
+    np.testing.assert_array_equal(np.sort(order), np.arange(2000))
+    steps = np.linalg.norm(np.diff(points[order], axis=0), axis=1)
+    assert np.median(steps) < 0.25 * np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
