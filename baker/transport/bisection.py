@@ -83,12 +83,12 @@ def expand(
     ]
     steps = np.concatenate([row_end, edge_end, column_end - shift[edge_of_column_end]])
     steps.sort()
-    steps = steps[np.diff(steps, prepend=0) > 0]
+    steps = steps[np.concatenate([steps[:1] > 0, steps[1:] > steps[:-1]])]
     edge = np.searchsorted(edge_end, steps)
     return (
         rows.order[np.searchsorted(row_end, steps)],
         columns.order[np.searchsorted(column_end, steps + shift[edge])],
-    ), np.diff(steps, prepend=0)
+    ), np.concatenate([steps[:1], steps[1:] - steps[:-1]])
 
 
 def couple(

@@ -22,18 +22,19 @@ def movers(
     rows, columns, mass = plan.rows[order], plan.columns[order], plan.mass[order]
     picked = np.zeros(len(mass), np.float32)
     for name, side, count in (("start", rows, n), ("end", columns, m)):
-        entries = _maxima(side, mass)
-        if len(entries) != count:
-            raise ValueError(f"the plan uses {len(entries)} of the {count} points of the {name}")
+        entries = _maxima(side, mass, count)
+        if (entries < 0).any():
+            used = int((entries >= 0).sum())
+            raise ValueError(f"the plan uses {used} of the {count} points of the {name}")
         picked[entries] += 0.5
-    used = np.flatnonzero(picked)
-    return rows[used], columns[used], picked[used]
+    moved = np.flatnonzero(picked)
+    return rows[moved], columns[moved], picked[moved]
 
 
-def _maxima(group: Indices, mass: NDArray[np.float64]) -> NDArray[np.intp]:
-    """The entry of the largest mass in each group, on ties the first one."""
-    order = np.argsort(group, kind="stable")
-    ordered, first = mass[order], np.flatnonzero(np.diff(group[order], prepend=-1))
-    largest = np.maximum.reduceat(ordered, first)
-    found = order[ordered == np.repeat(largest, np.diff(first, append=len(order)))]
-    return found[np.diff(group[found], prepend=-1) != 0]
+def _maxima(group: Indices, mass: NDArray[np.float64], count: int) -> NDArray[np.intp]:
+    """(count,) the entry of the largest mass in each group, on ties the first one; -1 for none."""
+    largest, entries = np.zeros(count), np.full(count, -1)
+    np.maximum.at(largest, group, mass)
+    backwards = np.flatnonzero(mass == largest[group])[::-1]
+    entries[group[backwards]] = backwards  # of those of a group the last to be written stays
+    return entries
