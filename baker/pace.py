@@ -82,7 +82,7 @@ def paces(
         found.append({})
         for organ, way in known_ways.items():
             ahead = _ahead(ways, spans, k, organ)
-            growing = _ahead(growths, spans, k, organ)
+            growing = _ahead(growths, spans, k, organ, growth=True)
             far = abs(ahead) * np.linalg.norm(way)
             grown = abs(growing) * np.linalg.norm(growths[k].get(organ, np.zeros(1)))
             if max(far, grown) > MATTERS * spacing:
@@ -110,8 +110,12 @@ def _radius(points: NDArray[np.float64]) -> float:
     return float(np.sqrt(points.var(axis=0).sum()))
 
 
-def _ahead(known: Sequence[Known], spans: Sequence[float], k: int, organ: int) -> float:
+def _ahead(
+    known: Sequence[Known], spans: Sequence[float], k: int, organ: int, growth: bool = False
+) -> float:
     """How far beyond the half of interval k's way an organ is half-way, of the way.
+
+    growth: whether that is what it grows by. An organ grows slowly at first and at last.
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 half-way, v and w its speeds at the ends.
     """
@@ -125,12 +129,17 @@ def _ahead(known: Sequence[Known], spans: Sequence[float], k: int, organ: int) -
     )
     if first is None and last is None:
         return 0.0
-    # At the series' ends speeds go on to change as they do at the interval's other scan.
-    first = -last if first is None and last is not None else first
-    last = -first if last is None and first is not None else last
-    assert first is not None
-    assert last is not None
+    # At the series' ends speeds go on to change as they do at the interval's other scan; but what
+    # grows the faster the nearer it is to an end has been slower beyond, or will be.
+    first = _beyond(last, growth) if first is None else first
+    last = _beyond(first, growth) if last is None else last
     return float(np.clip((first - last) / 8, -MOST, MOST))
+
+
+def _beyond(inner: float | None, growth: bool) -> float:
+    """By how much faster an organ is at an end of the series, as a share."""
+    assert inner is not None
+    return min(-inner, 0.0) if growth else -inner
 
 
 def _faster(way: Vector, span: float, other: Vector, long: float) -> float:

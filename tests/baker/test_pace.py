@@ -57,6 +57,26 @@ def test_backwards_is_the_same_way_back():
     np.testing.assert_allclose(back[::-1], -np.array(there), atol=1e-12)
 
 
+def growing(sizes) -> list[float]:
+    """The paces at which an organ's size changes, by interval."""
+    times = np.arange(float(len(sizes)))
+    points = POINTS - POINTS.mean(axis=0)
+    clouds = [size * points + [0, 0, 5.0 * k] for k, size in enumerate(sizes)]
+    whole = Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)
+    matches = [Match(whole, whole, ((0, 0),), (), ())] * (len(sizes) - 1)
+    named = [IntervalOrgans({0: 7}, {0: 7}, {})] * (len(sizes) - 1)
+    return [p[7].growing if 7 in p else 0.0 for p in paces(clouds, matches, named, times, 1e-6)]
+
+
+def test_at_the_ends_of_a_series_growth_has_been_slow_or_will_be():
+    slowing = growing([1, 3, 4, 4.5])
+    # Before the first scan it was no faster than after it; beyond the last one it is slower still.
+    assert slowing[0] == pytest.approx(slowing[1] / 2)
+    assert slowing[2] == pytest.approx(slowing[1])
+    assert slowing[0] > 0
+    assert growing([4.5, 4, 3, 1])[::-1] == pytest.approx([-pace for pace in slowing])
+
+
 def test_uneven_dates_are_no_change_of_pace():
     times = np.array([0.0, 1, 4, 4.5, 9])
     np.testing.assert_allclose(found(along(3 * times), times), 0, atol=1e-9)
