@@ -21,7 +21,7 @@ def draw(moving: Points, end: Points) -> Points:
     the maps are blended. The kernel narrows: first the whole is moved, then its parts.
     """
     from baker.motion.drawing import mapped, maps, spread_out, terms
-    from baker.motion.nearest import line, nearest, nearest_on
+    from baker.motion.nearest import line, line_along, nearest_on
 
     middle = moving.mean(axis=0)
     here, there = moving - middle, end - middle
@@ -34,7 +34,8 @@ def draw(moving: Points, end: Points) -> Points:
         weights = np.exp(squared * np.float32(-0.5 / (width * size) ** 2)) + np.float32(1e-12)
         blend = (weights / weights.sum(axis=0)).T
         for _ in range(ROUNDS):
-            pairs = nearest_on(drawn, target, np.inf), nearest(there, drawn)
-            sums = weights @ terms(here, there, *pairs, DOUBTFUL)
+            now = line_along(drawn, target[0])
+            ahead, back = nearest_on(now, target, np.inf), nearest_on(target, now, np.inf)
+            sums = weights @ terms(here, there, ahead, back, DOUBTFUL)
             drawn = mapped(here, blend @ maps(sums, STIFFNESS * (width * size) ** 2))
     return drawn + middle

@@ -21,7 +21,8 @@ Line = tuple[int, Ints, Floats]  # (n, 3) points along an axis: which, their ord
 @compiled
 def nearest(queries: Floats, points: Floats) -> tuple[Floats, Ints]:
     """(q,) distances from (q, 3) places to the nearest of (n, 3) points, and which those are."""
-    return nearest_on(queries, line(points), np.inf)
+    target = line(points)
+    return nearest_on(line_along(queries, target[0]), target, np.inf)
 
 
 @compiled
@@ -32,6 +33,12 @@ def line(points: Floats) -> Line:
         extent = points[:, k].max() - points[:, k].min()
         if extent > longest:
             axis, longest = k, extent
+    return line_along(points, axis)
+
+
+@compiled
+def line_along(points: Floats, axis: int) -> Line:
+    """Points in their order along an axis."""
     order = np.argsort(points[:, axis])
     lined = np.empty((len(points), 3))
     for i in range(len(points)):
@@ -41,29 +48,35 @@ def line(points: Floats) -> Line:
 
 
 @compiled
-def nearest_on(queries: Floats, points: Line, beyond: float) -> tuple[Floats, Ints]:
-    """As `nearest`, of points on a `line`; inf where it is by so much beyond the least distance.
+def nearest_on(queries: Line, points: Line, beyond: float) -> tuple[Floats, Ints]:
+    """As `nearest`, of both along one axis.
+
+    beyond: where it is by so much beyond the least of all distances, a distance is inf.
+    """
+    away, found = np.empty(len(queries[1])), np.empty(len(queries[1]), np.int64)
+    apart, places = _nearest(queries[2], points[2], beyond)
+    for i in range(len(apart)):
+        away[queries[1][i]], found[queries[1][i]] = apart[i], points[1][places[i]]
+    return away, found
+
+
+@compiled
+def _nearest(queries: Floats, points: Floats, beyond: float) -> tuple[Floats, Ints]:
+    """As `nearest_on`, of (q, 3) and (n, 3) in their order along the first axis.
 
     Points are looked at from the place on to both sides, as far as the nearest one so far.
     """
-    axis, order, lined = points
-    count = len(lined)
+    count, low, bound = len(points), 0, np.inf
     away, found = np.full(len(queries), np.inf), np.zeros(len(queries), np.int64)
-    bound = np.inf
     for q in range(len(queries)):
-        x, y, z = (queries[q, axis], queries[q, (axis + 1) % 3], queries[q, (axis + 2) % 3])
-        low, high = 0, count
-        while low < high:
-            middle = (low + high) // 2
-            if lined[middle, 0] < x:
-                low = middle + 1
-            else:
-                high = middle
+        x, y, z = queries[q, 0], queries[q, 1], queries[q, 2]
+        while low < count and points[low, 0] < x:
+            low += 1
         least, best = bound, -1
         before, after = low - 1, low
         while before >= 0 or after < count:
             if after < count:
-                u, v, w = lined[after, 0] - x, lined[after, 1] - y, lined[after, 2] - z
+                u, v, w = points[after, 0] - x, points[after, 1] - y, points[after, 2] - z
                 if u * u > least:
                     after = count
                 else:
@@ -72,7 +85,7 @@ def nearest_on(queries: Floats, points: Line, beyond: float) -> tuple[Floats, In
                         least, best = squared, after
                     after += 1
             if before >= 0:
-                u, v, w = lined[before, 0] - x, lined[before, 1] - y, lined[before, 2] - z
+                u, v, w = points[before, 0] - x, points[before, 1] - y, points[before, 2] - z
                 if u * u > least:
                     before = -1
                 else:
@@ -81,7 +94,7 @@ def nearest_on(queries: Floats, points: Line, beyond: float) -> tuple[Floats, In
                         least, best = squared, before
                     before -= 1
         if best >= 0:
-            away[q], found[q] = np.sqrt(least), order[best]
+            away[q], found[q] = np.sqrt(least), best
             # Rounding must not leave out what is just as far beyond.
             bound = min(bound, (1.0 + 1e-9) * (away[q] + beyond) ** 2)
     return away, found
@@ -95,15 +108,17 @@ def nearest_cloud(clouds: Floats, end: Floats, some: Floats, prices: Floats) -> 
     end's to it.
     """
     target = line(end)
+    asked = line_along(some, target[0])[2]
     best, least = 0, np.inf
     for c in np.argsort(prices):
         most, gap, first = least / prices[c], 0.0, 0
-        while first < len(clouds[c]) and gap < most:
-            part = clouds[c, first : first + FEW]
-            gap += nearest_on(part, target, np.inf)[0].sum() / len(clouds[c])
+        cloud = line_along(clouds[c], target[0])[2]
+        while first < len(cloud) and gap < most:
+            part = cloud[first : first + FEW]
+            gap += _nearest(part, target[2], np.inf)[0].sum() / len(cloud)
             first += FEW
         if gap < most:
-            gap += nearest(some, clouds[c])[0].mean()
+            gap += _nearest(asked, cloud, np.inf)[0].mean()
         if gap < most:
             best, least = c, gap * prices[c]
     return best

@@ -70,12 +70,13 @@ def _contact(
     sample: Points, around: Neighbours, parent: OrganShape | None, base: NDArray[np.floating]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """The points where an organ touches its parent, and how far along the plant those are."""
-    from baker.motion.nearest import line, nearest_on
+    from baker.motion.nearest import line, line_along, nearest_on
 
     if parent is None:
         lowest = int(np.argmin(((sample - base) ** 2).sum(1)))
         return np.array([lowest]), np.zeros(1)
     contact = CONTACT * float(np.median(around[0][:, 1]))
-    gap, touched = nearest_on(sample, line(parent.points), contact)
+    bearer = line(parent.points)
+    gap, touched = nearest_on(line_along(sample, bearer[0]), bearer, contact)
     seeds = np.flatnonzero(gap <= gap.min() + contact)
     return seeds, parent.lengths[touched[seeds]] + gap[seeds]

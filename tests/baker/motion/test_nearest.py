@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.nearest import line, nearest, nearest_cloud, nearest_on
+from baker.motion.nearest import line, line_along, nearest, nearest_cloud, nearest_on
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 1), (9, 1, 1), (1, 1, 30), (1, 9, 0)])
@@ -20,7 +20,8 @@ def test_the_nearest_of_all(shape: tuple[int, ...], count: int, away: float) -> 
     np.testing.assert_allclose(distance, apart.min(axis=1))
     np.testing.assert_allclose(apart[np.arange(40), found], apart.min(axis=1))
     for beyond in (0.0, 0.1, np.inf):
-        near, same = nearest_on(queries, line(points), beyond)
+        target = line(points)
+        near, same = nearest_on(line_along(queries, target[0]), target, beyond)
         asked = distance <= distance.min() + beyond
         np.testing.assert_array_equal(near[asked], distance[asked])
         np.testing.assert_array_equal(same[asked], found[asked])
