@@ -22,7 +22,7 @@ from baker.workers import Crew
 
 _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
-_NEIGHBORS = 4, 6  # neighbours whose partners are tried: in cells near by, in all others
+_NEIGHBORS = 4, 6  # neighbours whose partners are tried; more where there is little slack
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
 _FEW = 100  # points of the smaller side up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
@@ -143,28 +143,27 @@ def _improve(
     few = min(n, m) <= _FEW
     exhaustive = few or (last and n * m <= _EXHAUSTIVE)
 
-    def neighbours(k: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        return _neighbours(start, k, search.workers), _neighbours(end, k, search.workers)
+    def cost() -> float:
+        return float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
 
     whole = n + m <= WHOLE
-    near = neighbours(0 if few else _NEIGHBORS[int(whole)])
+    now = np.inf if whole else cost()
+    little_slack = whole or (last and search.slack < _ENOUGH * now)
+    k = 0 if few else _NEIGHBORS[int(little_slack)]
+    near = _neighbours(start, k, search.workers), _neighbours(end, k, search.workers)
     if whole:
         return *_solve_cells(
             start, end, near, edges, mass, np.zeros(n, np.int64), exhaustive, search
         ), 1
-    now = np.inf
     for sweep in range(_SWEEPS if last else 1):
         farther = sweep + 1 - _NEARBY
-        if farther == 1:
-            near = neighbours(0 if few else _NEIGHBORS[1])
         cells = round((n + m) / (_CELL * 2 ** max(0, farther)))
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, exhaustive, search)
-        cost = float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
-        gained, now = now - cost, cost
+        before, now = now, cost()
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
         enough = max(search.slack, _ENOUGH * now if farther > 0 else 0.0)
-        if cells == 1 or (farther >= 0 and gained <= enough):
+        if cells == 1 or (farther >= 0 and before - now <= enough):
             break
     return edges, mass, sweep + 1
 
