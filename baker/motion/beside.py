@@ -46,7 +46,7 @@ def gaps_of(mine: Moving, theirs: Moving, allowed: float) -> tuple[Floats, Ints,
     known[0] = known[last] = True
     _refine(mine, theirs, gaps, first, second, known, gaps[last] + allowed)
     if gaps.max() > gaps[last] + allowed:
-        gaps[0], p, q = _closest(mine, theirs, 0, first[1], second[1], gaps[last])
+        gaps[0], p, q = _closest(mine, theirs, 0, first[1], second[1], 0.0)
         first[0], second[0] = p, q
         enough = max(gaps[0], gaps[last]) + allowed
         _refine(mine, theirs, gaps, first, second, known, enough)
