@@ -115,12 +115,14 @@ class Shown:
         errors = self.process.stderr.read() if self.process.poll() is not None else ""  # type: ignore[union-attr]
         raise AssertionError(f"not so within {seconds} s: {self.states[-1:]} {errors}")
 
-    def settled(self) -> State:
-        """The state once no more pictures come."""
-        seen = -1
+    def settled(self, quiet: float = 0.3, seconds: float = 20.0) -> State:
+        """The state once no picture has come for so long."""
+        deadline, seen = time.monotonic() + seconds, -1
         while seen != len(self.states):
+            if time.monotonic() > deadline:
+                raise AssertionError(f"pictures still come after {seconds} s: {self.states[-1:]}")
             seen = len(self.states)
-            time.sleep(0.3)
+            time.sleep(quiet)
         return self.states[-1]
 
     def key(self, *keys: str) -> None:
