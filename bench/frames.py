@@ -95,6 +95,8 @@ class Case:
         self.seconds[name] = min(self.seconds.get(name, seconds), seconds)
 
     def release(self) -> None:
+        # What is bound must outlive what is released: moderngl binds it again later on.
+        self._framebuffer.use()
         self._renderer.release()
 
 
