@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.nearby import along_curve
 from baker.surface import patches
-from gclip.pack import morton_codes
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -132,7 +132,7 @@ def _nearest(
     """
     from scipy.spatial import cKDTree
 
-    order = np.argsort(morton_codes(points), kind="stable")
+    order = along_curve(points)
     placed = points[order]
     distances, near = cKDTree(placed).query(placed, [k + 1 for k in ranks], workers=workers)
     return order, distances, near

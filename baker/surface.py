@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 BATCH = 8192  # points, whose neighbours stay in the processor's cache
-
-
 THIN = 1.5  # times less spread than reach from which on points lie on something thin
 
 
