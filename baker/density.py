@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.nearby import along_curve
 from baker.spacing import Surroundings
 from baker.workers import ALONE, Crew
 from gclip.evaluate import bernstein
-from gclip.pack import Movers, morton_codes, raised
+from gclip.pack import Movers, raised
 
 if TYPE_CHECKING:
     from baker.interval import Moved
@@ -189,7 +190,7 @@ def _mean_of_twins(
 
 def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
     """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
-    order = np.argsort(morton_codes(points), kind="stable")
+    order = along_curve(points)
     reached = np.cumsum(wanted[order])
     steps = np.arange(0.5, reached[-1], 1.0) if len(order) else np.empty(0)
     return np.sort(order[np.searchsorted(reached, steps)])

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.interval import Moved
+from baker.nearby import along_curve
 from gclip.evaluate import bernstein
-from gclip.pack import morton_codes, raised
+from gclip.pack import raised
 
 DRAWN, TIED = 0.5, 0.25  # point spacings from which a gap that widens is narrowed, and spanned
 LEFT = 0.2  # point spacings that a gap is drawn to
@@ -44,7 +45,7 @@ class Organ:
 
         curve = np.stack(moved.movers.curve).astype(np.float32, copy=False)
         half_way = np.tensordot(bernstein(len(curve) - 1, 0.5), curve, axes=1)
-        order = np.argsort(morton_codes(half_way), kind="stable")
+        order = along_curve(half_way)
         curve = np.take(curve, order, axis=1)
         return cls(moved, order, (curve, balls(curve), _weights(len(curve))))
 

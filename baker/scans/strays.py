@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from baker.borders import near_others
+from baker.nearby import along_curve
 from baker.spacing import point_spacing
-from gclip.pack import morton_codes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -52,7 +52,7 @@ def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[n
     names, owner = np.unique(labels, return_inverse=True)
     if len(names) < 2:
         return labels
-    order = np.argsort(morton_codes(points), kind="stable")  # what is side by side is found faster
+    order = along_curve(points)
     tree = cKDTree(points[order], balanced_tree=False)
     reach = REACH * point_spacing(points, tree)
     if reach:

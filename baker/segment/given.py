@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.borders import near_others
+from baker.nearby import along_curve
 from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
 from baker.spacing import lowest_point, point_spacing
 from baker.vertical import Vertical
-from gclip.pack import morton_codes
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
 ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
@@ -102,7 +102,7 @@ def _touching_gaps(
     k = min(NEIGHBORS, len(near))
     if k < 2 or not len(near):
         return {}
-    near = near[np.argsort(morton_codes(points[near]), kind="stable")]  # side by side is faster
+    near = near[along_curve(points[near])]
     # Points of two segments that are near each other are both among these.
     distances, neighbors = cKDTree(points[near]).query(
         points[near],

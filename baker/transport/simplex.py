@@ -11,7 +11,8 @@ cells, so small that their data stay in the cache.
 Libraries' solvers start from nothing and take the pairs as a list: for the same optimum POT's
 network simplex needs 5 to 30 times as long (bench/transport.py).
 
-Compiled by numba: import this module late.
+Compiled by numba: import this module late. All this is one file: numba, which keeps machine code by
+file, does not see that another changes.
 """
 
 from __future__ import annotations

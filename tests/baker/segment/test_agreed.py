@@ -68,6 +68,13 @@ def test_nothing_grows_from_what_is_younger():
     assert [scan[2] for scan in found[1:]] == [1, 1]
 
 
+def test_what_comes_up_between_an_organ_and_its_bearer_bears_it_not():
+    apart = [(0, STEM), (1, np.add(LEFT, [0.06, 0, 0]))]
+    between = (2, rod([0.06, 0, 4], [0.06, 1, 4]))  # nearer to both than they are to each other
+    found = bearers([apart, [*apart, between]])
+    assert found == [{0: None, 1: 0}, {0: None, 1: 0, 2: 0}]
+
+
 def test_where_its_bearer_is_hidden_an_organ_hangs_on_what_is_near():
     found = bearers([[*USUAL, (3, YOUNG)], [(0, STEM), (2, RIGHT), (3, YOUNG)]])
     assert found[0][3] == 1
