@@ -11,7 +11,7 @@ from baker.density import with_even_density
 from baker.feet import Feet
 from baker.interval import Keyframe, Moved, solve_task
 from baker.match import IntervalOrgans, Match
-from baker.motion import Bend, Bending, attached, shaping
+from baker.motion import Bend, Bending, attached
 from baker.tasks import Task
 from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
@@ -84,8 +84,9 @@ def move_interval(
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
     total = sum(map(_size, job.tasks))
-    feet = Feet((job.start.positions, job.end.positions), job.match, job.organs)
-    bending = _bending(job, crew) if job.curved else None
+    clouds = job.start.positions, job.end.positions
+    feet = Feet(clouds, job.match, job.organs)
+    bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
 
     def solve(task: Task) -> tuple[Moved, Bend | None]:
         # Only what is more than one's share of the work is shared out itself.
@@ -123,12 +124,6 @@ def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -
         precision=job.precision,
         segments=tuple(m.pair for m in solved if m.pair is not None),
     )
-
-
-def _bending(job: IntervalJob, crew: Crew) -> Bending:
-    clouds = job.start.positions, job.end.positions
-    shapes = crew.map(lambda find: find(), shaping(clouds, job.match, job.bases))
-    return Bending(clouds, job.match, job.organs, shapes, job.spacing)
 
 
 def _size(task: Task) -> int:

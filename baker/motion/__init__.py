@@ -1,7 +1,7 @@
 """How organs bend and turn between two scans: spines, a coherent warp, curved paths."""
 
 from baker.motion.attach import attached
-from baker.motion.curve import Bend, Bending, shaping
+from baker.motion.curve import Bend, Bending
 from baker.motion.organ import OrganMotion, fit_motion
 
 __all__ = [
@@ -10,5 +10,4 @@ __all__ = [
     "OrganMotion",
     "attached",
     "fit_motion",
-    "shaping",
 ]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,37 +12,13 @@ from numpy.typing import NDArray
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
-from baker.motion.shape import FEWEST, OrganShape, organ_shapes
+from baker.motion.shape import Shapes
 from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
 MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
 ASKED = 50  # points of an organ that bound how far it is from its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
-
-
-Shapes = list[OrganShape | None]  # of a scan's organs, by segment
-
-
-def shaping(
-    clouds: Sequence[NDArray[np.floating]],
-    match: Match,
-    bases: Sequence[NDArray[np.floating]],
-) -> list[Callable[[], Shapes]]:
-    """For an interval's first and second scan what finds its organs' shapes once it is called.
-
-    bases: (3,) where the plant leaves the ground in each scan.
-    """
-    scans = match.first, match.second
-    bending = [
-        pair
-        for pair in match.pairs
-        if all(len(scan.segments[s]) >= FEWEST for scan, s in zip(scans, pair, strict=True))
-    ]
-    return [
-        partial(organ_shapes, clouds[k], scan, bases[k], [pair[k] for pair in bending])
-        for k, scan in enumerate(scans)
-    ]
 
 
 @dataclass(frozen=True)
@@ -52,14 +28,14 @@ class Bending:
     The root stands, and what has too few points or hardly bends goes straight; so does what has
     limbs, through which no one spine runs.
 
-    clouds:  of the two scans; shapes: of their organs, as `shaping` finds them.
+    clouds:  of the two scans; bases: (3,) where the plant leaves the ground in each.
     spacing: the point spacing, which says what bows matter.
     """
 
     clouds: Sequence[NDArray[np.floating]]
     match: Match
     organs: IntervalOrgans
-    shapes: Sequence[Shapes]
+    bases: Sequence[NDArray[np.floating]]
     spacing: float
 
     def of(self, moved: Moved) -> Bend | None:
@@ -69,7 +45,10 @@ class Bending:
             return None
         if moved.start_points is None or moved.born or moved.limbs:
             return None
-        before, after = self._partners[segment]
+        before = self._shapes[0].of(self._partners[segment])
+        after = self._shapes[1].of(segment)
+        if before is None or after is None:
+            return None
         motion = fit_motion(before, after, MATTERS * self.spacing)
         if motion is None:
             return None
@@ -105,14 +84,18 @@ class Bending:
         return {self.organs.second[b]: b for b in self.match.second.from_the_root()}
 
     @cached_property
-    def _partners(self) -> dict[int, tuple[OrganShape, OrganShape]]:
-        """By segment of the second scan the shapes of what may bend."""
-        partners = {}
-        for a, b in self.match.pairs:
-            before, after = self.shapes[0][a], self.shapes[1][b]
-            if a != self.match.first.root and b != self.match.second.root and before and after:
-                partners[b] = before, after
-        return partners
+    def _partners(self) -> dict[int, int]:
+        """By segment of the second scan what it was in the first; the root has none."""
+        roots = self.match.first.root, self.match.second.root
+        return {b: a for a, b in self.match.pairs if a != roots[0] and b != roots[1]}
+
+    @cached_property
+    def _shapes(self) -> tuple[Shapes, Shapes]:
+        first, second = self.match.first, self.match.second
+        return (
+            Shapes(self.clouds[0], first, self.bases[0]),
+            Shapes(self.clouds[1], second, self.bases[1]),
+        )
 
     @cached_property
     def _borne(self) -> dict[int, list[int]]:

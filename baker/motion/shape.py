@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,35 +28,38 @@ class OrganShape:
     lengths: NDArray[np.float64]
 
 
-def organ_shapes(
-    points: NDArray[np.floating],
-    hierarchy: Hierarchy,
-    base: NDArray[np.floating],
-    wanted: Iterable[int] | None = None,
-) -> list[OrganShape | None]:
-    """The shape of each segment of a scan; None where it has too few points.
+class Shapes:
+    """Finds the shapes of a scan's organs, each when it is asked for first, from any thread.
 
-    base:   (3,) where the plant leaves the ground.
-    wanted: the segments to look at, with their ancestors; the others are None; by default all.
+    points: (N, 3) of the scan; base: (3,) where the plant leaves the ground.
 
     Path lengths run through the parents: an organ that leaves its parent over a long contact, as
     a grass leaf does its whorl, is measured from where it leaves it first.
     """
-    found: list[OrganShape | None] = [None] * len(hierarchy.segments)
-    chosen = range(len(found)) if wanted is None else wanted
-    chosen = {s for segment in chosen for s in (segment, *hierarchy.ancestors(segment))}
-    for segment in hierarchy.from_the_root():
-        members = hierarchy.segments[segment]
-        if segment not in chosen or len(members) < FEWEST:
-            continue
-        sample = points[members[_sample(len(members))]].astype(np.float64)
-        parent = hierarchy.parents[segment]
-        above = found[parent] if parent != NO_PARENT else None
+
+    def __init__(
+        self, points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
+    ) -> None:
+        self._points, self._hierarchy, self._base = points, hierarchy, base
+        self._found: dict[int, OrganShape | None] = {NO_PARENT: None}
+
+    def of(self, segment: int) -> OrganShape | None:
+        """The shape of a segment; None where it has too few points."""
+        for above in (*reversed(self._hierarchy.ancestors(segment)), segment):
+            if above not in self._found:
+                self._found[above] = self._shape(above)
+        return self._found[segment]
+
+    def _shape(self, segment: int) -> OrganShape | None:
+        members = self._hierarchy.segments[segment]
+        if len(members) < FEWEST:
+            return None
+        sample = self._points[members[_sample(len(members))]].astype(np.float64)
+        above = self._found[self._hierarchy.parents[segment]]
         around = neighbours(sample)
-        seeds, head = _contact(sample, around, above, base)
+        seeds, head = _contact(sample, around, above, self._base)
         lengths = path_lengths(sample, seeds, head, around)
-        found[segment] = OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
-    return found
+        return OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
 
 
 def _sample(count: int) -> NDArray[np.intp]:

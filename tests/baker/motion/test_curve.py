@@ -9,7 +9,7 @@ import pytest
 
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
-from baker.motion import Bending, shaping
+from baker.motion import Bending
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 from gclip.clip import Motion
 from gclip.pack import Movers
@@ -34,8 +34,7 @@ def lowest(clouds: list[np.ndarray]) -> list[np.ndarray]:
 
 def bent(clouds: list[np.ndarray], match: Match) -> Bending:
     organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
-    shapes = [find() for find in shaping(clouds, match, lowest(clouds))]
-    return Bending(clouds, match, organs, shapes, 1.0)
+    return Bending(clouds, match, organs, lowest(clouds), 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.motion.shape import organ_shapes
+from baker.motion.shape import Shapes
 from baker.motion.spine import LEVELS, at_levels, fit_spine, levels, path_lengths
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
@@ -54,9 +54,9 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     few = np.zeros((5, 3), np.float32)
     parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
     hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
-    of_stem, of_leaf, of_few = organ_shapes(
-        np.concatenate([cloud, few]), hierarchy, stem[np.argmin(stem[:, 2])]
-    )
+    lowest = stem[np.argmin(stem[:, 2])]
+    shapes = Shapes(np.concatenate([cloud, few]), hierarchy, lowest)
+    of_leaf, of_stem, of_few = (shapes.of(segment) for segment in (1, 0, 2))
     assert of_few is None
     assert of_stem is not None
     assert of_leaf is not None
