@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.contacts import MOST_ORGANS
 from baker.errors import InputError
 from baker.match.glimpses import without_glimpses
 from baker.match.pieces import agreement, consistent_pieces
 from baker.match.tracks import track_organs
 from baker.scans.scan import Scan
 from baker.segment.hierarchy import Hierarchy
-
-MOST_ORGANS = 1000
-"""Labels of a scan, above which they number something else than organs (matching all of them with
-all of the next scan's would take hours)."""
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gclip.pack import morton_codes
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 
 def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
@@ -16,12 +22,32 @@ def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
     return np.argsort(morton_codes(points), kind="stable")
 
 
+@dataclass(frozen=True)
+class CurveTree:
+    """A k-d tree of a cloud's points in the order of a Morton curve.
+
+    order:  (n,) the points' numbers in the cloud.
+    points: (n, 3) the points in that order.
+    tree:   of these.
+    """
+
+    order: NDArray[np.intp]
+    points: NDArray[np.floating]
+    tree: cKDTree
+
+    @classmethod
+    def of(cls, points: NDArray[np.floating]) -> CurveTree:
+        """The tree of (n, 3) points."""
+        from scipy.spatial import cKDTree
+
+        order = along_curve(points)
+        placed = points[order]
+        return cls(order, placed, cKDTree(placed, balanced_tree=False))
+
+
 def nearest(points: NDArray[np.floating], among: NDArray[np.floating]) -> NDArray[np.intp]:
     """(n,) which of (m, 3) points is the nearest to each of (n, 3) points."""
-    from scipy.spatial import cKDTree
-
-    order, place = along_curve(points), along_curve(among)
+    order, there = along_curve(points), CurveTree.of(among)
     found = np.empty(len(points), np.intp)
-    tree = cKDTree(among[place], balanced_tree=False)
-    found[order] = place[tree.query(points[order])[1]]
+    found[order] = there.order[there.tree.query(points[order])[1]]
     return found

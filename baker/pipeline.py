@@ -96,8 +96,7 @@ def bake_recorded(
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    threads = crew.beside(len(clouds))
-    measured = crew.map(partial(Surroundings.of, workers=threads, surface=recipe.even > 0), clouds)
+    measured = _measured(series, clouds, crew)
     bases = [
         root_point(cloud, vertical, root, around.reach)
         for cloud, around in zip(clouds, measured, strict=True)
@@ -105,7 +104,7 @@ def bake_recorded(
     if root is None and not chosen.paper:
         bases = standing_bases(clouds, bases, vertical)
     labels, hierarchies = segment_scans(
-        series.scans, clouds, bases, [a.spacing for a in measured], recipe, chosen, tell, crew
+        series.scans, clouds, bases, measured, recipe, chosen, tell, crew
     )
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
@@ -176,9 +175,19 @@ def _read_options(options: Options) -> ReadOptions:
         denoise=options.denoise,
         resample=options.resample,
         use_labels=options.labels != "ignore",
-        mend_labels=not options.paper,
+        look_around=not options.paper,
         every=options.every,
     )
+
+
+def _measured(
+    series: Series, clouds: Sequence[NDArray[np.float32]], crew: Crew
+) -> list[Surroundings]:
+    """What each aligned cloud has around its points: no turn of a scan changes that."""
+    known = [scan.around for scan in series.scans if scan.around is not None]
+    if len(known) == len(clouds):
+        return known
+    return crew.map(partial(Surroundings.of, workers=crew.beside(len(clouds))), clouds)
 
 
 def told_by(series: Series, options: Options) -> Options:

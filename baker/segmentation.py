@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.contacts import Gaps
 from baker.labels import LabelUse, labels_of_organs, labels_of_pieces, use_of_labels
 from baker.options import Options
 from baker.recipe import Recipe
@@ -15,6 +16,7 @@ from baker.scans import Scan
 from baker.segment.hierarchy import Hierarchy
 from baker.segment.organs import segment_organs
 from baker.segment.series import labelled_hierarchies, thin_hierarchies, whole_hierarchies
+from baker.spacing import Surroundings
 from baker.workers import ALONE, Crew, Steps
 
 
@@ -22,7 +24,7 @@ def segment_scans(
     scans: Sequence[Scan],
     clouds: Sequence[NDArray[np.float32]],
     bases: Sequence[int],
-    spacings: Sequence[float],
+    measured: Sequence[Surroundings],
     recipe: Recipe,
     options: Options,
     tell: Callable[[str, int, int], None],
@@ -30,8 +32,8 @@ def segment_scans(
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy.
 
-    clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base; spacings:
-            the point spacing of each.
+    clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base; measured:
+            what each has around its points, with the labels as they were read.
     crew: who shares the work.
     """
     tell("segmentation", 0, len(clouds))
@@ -58,10 +60,17 @@ def segment_scans(
         consistent=labels.consistent,
         agreeing=recipe.match_by_shape,
         virtual_root=options.root == "virtual",
-        spacings=spacings,
+        spacings=[around.spacing for around in measured],
+        touching=None if labels.renamed else _known([around.touching for around in measured]),
         done=done,
         crew=crew,
     )
+
+
+def _known(touching: Sequence[Gaps | None]) -> list[Gaps] | None:
+    """All of them, or None where one is missing."""
+    known = [gaps for gaps in touching if gaps is not None]
+    return known if len(known) == len(touching) else None
 
 
 def _at_forks(recipe: Recipe, options: Options) -> bool:

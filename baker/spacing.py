@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.nearby import along_curve
+from baker.contacts import Gaps
+from baker.nearby import CurveTree
 from baker.surface import patches
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
@@ -27,34 +24,42 @@ class Surroundings:
     reach:   (N,) distance to the eighth nearest other point, or the last one of fewer; None for a
              cloud of one point.
     surface: (N,) what surface its eight nearest lie on, up to a factor; None if that is not asked.
+    touching: by their labels, how far apart segments are that touch; None where that is not known.
     """
 
     spacing: float
     reach: NDArray[np.float64] | None
     surface: NDArray[np.float64] | None = None
+    touching: Gaps | None = None
 
     @classmethod
     def of(
-        cls, points: NDArray[np.floating], workers: int = 1, surface: bool = False
+        cls,
+        points: NDArray[np.floating],
+        workers: int = 1,
+        surface: bool = False,
+        tree: CurveTree | None = None,
     ) -> Surroundings:
-        """All from one search; workers: threads; surface: whether that is asked."""
+        """All from one search.
+
+        workers: threads; surface: whether that is asked; tree: of the points, where there is one.
+        """
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
             return cls(0.0, None, np.ones(len(points)) if surface else None)
         ranks = tuple(range(k + 1)) if surface else (1, k)
-        order, distances, near = _nearest(points, ranks, workers)
+        tree = tree or CurveTree.of(points)
+        distances, near = _nearest(tree, ranks, workers)
         found = np.empty((3, len(points)))
-        found[:2, order] = distances[:, 1 if surface else 0], distances[:, -1]
+        found[:2, tree.order] = distances[:, 1 if surface else 0], distances[:, -1]
         if surface:
-            found[2, order] = patches(points[order], near, distances[:, -1])
+            found[2, tree.order] = patches(tree.points, near, distances[:, -1], workers)
         spacing = float(np.median(found[0, :: -(-len(points) // SAMPLE)]))
         return cls(spacing, found[1], found[2] if surface else None)
 
 
-def point_spacing(points: NDArray[np.floating], tree: cKDTree | None = None) -> float:
+def point_spacing(points: NDArray[np.floating]) -> float:
     """Median distance from a point of an (N, 3) cloud to its nearest neighbour; 0 for N < 2.
-
-    tree: of the points, where there is one.
 
     Estimated on evenly strided points where there are more than 20,000, always against all points.
     """
@@ -63,7 +68,7 @@ def point_spacing(points: NDArray[np.floating], tree: cKDTree | None = None) -> 
     if len(points) < 2:
         return 0.0
     sample = points[:: -(-len(points) // SAMPLE)]
-    distances, _ = (tree or cKDTree(points)).query(sample, k=2)
+    distances, _ = cKDTree(points).query(sample, k=2)
     return float(np.median(distances[:, 1]))
 
 
@@ -116,23 +121,19 @@ def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
 
     Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
     """
-    order, distances, _ = _nearest(points, (k,))
+    tree = CurveTree.of(points)
+    distances, _ = _nearest(tree, (k,))
     found = np.empty(len(points))
-    found[order] = distances[:, 0]
+    found[tree.order] = distances[:, 0]
     return found
 
 
 def _nearest(
-    points: NDArray[np.floating], ranks: tuple[int, ...], workers: int = 1
-) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.intp]]:
+    tree: CurveTree, ranks: tuple[int, ...], workers: int = 1
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """How far each point's nearest ones of these ranks are, and which; 0 is the point itself.
 
-    (N,) the points in the order of a Morton curve, and in that order (N, ranks) distances and
-    places in it.
+    (N, ranks) distances and places, in the tree's order.
     """
-    from scipy.spatial import cKDTree
-
-    order = along_curve(points)
-    placed = points[order]
-    distances, near = cKDTree(placed).query(placed, [k + 1 for k in ranks], workers=workers)
-    return order, distances, near
+    distances, near = tree.tree.query(tree.points, [k + 1 for k in ranks], workers=workers)
+    return distances, near

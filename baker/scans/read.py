@@ -35,7 +35,8 @@ class ReadOptions:
     label_field:  the field that holds the labels; None looks for the usual names
                   (`baker.scans.fields.LABEL_NAMES`).
     use_labels:   False reads the scans as if they had no labels.
-    mend_labels:  specks of one organ amid another take the label of what is around them.
+    look_around:  what each point has around it is looked up (`Scan.around`), and specks of an organ
+                  amid another one take its label.
     times_file:   a text file with a line `name time` for each scan; before times in file names.
     outliers:     None keeps all points; a number r drops those whose mean distance to their 16
                   nearest neighbours is more than r standard deviations above the scan's average
@@ -50,7 +51,7 @@ class ReadOptions:
 
     label_field: str | None = None
     use_labels: bool = True
-    mend_labels: bool = False
+    look_around: bool = False
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None
@@ -99,12 +100,12 @@ def read_series(
     def scan_of(entry: Entry) -> Scan | InputError:
         try:
             first = raw if entry is entries[0] else _raw(entry, listing, options)
-            return _scan(entry, *first, origin, listing, options)
+            return _scan(entry, *first, origin, listing, options, threads)
         except InputError as error:
             return error
 
+    threads = crew.beside(len(entries))
     scans: list[Scan] = []
-
     for found in crew.each(scan_of, entries):
         if isinstance(found, InputError):
             raise found
@@ -128,11 +129,11 @@ def _scan(
     origin: NDArray[np.float64],
     listing: Listing,
     options: ReadOptions,
+    threads: int,
 ) -> Scan:
     """One scan, clean, about the series' origin."""
     from baker.scans import clean, place
     from baker.scans.denoise import denoised
-    from baker.scans.strays import without_strays
 
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
@@ -145,8 +146,11 @@ def _scan(
         cloud = denoised(cloud, options.denoise)
     if options.resample is not None:
         cloud = clean.resampled(cloud, options.resample)
-    if options.mend_labels:
-        cloud = without_strays(cloud)
+    around = None
+    if options.look_around:
+        from baker.scans.around import look_around
+
+        cloud, around = look_around(cloud, threads)
     return Scan(
         name=printable(entry.name),
         path=entry.path,
@@ -159,6 +163,7 @@ def _scan(
         notes=cloud.notes,
         beside=listing.files(entry)[1:],
         sha256=sha256,
+        around=around,
     )
 
 

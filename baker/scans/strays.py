@@ -11,68 +11,46 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from baker.borders import near_others
-from baker.nearby import along_curve
-from baker.spacing import point_spacing
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.spatial import cKDTree
 
-    from baker.scans.cloud import Cloud
+    from baker.contacts import Borders
 
-REACH = 3.0  # of the point spacing: what counts as around a point
 NEIGHBORS = 12
 SMALL = 0.05  # of an organ: larger pieces are parts of it, whatever lies between
 SURROUNDED = 0.8  # of what is around a piece has other labels
 DOUBTFUL = 0.5  # of an organ may be strays; if more are, its label means something else
 
 
-def without_strays(cloud: Cloud) -> Cloud:
+def without_strays(borders: Borders, tree: cKDTree) -> Borders:
     """Give pieces of an organ that lie apart from it, amid others, their surroundings' label.
 
-    No organ vanishes. Notes how many points were given another label.
+    No organ vanishes. What has no strays is returned as it is.
+
+    tree: of the points.
     """
-    if cloud.labels is None:
-        return cloud
-    labels = mended(cloud.points, cloud.labels)
-    changed = int((labels != cloud.labels).sum())
-    if not changed:
-        return cloud
-    points = "point has" if changed == 1 else "points have"
-    return replace(cloud, labels=labels).noting(
-        f"{changed} {points} the label of what is all around now, not of an organ elsewhere."
-    )
+    organs = _mended(borders, tree) if borders.reach else borders.owner
+    changed = np.flatnonzero(organs != borders.owner)
+    if not len(changed):
+        return borders
+    near = borders.near.copy()
+    for around in tree.query_ball_point(borders.points[changed], borders.reach):
+        near[around] = True  # what was of the same organ may be of another now
+    return replace(borders, owner=organs, near=near)
 
 
-def mended(points: NDArray[np.floating], labels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(N,) the labels of (N, 3) points, strays mended."""
-    from scipy.spatial import cKDTree
-
-    names, owner = np.unique(labels, return_inverse=True)
-    if len(names) < 2:
-        return labels
-    order = along_curve(points)
-    tree = cKDTree(points[order], balanced_tree=False)
-    reach = REACH * point_spacing(points, tree)
-    if reach:
-        owner[order] = _mended(points[order], owner[order], tree, reach)
-    return names[owner]
-
-
-def _mended(
-    points: NDArray[np.floating], owner: NDArray[np.intp], tree: cKDTree, reach: float
-) -> NDArray[np.intp]:
-    """(N,) the organ of each point, from 0 on; `tree` is of the points."""
+def _mended(borders: Borders, tree: cKDTree) -> NDArray[np.intp]:
+    """(N,) the organ of each point, strays mended."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    near = near_others(points, owner, reach)
+    points, owner, near = borders.points, borders.owner, borders.near
     border = np.flatnonzero(near)
     if not len(border):
         return owner
     k = min(NEIGHBORS + 1, len(points))
-    _, around = tree.query(points[border], k, distance_upper_bound=reach)
+    _, around = tree.query(points[border], k, distance_upper_bound=borders.reach)
     around = around[:, 1:]  # the nearest is the point itself
     found = around < len(points)
     one, other = np.broadcast_to(border[:, None], around.shape)[found], around[found]

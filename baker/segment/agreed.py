@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segment.given import REACH, Gaps
+from baker.contacts import REACH, Gaps
 
 
 def agreed_gaps(
@@ -20,7 +20,7 @@ def agreed_gaps(
     """How far what may bear an organ is from it in all scans, by their labels.
 
     labels:   (N,) of each scan; the same organ has the same label in all.
-    touching: of each scan, as `baker.segment.given.contacts` finds them.
+    touching: of each scan, as `baker.contacts` finds them.
     spacings: of each scan's points.
 
     Of two that touch in some scan the mean over those that show both, in point spacings; where they

@@ -8,22 +8,18 @@ from all others (ten spacings) no label is the stem: all hang under a virtual, e
 from __future__ import annotations
 
 import heapq
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.borders import near_others
+from baker.contacts import Borders, Gaps, contacts
 from baker.nearby import along_curve
 from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
 from baker.spacing import lowest_point, point_spacing
 from baker.vertical import Vertical
 
-REACH = 3.0  # gap that still counts as touching, in median point spacings
 ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
-NEIGHBORS = 32  # neighbours looked at for touching points of other segments
-
-Gaps = Mapping[tuple[int, int], float]  # by what grows, and what it may grow from
 
 
 def hierarchy_from_labels(
@@ -38,12 +34,13 @@ def hierarchy_from_labels(
     """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
 
     spacing:  the cloud's point spacing, where it is known; workers: threads.
-    touching: the scan's `contacts`, where they are known.
+    touching: the scan's `touching_segments`, where they are known.
     agreed:   `baker.segment.agreed.agreed_gaps`: these decide who grows from whom, not this scan's.
     """
     names, segments = split_by_label(labels)
     spacing = point_spacing(points) if spacing is None else spacing
-    touching = contacts(points, labels, spacing, workers) if touching is None else touching
+    if touching is None:
+        touching = touching_segments(points, labels, spacing, workers)
     first = names.index(root_label)
     others = set(range(len(segments))) - {first}
     if len(others) > 1 and not any(root_label in pair for pair in touching):
@@ -60,20 +57,15 @@ def hierarchy_from_labels(
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
 
 
-def contacts(
+def touching_segments(
     points: NDArray[np.floating],
     labels: NDArray[np.integer],
     spacing: float,
     workers: int = 1,
 ) -> Gaps:
     """By their labels, how far apart segments of an (N, 3) cloud are that touch each other."""
-    names, owner = np.unique(labels, return_inverse=True)
-    found = _touching_gaps(points, owner, REACH * spacing, workers)
-    return {
-        (int(names[one]), int(names[other])): gap
-        for (a, b), gap in found.items()
-        for one, other in ((a, b), (b, a))
-    }
+    order = along_curve(points)
+    return contacts(Borders.of(points[order], labels[order], spacing), workers)
 
 
 def root_point(
@@ -90,36 +82,6 @@ def root_point(
     if root is not None:
         return int(np.argmin(((points - root) ** 2).sum(axis=1)))
     return lowest_point(points, vertical.height(points), reach)
-
-
-def _touching_gaps(
-    points: NDArray[np.floating], owner: NDArray[np.intp], threshold: float, workers: int = 1
-) -> dict[tuple[int, int], float]:
-    """Smallest distance between each two segments that come closer than the threshold."""
-    from scipy.spatial import cKDTree
-
-    near = np.flatnonzero(near_others(points, owner, threshold))
-    k = min(NEIGHBORS, len(near))
-    if k < 2 or not len(near):
-        return {}
-    near = near[along_curve(points[near])]
-    # Points of two segments that are near each other are both among these.
-    distances, neighbors = cKDTree(points[near]).query(
-        points[near],
-        k=k,
-        distance_upper_bound=max(threshold, np.finfo(float).tiny),
-        workers=workers,
-    )
-    found = np.isfinite(distances)
-    a = np.broadcast_to(owner[near, None], distances.shape)[found]
-    b, gap = owner[near[neighbors[found]]], distances[found]
-    foreign = a != b
-    a, b, gap = np.minimum(a, b)[foreign], np.maximum(a, b)[foreign], gap[foreign]
-    order = np.lexsort((gap, b, a))
-    pairs, nearest = np.unique(np.stack([a, b], axis=1)[order], axis=0, return_index=True)
-    return {
-        (int(i), int(j)): float(g) for (i, j), g in zip(pairs, gap[order][nearest], strict=True)
-    }
 
 
 def _grow_from(

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.contacts import Gaps
 from baker.segment.agreed import agreed_gaps
-from baker.segment.given import Gaps, contacts, hierarchy_from_labels, under_virtual_root
+from baker.segment.given import hierarchy_from_labels, touching_segments, under_virtual_root
 from baker.segment.hierarchy import Hierarchy, whole
 from baker.segment.thin import segment_thin
 from baker.workers import ALONE, Crew, Done
@@ -46,6 +47,7 @@ def labelled_hierarchies(
     agreeing: bool,
     virtual_root: bool,
     spacings: Sequence[float],
+    touching: Sequence[Gaps] | None = None,
     done: Done,
     crew: Crew = ALONE,
 ) -> list[Hierarchy]:
@@ -55,25 +57,26 @@ def labelled_hierarchies(
     agreeing: and they agree on who grows from whom.
     virtual_root: no label is a stem; all hang under an empty root.
     spacings: each cloud's point spacing.
+    touching: how far what touches is apart in each, where that is known.
     """
 
     def touch(scan: int) -> Gaps:
-        return contacts(clouds[scan], labels[scan], spacings[scan], threads)
+        return touching_segments(clouds[scan], labels[scan], spacings[scan], threads)
 
     def hang(scan: int) -> Hierarchy:
         names = labels[scan]
         root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
         return hierarchy_from_labels(
-            clouds[scan], names, root, spacings[scan], threads, touching[scan], agreed
+            clouds[scan], names, root, spacings[scan], threads, gaps[scan], agreed
         )
 
     if virtual_root:
         done(len(clouds))
         return [under_virtual_root(names) for names in labels]
     threads = crew.beside(len(clouds))
-    touching = crew.map(touch, range(len(clouds)), done=done)
-    agreed = agreed_gaps(labels, touching, spacings) if consistent and agreeing else None
-    return crew.map(hang, range(len(clouds)))
+    gaps = touching or crew.map(touch, range(len(clouds)))
+    agreed = agreed_gaps(labels, gaps, spacings) if consistent and agreeing else None
+    return crew.map(hang, range(len(clouds)), done=done)
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:

@@ -37,7 +37,7 @@ def test_labelled_series(shared_data, name):
 @pytest.mark.parametrize("name", [name for name in SERIES if "/" not in name])
 def test_labels_of_careful_hands_are_hardly_touched(shared_data, name):
     as_is, mended = (
-        read_series([shared_data / name], ReadOptions(mend_labels=mend)).scans
+        read_series([shared_data / name], ReadOptions(look_around=mend)).scans
         for mend in (False, True)
     )
     for one, other in zip(as_is, mended, strict=True):
@@ -62,8 +62,8 @@ def test_full_resolution_tomato(shared_data):
 
 
 def test_voxel_thins_the_full_resolution(shared_data):
-    full = read_series([shared_data / "tomato_fullres"], ReadOptions(mend_labels=False))
-    thin = read_series([shared_data / "tomato_fullres"], ReadOptions(voxel=0.25, mend_labels=False))
+    full = read_series([shared_data / "tomato_fullres"], ReadOptions())
+    thin = read_series([shared_data / "tomato_fullres"], ReadOptions(voxel=0.25))
     for before, after in zip(full.scans, thin.scans, strict=True):
         cells = np.column_stack([np.floor(before.points / 0.25), before.labels])
         assert len(after) == len(np.unique(cells, axis=0)) < len(before) / 10

@@ -11,8 +11,13 @@ from hypothesis.extra.numpy import arrays
 from baker.options import Options
 from baker.pipeline import bake_recorded
 from baker.scans import clean
+from baker.scans.around import look_around
 from baker.scans.cloud import Cloud
-from baker.scans.strays import mended, without_strays
+
+
+def mended(points, labels):
+    cloud, _ = look_around(Cloud(points, labels))
+    return cloud.labels
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +38,7 @@ def test_specks_are_mended(plant, share):
     wrong = (noisy != labels).sum()
     assert wrong
     assert (mended(points, noisy) != labels).sum() <= 0.1 * wrong
-    cloud = without_strays(Cloud(points, noisy))
+    cloud, _ = look_around(Cloud(points, noisy))
     assert "what is all around" in cloud.notes[0]
     np.testing.assert_array_equal(cloud.labels, mended(points, noisy))
 
@@ -41,8 +46,8 @@ def test_specks_are_mended(plant, share):
 def test_clean_labels_stay(plant):
     points, labels = plant
     cloud = Cloud(points, labels)
-    assert without_strays(cloud) is cloud
-    assert without_strays(Cloud(points)).labels is None
+    assert look_around(cloud)[0] is cloud
+    assert look_around(Cloud(points))[0].labels is None
 
 
 def test_a_piece_that_is_cut_off_but_not_amid_others_stays(plant):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from baker.segment.agreed import agreed_gaps
-from baker.segment.given import contacts
+from baker.segment.given import touching_segments
 from baker.segment.hierarchy import NO_PARENT
 from baker.segment.series import labelled_hierarchies
 
@@ -83,7 +83,7 @@ def test_where_its_bearer_is_hidden_an_organ_hangs_on_what_is_near():
 
 def test_scans_that_show_one_of_two_say_nothing_of_how_far_they_are():
     clouds, labels = series(USUAL, USUAL[:2], TOUCHING)
-    touching = [contacts(c, n, SPACING) for c, n in zip(clouds, labels, strict=True)]
+    touching = [touching_segments(c, n, SPACING) for c, n in zip(clouds, labels, strict=True)]
     agreed = agreed_gaps(labels, touching, [SPACING] * 3)
     apart = [touching[k][2, 0] / SPACING for k in (0, 2)]
     assert np.isclose(agreed[2, 0], np.mean(apart))
@@ -94,7 +94,8 @@ def test_the_scans_unit_does_not_matter():
     def gaps(scale):
         clouds, labels = series(USUAL, TOUCHING)
         touching = [
-            contacts(scale * c, n, scale * SPACING) for c, n in zip(clouds, labels, strict=True)
+            touching_segments(scale * c, n, scale * SPACING)
+            for c, n in zip(clouds, labels, strict=True)
         ]
         return agreed_gaps(labels, touching, [scale * SPACING] * 2)
 

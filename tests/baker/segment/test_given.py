@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.spatial.distance import cdist
 
-from baker.segment.given import _touching_gaps, hierarchy_from_labels, root_point
+from baker.segment.given import hierarchy_from_labels, root_point
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 from baker.vertical import Vertical
 
@@ -105,15 +104,3 @@ def test_between_two_branches_the_nearer_one_bears_the_twig():
     stem = rod([0, 0.0275, 0], [0, 0.0275, 10], 201)  # nearer to both than they to one another
     points, labels = plant(stem, one, other, twig)
     assert parents_by_label(hierarchy_from_labels(points, labels, 0))[3] == 2
-
-
-def test_touching_segments_are_all_found_and_only_they():
-    random = np.random.default_rng(0)
-    points = random.random((600, 3))
-    owner = (4 * points[:, 0]).astype(np.intp) * 2 + (points[:, 2] > 0.9)
-    gaps = _touching_gaps(points, owner, 0.12)
-    apart = cdist(points, points)
-    for a in range(8):
-        for b in range(a + 1, 8):
-            gap = apart[np.ix_(owner == a, owner == b)].min()
-            assert gaps.get((a, b)) == (pytest.approx(gap) if gap < 0.12 else None)
