@@ -17,13 +17,14 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from baker.errors import InputError
-from baker.executor import Executor, Threads
-from baker.job import IntervalJob
 from baker.workers import Crew, Done, Pool
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from threading import Thread
+
+    from baker.executor import Executor
+    from baker.job import IntervalJob
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -38,6 +39,8 @@ def on_cores(workers: int) -> tuple[Executor, Pool | None]:
     Forks where they are safe, else threads: other systems' own libraries don't survive them.
     """
     if sys.platform != "linux" or workers <= 1:
+        from baker.executor import Threads
+
         return Threads(workers), None
     late = _Late()
     return Forks(workers, late), ForkPool(workers, late=late)
@@ -95,6 +98,7 @@ class _Late:
         import scipy.sparse.csgraph
         import scipy.spatial  # noqa: F401
 
+        import baker.pipeline  # noqa: F401  # all stages that follow the reading
         from baker.motion.beside import balls, gaps_of
         from baker.motion.coherent import draw
         from baker.motion.drawing import laid

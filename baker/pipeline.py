@@ -29,9 +29,10 @@ from baker.match import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options, Paths
 from baker.pace import Pace, paces
 from baker.paint import painted
+from baker.reading import read_scans, told_by
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
-from baker.scans import ReadOptions, Series, read_series
+from baker.scans import Series
 from baker.segment.foot import standing_bases
 from baker.segment.given import root_point
 from baker.segmentation import segment_scans
@@ -39,7 +40,7 @@ from baker.spacing import Surroundings
 from baker.steady import steadied
 from baker.tasks import interval_tasks
 from baker.vertical import Vertical
-from baker.workers import Crew, Pool, worker_count
+from baker.workers import ALONE, Crew, Pool, worker_count
 from gclip.clip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -73,15 +74,21 @@ def bake_recorded(
     pool:     where work on single scans is shared out; by default on threads of this process.
     """
     chosen = options or Options()
-    tell: Progress = progress or (lambda stage, done, total: None)
     crew = Crew(worker_count(chosen.workers), pool)
-    found = read_series(
-        [Path(path) for path in paths],
-        _read_options(chosen),
-        lambda done, total, name: tell("reading", done, total),
-        crew,
-    )
-    chosen = told_by(found, chosen)
+    found = read_scans([Path(path) for path in paths], chosen, progress or _silent, crew)
+    return bake_series(found, chosen, progress or _silent, executor, cache, crew)
+
+
+def bake_series(
+    found: Series,
+    options: Options,
+    tell: Progress,
+    executor: Executor | None = None,
+    cache: IntervalCache | None = None,
+    crew: Crew = ALONE,
+) -> tuple[Clip, BakeRecord]:
+    """`bake_recorded` of scans that are read already; arguments as those of that."""
+    chosen = told_by(found, options)
     recipe = recipe_for(chosen)
     alignment = aligned(
         cache,
@@ -166,18 +173,8 @@ def bake_recorded(
     return clip, record
 
 
-def _read_options(options: Options) -> ReadOptions:
-    return ReadOptions(
-        label_field=options.label_field,
-        times_file=options.times,
-        outliers=options.outliers,
-        voxel=options.voxel,
-        denoise=options.denoise,
-        resample=options.resample,
-        use_labels=options.labels != "ignore",
-        look_around=not options.paper,
-        every=options.every,
-    )
+def _silent(stage: str, done: int, total: int) -> None:
+    """Nobody watches."""
 
 
 def _measured(
@@ -188,15 +185,6 @@ def _measured(
     if len(known) == len(clouds):
         return known
     return crew.map(partial(Surroundings.of, workers=crew.beside(len(clouds))), clouds)
-
-
-def told_by(series: Series, options: Options) -> Options:
-    """The options, with what the series itself knows where they leave it open."""
-    if series.fixed:
-        align = "none" if options.align == "auto" else options.align
-        options = replace(options, align=align, up="z" if options.up == "auto" else options.up)
-    options = replace(options, unit=options.unit or series.length)
-    return options if options.root is not None else replace(options, root=series.root)
 
 
 def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:

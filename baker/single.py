@@ -17,6 +17,7 @@ LONG = 64 * 2**20  # bytes of scans
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from baker.cache import IntervalCache
     from gclip.clip import Clip
 
 
@@ -46,25 +47,30 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
         check_beside(wanted.report, "a report", (".html", ".htm"))
     from rich.console import Console
 
-    from baker.cache import IntervalCache
     from baker.forks import on_cores
-    from baker.pipeline import bake_recorded
     from baker.progress import StageProgress
-    from baker.summary import print_summary
-    from baker.verify import print_errors, verify
-    from baker.workers import worker_count
+    from baker.reading import read_scans
+    from baker.workers import Crew, worker_count
 
     console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
     own = _begun(wanted.clip) if wanted.cache is None and _is_long(inputs) else None
     cache = wanted.cache or own
-    kept = None if cache is None else IntervalCache(cache)
+    kept = None if cache is None else _opened(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
-        executor, pool = on_cores(worker_count(options.workers))
+        workers = worker_count(options.workers)
+        executor, pool = on_cores(workers)
         if wanted.cluster is not None:
             from baker.greenhouse.cluster import intervals_on
 
             executor = stack.enter_context(intervals_on(wanted.cluster))
-        clip, record = bake_recorded(inputs, options, progress, executor, kept, pool)
+        crew = Crew(workers, pool)
+        scans = read_scans(inputs, options, progress, crew)
+        # Only now: that these load may take as long as the reading, beside which forks do it.
+        from baker.pipeline import bake_series
+        from baker.summary import print_summary
+        from baker.verify import print_errors, verify
+
+        clip, record = bake_series(scans, options, progress, executor, kept, crew)
         progress("writing", 0, 1)
         clip.save(wanted.clip)
         progress("writing", 1, 1)
@@ -95,6 +101,12 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     for what, path in (("report", wanted.report), ("traits", wanted.traits)):
         if path is not None:
             console.print(f"{what}: {path}", markup=False, highlight=False)
+
+
+def _opened(folder: Path) -> IntervalCache:
+    from baker.cache import IntervalCache
+
+    return IntervalCache(folder)
 
 
 def _is_long(inputs: Sequence[Path]) -> bool:

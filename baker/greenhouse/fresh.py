@@ -31,11 +31,11 @@ def standing_clip(path: Path, folder: Path, options: Options) -> Clip | None:
 
 def _made_of(clip: Clip, folder: Path, options: Options) -> bool:
     from baker.describe import software
-    from baker.pipeline import _read_options, told_by
+    from baker.reading import read_options, told_by
     from baker.scans.read import list_series
     from baker.scans.unchanged import digest
 
-    chosen = _read_options(options)
+    chosen = read_options(options)
     listing = list_series([folder], chosen)
     told = told_by(listing.series((), chosen), options)
     entries = listing.schedule.entries
