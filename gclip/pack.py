@@ -183,15 +183,15 @@ def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
     size = float((high - low).max()) or 1.0
     if size < TINY:  # its reciprocal is more than a float32 can be
         return morton_codes((points - low).astype(np.float64) / size)
-    cells = ((points - low) * ((2**21 - 1) / size)).astype(np.uint64)
-    return (
-        _spread(cells[:, 0])
-        | _spread(cells[:, 1]) << np.uint64(1)
-        | _spread(cells[:, 2]) << np.uint64(2)
-    )
+    cells = ((points - low) * ((2**21 - 1) / size)).T.astype(np.uint64, order="C")
+    _spread(cells)
+    codes, *others = cells
+    for axis, bits in enumerate(others, 1):
+        codes |= np.left_shift(bits, np.uint64(axis), out=bits)
+    return codes
 
 
-def _spread(cells: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def _spread(cells: NDArray[np.uint64]) -> None:
     """Move the 21 low bits of each number three places apart, by doubling (Morton 1966)."""
     for shift, mask in (
         (32, 0x1F00000000FFFF),
@@ -200,5 +200,5 @@ def _spread(cells: NDArray[np.uint64]) -> NDArray[np.uint64]:
         (4, 0x10C30C30C30C30C3),
         (2, 0x1249249249249249),
     ):
-        cells = (cells | cells << np.uint64(shift)) & np.uint64(mask)
-    return cells
+        cells |= cells << np.uint64(shift)
+        cells &= np.uint64(mask)

@@ -9,9 +9,8 @@ its bearer at the first scan to where it does at the second, and one of the bear
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,8 @@ from gclip.pack import raised
 
 FEWEST, TOGETHER = 4, 8  # groups that are worth sharing out; organs in one
 
-Pair = tuple[int, int]  # an organ and what bears it, by their places among the tasks
+Bearers = Mapping[int, Sequence[int]]  # of each organ, all by their places among the tasks
+Settled = tuple[Curve | None, list[Tie | None]]  # an organ's paths if drawn; its tie to each bearer
 
 
 def attached(
@@ -43,79 +43,141 @@ def attached(
     bend:    whether paths may be bent for it; straight ones are only tied.
     crew:    who shares the work.
     """
-    done = list(tasks)
     place = {
         int(moved.movers.tracks[0]): index
         for index, moved in enumerate(tasks)
         if len(moved.movers) and moved.end_points is not None
     }
-    meetings = [
-        (place[organ], place[bearer])
+    bearers = {
+        place[organ]: [place[b] for b in found if b in place and b != organ]
         for organ, found in _bearers(match, organs).items()
-        for bearer in found
-        if organ in place and bearer in place and organ != bearer
-    ]
-    waves = _waves(meetings) if bend else []
-    last = {own: number for number, wave in enumerate(waves) for own, _ in wave}
-    ties: dict[Pair, Tie | None] = {}
-
-    def meet(pairs: Sequence[Pair], draw: bool) -> Iterator[tuple[Pair, Curve | None, Tie | None]]:
-        groups = _of_one_bearer(pairs)
-        found = crew.map(partial(_meet, done, spacing, draw), groups, fewest=FEWEST)
-        for group, results in zip(groups, found, strict=True):
-            for pair, (curve, tie) in zip(group, results, strict=True):
-                yield pair, curve, tie
-
-    for number, wave in enumerate(waves):
-        for (own, bearer), curve, tie in [*meet(wave, draw=True)]:
-            if curve is not None:
-                done[own] = on_curve(done[own], curve)
-            if last[own] == number > last.get(bearer, -1):
-                ties[own, bearer] = tie
-    # One of the others was drawn once more after they had met.
-    others = [pair for pair in meetings if pair not in ties]
-    ties.update((pair, tie) for pair, _, tie in meet(others, draw=False))
-    for own, bearer in meetings:
-        tie = ties[own, bearer]
-        if tie is not None:
-            done[own], done[bearer] = _joined(done[own], tie[0]), _joined(done[bearer], tie[1])
+        if organ in place
+    }
+    meetings = _Meetings(tasks, bearers, spacing, bend)
+    groups = _of_one_bearer(bearers)
+    found = crew.map(lambda group: [meetings.of(own) for own in group], groups, fewest=FEWEST)
+    settled = {
+        own: one
+        for group, results in zip(groups, found, strict=True)
+        for own, one in zip(group, results, strict=True)
+    }
+    done = list(tasks)
+    movers: dict[int, list[Moved]] = {}
+    for own, borne_by in bearers.items():
+        curve, ties = settled.get(own, (None, []))
+        if curve is not None:
+            done[own] = on_curve(done[own], curve)
+        for bearer, tie in zip(borne_by, ties, strict=True):
+            if tie is not None:
+                movers.setdefault(own, []).append(tie[0])
+                movers.setdefault(bearer, []).append(tie[1])
+    for index, more in movers.items():
+        done[index] = _joined(done[index], *more)
     return done
 
 
-def _meet(
-    moving: Sequence[Moved], spacing: float, draw: bool, group: Sequence[Pair]
-) -> list[tuple[Curve | None, Tie | None]]:
-    """For each organ that one bearer bears: its paths where they are drawn to it, and its tie."""
-    bearer = Organ.of(moving[group[0][1]])
-    meetings = [bearer.met_by(Organ.of(moving[own]), spacing) for own, _ in group]
-    return [meeting.settled(draw) if meeting else (None, None) for meeting in meetings]
-
-
-def _of_one_bearer(pairs: Sequence[Pair]) -> list[list[Pair]]:
-    """The pairs of an organ and its bearer, up to `TOGETHER` of a bearer in a group."""
-    of_bearer: dict[int, list[Pair]] = {}
-    for pair in pairs:
-        of_bearer.setdefault(pair[1], []).append(pair)
+def _of_one_bearer(bearers: Bearers) -> list[list[int]]:
+    """The organs that have a bearer, up to `TOGETHER` of the same one in a group."""
+    borne: dict[int, list[int]] = {}
+    for own, found in bearers.items():
+        if found:
+            borne.setdefault(found[0], []).append(own)
     return [
         group[first : first + TOGETHER]
-        for group in of_bearer.values()
+        for group in borne.values()
         for first in range(0, len(group), TOGETHER)
     ]
 
 
-def _waves(meetings: Sequence[Pair]) -> list[list[Pair]]:
-    """Meetings in groups, one after the other; those of a group don't depend on each other.
+@dataclass(frozen=True)
+class _Turn:
+    """When an organ is drawn to one of its bearers.
 
-    A bearer is drawn to what bears it before anything is drawn to it, as far as it comes first.
+    wave: it comes after both have been drawn in smaller waves, and does not depend on larger ones.
     """
-    waves: list[list[Pair]] = []
-    drawn_in: dict[int, int] = {}
-    for own, bearer in meetings:
-        wave = max(drawn_in.get(own, -1), drawn_in.get(bearer, -1)) + 1
-        waves += [[]] * (wave == len(waves))
-        waves[wave] = [*waves[wave], (own, bearer)]
-        drawn_in[own] = wave
-    return waves
+
+    own: int
+    bearer: int
+    wave: int
+
+
+class _Meetings:
+    """Draws organs to what bears them, any of them first and from any thread.
+
+    What bears an organ has been drawn before. That is worked out wherever it is needed: organs are
+    shared out without waiting for one another.
+    """
+
+    def __init__(
+        self, tasks: Sequence[Moved], bearers: Bearers, spacing: float, bend: bool
+    ) -> None:
+        self._tasks, self._bearers, self._spacing = tasks, bearers, spacing
+        self._turns = _turns(bearers) if bend else {}
+        self._met: dict[_Turn, tuple[Moved, Tie | None]] = {}
+        self._bearing: dict[tuple[int, _Turn | None], Organ] = {}
+
+    def of(self, own: int) -> Settled:
+        """One organ's paths and ties."""
+        for turn in self._before(own, *self._bearers[own]):
+            if turn not in self._met:
+                self._met[turn] = self._drawn(turn)
+        moved = self._moved(own)
+        ties = [self._tie(own, bearer) for bearer in self._bearers[own]]
+        return None if moved is self._tasks[own] else moved.movers.curve, ties
+
+    def _before(self, *organs: int) -> list[_Turn]:
+        """The turns that organs' last ones depend on, and those themselves, in their order."""
+        found: set[_Turn] = set()
+        asked: list[tuple[int, int | None]] = [(organ, None) for organ in organs]
+        while asked:
+            for turn in self._until(*asked.pop()):
+                if turn not in found:
+                    found.add(turn)
+                    asked.append((turn.bearer, turn.wave))
+        return sorted(found, key=lambda turn: turn.wave)
+
+    def _until(self, organ: int, wave: int | None = None) -> list[_Turn]:
+        """An organ's turns before a wave, or all of them."""
+        turns = self._turns.get(organ, [])
+        return [turn for turn in turns if wave is None or turn.wave < wave]
+
+    def _drawn(self, turn: _Turn) -> tuple[Moved, Tie | None]:
+        """The organ after its turn, and what ties it to its bearer then."""
+        moved = self._moved(turn.own, turn.wave)
+        meeting = self._bearer(turn.bearer, turn.wave).met_by(Organ.of(moved), self._spacing)
+        curve, tie = meeting.settled(draw=True) if meeting else (None, None)
+        return moved if curve is None else on_curve(moved, curve), tie
+
+    def _tie(self, own: int, bearer: int) -> Tie | None:
+        mine, theirs = self._until(own), self._until(bearer)
+        if mine and mine[-1].bearer == bearer and not (theirs and theirs[-1].wave > mine[-1].wave):
+            return self._met[mine[-1]][1]
+        # One of them was drawn once more after they had met.
+        meeting = self._bearer(bearer).met_by(Organ.of(self._moved(own)), self._spacing)
+        return meeting.settled(draw=False)[1] if meeting else None
+
+    def _moved(self, organ: int, wave: int | None = None) -> Moved:
+        """As it moves before a wave, or in the end."""
+        turns = self._until(organ, wave)
+        return self._met[turns[-1]][0] if turns else self._tasks[organ]
+
+    def _bearer(self, organ: int, wave: int | None = None) -> Organ:
+        """Ready to be met: many may grow from one."""
+        key = organ, next(reversed(self._until(organ, wave)), None)
+        if key not in self._bearing:
+            self._bearing[key] = Organ.of(self._moved(organ, wave))
+        return self._bearing[key]
+
+
+def _turns(bearers: Bearers) -> dict[int, list[_Turn]]:
+    """Each organ's turns, one after the other; a bearer comes first, if it can."""
+    turns: dict[int, list[_Turn]] = {}
+    last: dict[int, int] = {}
+    for own, found in bearers.items():
+        for bearer in found:
+            last[own] = max(last.get(own, -1), last.get(bearer, -1)) + 1
+            turns.setdefault(own, []).append(_Turn(own, bearer, last[own]))
+    return turns
 
 
 def _bearers(match: Match, organs: IntervalOrgans) -> dict[int, list[int]]:
@@ -131,24 +193,27 @@ def _bearers(match: Match, organs: IntervalOrgans) -> dict[int, list[int]]:
     return bearers
 
 
-def _joined(moved: Moved, tie: Moved) -> Moved:
-    """The movers of both."""
-    degree = max(len(moved.movers.curve), len(tie.movers.curve)) - 1
-    ours, more = (raised(m.movers.curve, degree) for m in (moved, tie))
+def _joined(moved: Moved, *ties: Moved) -> Moved:
+    """The movers of all of them."""
+    every = (moved, *ties)
+    degree = max(len(one.movers.curve) for one in every) - 1
+    curves = [raised(one.movers.curve, degree) for one in every]
     return replace(
         moved,
         movers=replace(
             moved.movers,
-            curve=tuple(np.concatenate(points) for points in zip(ours, more, strict=True)),
-            tracks=np.concatenate([moved.movers.tracks, tie.movers.tracks]),
-            start_colors=_both(moved.movers.start_colors, tie.movers.start_colors),
-            end_colors=_both(moved.movers.end_colors, tie.movers.end_colors),
+            curve=tuple(np.concatenate(points) for points in zip(*curves, strict=True)),
+            tracks=np.concatenate([one.movers.tracks for one in every]),
+            start_colors=_all([one.movers.start_colors for one in every]),
+            end_colors=_all([one.movers.end_colors for one in every]),
         ),
-        surface=_both(moved.surface, tie.surface),
-        start_points=_both(moved.start_points, tie.start_points),
-        end_points=_both(moved.end_points, tie.end_points),
+        surface=_all([one.surface for one in every]),
+        start_points=_all([one.start_points for one in every]),
+        end_points=_all([one.end_points for one in every]),
     )
 
 
-def _both(ours: NDArray[Any] | None, more: NDArray[Any] | None) -> NDArray[Any] | None:
-    return None if ours is None or more is None else np.concatenate([ours, more])
+def _all(arrays: Sequence[NDArray[Any] | None]) -> NDArray[Any] | None:
+    """One after the other; None where one is missing."""
+    there = [array for array in arrays if array is not None]
+    return np.concatenate(there) if len(there) == len(arrays) else None
