@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 AT_BASE = 0.02  # share of an organ's points that are its base
 SAMPLED = 5  # times as many points as the base's bound how far it reaches
+ROUGHLY = 1.0  # a distance may be twice as large, where it is but a bound
 MANY = 100  # births that are worth sharing out
 
 
@@ -142,9 +143,9 @@ class _Attachments:
         own = self._points(segment)
         bearer = self._bearer(self.match.second.parents[segment])
         count = max(1, round(AT_BASE * len(own)))
-        # A sample bounds how far the base reaches, and the search ends there.
+        # A sample, roughly asked, bounds how far the base reaches, and the search ends there.
         sample = own[:: max(1, len(own) // (SAMPLED * count))]
-        reach = np.sort(bearer.query(sample)[0])[count - 1]
+        reach = np.sort(bearer.query(sample, eps=ROUGHLY)[0])[count - 1]
         bound = 1.000001 * reach or np.inf
         apart = bearer.query(own, distance_upper_bound=bound)[0]
         return own[np.argsort(apart, kind="stable")[:count]].mean(axis=0)
@@ -162,7 +163,7 @@ class _Attachments:
         if parent not in self._bearers:
             members = self.match.second.segments[parent] if parent != NO_PARENT else ()
             points = self._cloud[members] if len(members) else np.median(self._cloud, 0)[None]
-            self._bearers[parent] = cKDTree(points)
+            self._bearers[parent] = cKDTree(points, balanced_tree=False)
         return self._bearers[parent]
 
 

@@ -18,7 +18,8 @@ from baker.segment.hierarchy import NO_PARENT
 from gclip.clip import Motion
 
 BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
-SAMPLED = 10  # times as many points as the bud's bound how far it reaches
+SAMPLED = 10  # times as many points as the bud's bound how far it reaches, ...
+ROUGHLY = 1.0  # ... asked for distances that may be twice as large as they are
 
 
 @dataclass(frozen=True)
@@ -148,10 +149,10 @@ def _bud(
     everywhere = np.arange(len(points[0]))
     candidates = everywhere if ancestor is None else match.first.segments[ancestor]
     count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
-    tree = cKDTree(points[1][match.second.segments[base]])
-    # A sample bounds how far the bud reaches, and the search ends there: most points are further.
+    tree = cKDTree(points[1][match.second.segments[base]], balanced_tree=False)
+    # A sample, roughly asked, bounds how far the bud reaches: most points are farther.
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
-    reach = np.sort(tree.query(points[0][sample])[0])[:count][-1]
+    reach = np.sort(tree.query(points[0][sample], eps=ROUGHLY)[0])[:count][-1]
     bound = 1.000001 * reach or np.inf
     candidates = candidates[_within(points[0][candidates], tree.mins, tree.maxes, bound)]
     distances, _ = tree.query(points[0][candidates], distance_upper_bound=bound)
