@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from baker.transport.plan import TransportOptions, costs
 
 if TYPE_CHECKING:
+    from baker.feet import Foot
     from baker.match.limbs import Piece
 
 Points = NDArray[np.floating]
@@ -36,17 +37,17 @@ def coupled(
     start: Points,
     end: Points,
     options: TransportOptions,
-    feet: tuple[int, int] | None = None,
+    foot: Foot | None = None,
 ) -> Coupled:
     """Pair the points of an organ, (n, 3) and (m, 3), by optimal transport.
 
-    feet: the points where it is attached, one of either side. Then limbs that both scans show are
+    foot: the points where it is attached, one of either side. Then limbs that both scans show are
           transported each on its own, by the mass that both scans have around each point, so that
           leaves born beside a leaf take none of its points.
 
     The distance is that of all pairs, the marginals' error the largest of a piece.
     """
-    cut = [] if feet is None else _cut(start, end, feet)
+    cut = [] if foot is None else _cut(start, end, foot)
     if not cut:
         return _paired(start, end, (start, end), options)
     shared = replace(options, shared=True)
@@ -71,10 +72,10 @@ def coupled(
     )
 
 
-def _cut(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
+def _cut(start: Points, end: Points, foot: Foot) -> list[Piece]:
     from baker.match.limbs import pieces
 
-    return pieces(start, end, feet)
+    return pieces(start, end, foot)
 
 
 def _paired(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,23 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 ASKED = 50  # points of an organ that bound how far it is from its bearer
+ROUGHLY = 1.0  # that bound may be twice as large
+
+
+class Foot(Protocol):
+    """An organ's point where it is attached in the first scan, foot[0], and in the second one."""
+
+    def __getitem__(self, side: int, /) -> int: ...
+
+
+class _Sought:
+    """A foot that is looked for where it is asked for: that takes a while, and few need both."""
+
+    def __init__(self, find: Callable[[int], int]) -> None:
+        self._find = cache(find)
+
+    def __getitem__(self, side: int, /) -> int:
+        return self._find(side)
 
 
 class Feet:
@@ -31,29 +50,30 @@ class Feet:
         self._segments = {organs.second[b]: (a, b) for a, b in match.pairs}
         self._bearers: dict[tuple[int, int], cKDTree] = {}
 
-    def of(self, task: Task) -> tuple[int, int] | None:
+    def of(self, task: Task) -> Foot | None:
         """Of a matched organ, the point nearest to its bearer in either scan, counted within it.
 
         None of the root, and where a bearer has no points.
         """
         if task.event != "match":
             return None
-        found = [
-            self._foot(side, segment, members)
-            for side, (segment, members) in enumerate(
-                zip(self._segments[task.organ], (task.start, task.end), strict=True)
+        parents = [
+            hierarchy.parents[segment]
+            for hierarchy, segment in zip(
+                self._hierarchies, self._segments[task.organ], strict=True
             )
         ]
-        return None if found[0] is None or found[1] is None else (found[0], found[1])
+        for hierarchy, parent in zip(self._hierarchies, parents, strict=True):
+            if parent == NO_PARENT or not len(hierarchy.segments[parent]):
+                return None
+        members = task.start, task.end
+        return _Sought(lambda side: self._foot(side, parents[side], members[side]))
 
-    def _foot(self, side: int, segment: int, members: NDArray[np.intp]) -> int | None:
-        parent = self._hierarchies[side].parents[segment]
-        if parent == NO_PARENT or not len(self._hierarchies[side].segments[parent]):
-            return None
+    def _foot(self, side: int, parent: int, members: NDArray[np.intp]) -> int:
         own, tree = self._clouds[side][members], self._bearer(side, parent)
         # A few bound the gap, and the search ends there: most points are farther.
-        gap = tree.query(own[:: max(1, len(own) // ASKED)])[0].min()
-        bound = 1.000001 * float(gap) or np.inf
+        some = own[:: max(1, len(own) // ASKED)]
+        bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf
         return int(np.argmin(tree.query(own, distance_upper_bound=bound)[0]))
 
     def _bearer(self, side: int, parent: int) -> cKDTree:
@@ -62,5 +82,5 @@ class Feet:
 
         if (side, parent) not in self._bearers:
             points = self._clouds[side][self._hierarchies[side].segments[parent]]
-            self._bearers[side, parent] = cKDTree(points)
+            self._bearers[side, parent] = cKDTree(points, balanced_tree=False)
         return self._bearers[side, parent]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from baker.transport.plan import TransportOptions
 from baker.vertical import Vertical
 from gclip.clip import Motion, SegmentPair
 from gclip.pack import Movers
+
+if TYPE_CHECKING:
+    from baker.feet import Foot
 
 
 @dataclass(frozen=True)
@@ -60,11 +64,11 @@ def solve_task(
     decay: Motion,
     vertical: Vertical,
     floor: float,
-    feet: tuple[int, int] | None = None,
+    foot: Foot | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
 
-    feet: the task's points where the organ is attached, if its limbs are to go each on its own.
+    foot: the task's points where the organ is attached, if its limbs are to go each on its own.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
@@ -80,7 +84,7 @@ def solve_task(
 
     from baker.coupled import coupled
 
-    found = coupled(start.positions[task.start], end.positions[task.end], transport, feet)
+    found = coupled(start.positions[task.start], end.positions[task.end], transport, foot)
     a, b = task.start[found.rows], task.end[found.columns]
     movers = _movers(
         task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b

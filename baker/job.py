@@ -99,7 +99,7 @@ def move_interval(
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
-            feet=feet.of(task) if job.limbs else None,
+            foot=feet.of(task) if job.limbs else None,
         )
         bend = bending.of(moved) if bending else None
         done(1)

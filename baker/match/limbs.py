@@ -8,6 +8,7 @@ scans show go each on its own, and the stalk goes with those around it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from baker.match.laid import FEWEST, laid_on, middles
 from baker.nearby import nearest
 from baker.segment.limbs import limbs
 from baker.transport.support import balance
+
+if TYPE_CHECKING:
+    from baker.feet import Foot
 
 Points = NDArray[np.floating]
 Indices = NDArray[np.intp]
@@ -39,18 +43,19 @@ class Piece:
     there: Points
 
 
-def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
+def pieces(start: Points, end: Points, foot: Foot) -> list[Piece]:
     """An organ with limbs cut into those that both scans show, and the rest; none without limbs.
 
-    start, end: (n, 3), (m, 3); feet: the points where the organ is attached, one of either.
+    start, end: (n, 3), (m, 3); foot: the points where the organ is attached, one of either.
 
     Together the pieces have every point of either side exactly once. Where too few limbs are the
     same to go by, all is one piece.
     """
-    both = _limbs_of_both(start, end, feet)
+    both = _limbs_of_both((start, end), foot)
     if both is None:
         return []
     first, second = both
+    feet = foot[0], foot[1]
     here, there, pairs = laid_on(start, end, feet, first, second)
     whole = [Piece(np.arange(len(start)), np.arange(len(end)), here, there)]
     if len(pairs) < FEWEST:
@@ -68,18 +73,14 @@ def pieces(start: Points, end: Points, feet: tuple[int, int]) -> list[Piece]:
     return cut if used == len(start) + len(end) else whole
 
 
-def _limbs_of_both(
-    start: Points, end: Points, feet: tuple[int, int]
-) -> tuple[Indices, Indices] | None:
+def _limbs_of_both(sides: tuple[Points, Points], foot: Foot) -> tuple[Indices, Indices] | None:
     """The limbs of either side; None where one has none, as most have: the smaller is asked."""
-    if len(end) < len(start):
-        turned = _limbs_of_both(end, start, feet[::-1])
-        return turned and turned[::-1]
-    first = limbs(start, feet[0])
-    if first.max() < 0:
-        return None
-    second = limbs(end, feet[1])
-    return None if second.max() < 0 else (first, second)
+    found: dict[int, Indices] = {}
+    for side in sorted((0, 1), key=lambda side: len(sides[side])):
+        found[side] = limbs(sides[side], foot[side])
+        if found[side].max() < 0:
+            return None
+    return found[0], found[1]
 
 
 def _named(limb: Indices, chosen: Indices) -> Indices:

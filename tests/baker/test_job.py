@@ -66,9 +66,9 @@ def test_progress_reaches_all_tasks(write_scans):
 def test_the_paper_knows_of_no_limbs(write_scans, monkeypatch, options, limbs):
     asked = []
 
-    def solve(*arguments, feet, **named):
-        asked.append(feet is not None)
-        return solve_task(*arguments, feet=feet, **named)
+    def solve(*arguments, foot, **named):
+        asked.append(foot is not None)
+        return solve_task(*arguments, foot=foot, **named)
 
     monkeypatch.setattr("baker.job.solve_task", solve)
     bake_recorded([write_scans()], options)
