@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from baker.workers import Crew
 
-BATCH = 8192  # points, whose neighbours stay in the processor's cache
+BATCH = 2048  # points, whose neighbours stay in the processor's cache
 THIN = 1.5  # times less spread than reach from which on points lie on something thin
 
 
@@ -26,21 +26,27 @@ def patches(
     The square of how far they reach; of a twig that is thinner than its points are apart no more
     than their spread along it times that across.
     """
+    axes = np.ascontiguousarray(points.T, dtype=np.float64)
     batches = [slice(first, first + BATCH) for first in range(0, len(near), BATCH)]
-    spread = Crew(workers).map(lambda batch: _spread(points[near[batch]]), batches)
+    spread = Crew(workers).map(lambda batch: _spread(axes, near[batch].T), batches)
     surface: NDArray[np.float64] = np.minimum(reach**2, THIN * np.concatenate(spread))
     return surface
 
 
-def _spread(around: NDArray[np.floating]) -> NDArray[np.float64]:
-    """(n,) the square of the radius of the disk that (n, k, 3) points would be evenly spread on."""
-    around = around.astype(np.float64)
-    x, y, z = np.moveaxis(around - around.mean(axis=1, keepdims=True), 2, 0)
-    xx, yy, zz = (np.einsum("nk,nk->n", axis, axis) for axis in (x, y, z))
-    xy, xz, yz = (np.einsum("nk,nk->n", *pair) for pair in ((x, y), (x, z), (y, z)))
+def _spread(axes: NDArray[np.float64], near: NDArray[np.integer]) -> NDArray[np.float64]:
+    """(n,) the square of the radius of the disk that points would be evenly spread on.
+
+    axes: (3, N) their coordinates; near: (k, n) which of them, so that whole rows are added up.
+    """
+    near = np.ascontiguousarray(near)
+    x, y, z = (axis.take(near) for axis in axes)
+    for around in (x, y, z):
+        around -= around.mean(axis=0)
+    xx, yy, zz = (np.einsum("kn,kn->n", axis, axis) for axis in (x, y, z))
+    xy, xz, yz = (np.einsum("kn,kn->n", *pair) for pair in ((x, y), (x, z), (y, z)))
     # Of the variances along the principal axes the products of two, summed: of what is no
     # thicker than a sheet that of the larger ones.
     patch = xx * yy - xy**2 + xx * zz - xz**2 + yy * zz - yz**2
     # Evenly spread over a disk the variances are a quarter of its radius squared.
-    spread: NDArray[np.float64] = 4.0 * np.sqrt(np.maximum(patch, 0.0)) / around.shape[1]
+    spread: NDArray[np.float64] = 4.0 * np.sqrt(np.maximum(patch, 0.0)) / len(near)
     return spread
