@@ -172,7 +172,9 @@ def _aside(
     lonely = ~shared[own].any(axis=1)
     shift = 2 * shared[own]
     if lonely.any():
-        nearest = cKDTree(middle).query(middle[own[lonely]], k=NEIGHBORS + 1)[1][:, 1:]
+        ranks = np.arange(2, min(int(turn[lonely].max()), NEIGHBORS - 1) + 3)
+        tree = cKDTree(middle, balanced_tree=False)
+        nearest = tree.query(middle[own[lonely]], k=ranks)[1]
         partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
         # A third of the way: the neighbour's own addition may come as far towards this one.
         shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
@@ -184,7 +186,11 @@ def _mean_of_twins(
 ) -> NDArray[np.floating]:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
     assert ends is not None  # what has a surface moves from points to points
-    _, twin, count = np.unique(ends, return_inverse=True, return_counts=True)
+    order = np.argsort(ends, kind="stable")
+    place = ends[order]
+    twin = np.empty(len(ends), np.intp)
+    twin[order] = np.cumsum(np.concatenate([place[:1] < 0, place[1:] > place[:-1]]))
+    count = np.bincount(twin)
     return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1)[twin]
 
 
