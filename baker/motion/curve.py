@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
-from baker.motion.shape import Shapes
+from baker.motion.shape import FEWEST, Shapes
 from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
@@ -85,9 +85,16 @@ class Bending:
 
     @cached_property
     def _partners(self) -> dict[int, int]:
-        """By segment of the second scan what it was in the first; the root has none."""
-        roots = self.match.first.root, self.match.second.root
-        return {b: a for a, b in self.match.pairs if a != roots[0] and b != roots[1]}
+        """By segment of the second scan that may bend what it was in the first."""
+        scans = self.match.first, self.match.second
+        return {
+            pair[1]: pair[0]
+            for pair in self.match.pairs
+            if all(
+                segment != scan.root and len(scan.segments[segment]) >= FEWEST
+                for scan, segment in zip(scans, pair, strict=True)
+            )
+        }
 
     @cached_property
     def _shapes(self) -> tuple[Shapes, Shapes]:
