@@ -292,6 +292,7 @@ def _interval_jobs(
                     born[k],
                     found and options.decay == "fall",
                     paced[k],
+                    recipe.bud_least,
                 )
             ),
             vertical=vertical,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from baker.match.greedy import PAPER, GreedyRules
 from baker.options import Missing, Options, Paths
+from baker.tasks import BUD_LEAST
 from baker.transport.plan import TransportOptions
 
 
@@ -22,6 +23,7 @@ class Recipe:
     even:            movers to add at most where they would be sparse, as a share of all.
     missing:         what becomes of parts of organs that a later scan lacks.
     paths:           how movers travel: straight, curved or smooth.
+    bud_least:       points that a new organ unfolds from at least.
     """
 
     align: str
@@ -33,6 +35,7 @@ class Recipe:
     even: float
     missing: str
     paths: str
+    bud_least: int
 
 
 def recipe_for(options: Options) -> Recipe:
@@ -55,6 +58,7 @@ def recipe_for(options: Options) -> Recipe:
             even=options.even or 0.0,
             missing=options.missing or Missing.shrink,
             paths=Paths.straight if options.paths == Paths.auto else options.paths,
+            bud_least=10,
         )
     paths = Paths.curved if options.paths == Paths.auto else options.paths
     usual = 0.0 if paths == Paths.straight else 1.0  # what is added travels on curves
@@ -68,4 +72,5 @@ def recipe_for(options: Options) -> Recipe:
         even=usual if options.even is None else options.even,
         missing=options.missing or Missing.fade,
         paths=paths,
+        bud_least=BUD_LEAST,
     )

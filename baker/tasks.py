@@ -17,7 +17,8 @@ from baker.scraps import is_scrap
 from baker.segment.hierarchy import NO_PARENT
 from gclip.clip import Motion
 
-BUD_SHARE, BUD_LEAST, BUD_MOST = 0.01, 10, 100
+BUD_SHARE, BUD_MOST = 0.01, 100
+BUD_LEAST = 3  # in a sparse scan more would stretch far along the bearer
 SAMPLED = 10  # times as many points as the bud's bound how far it reaches, ...
 ROUGHLY = 1.0  # ... asked for distances that may be twice as large as they are
 
@@ -52,12 +53,14 @@ def interval_tasks(
     born: Mapping[int, Birth] = MappingProxyType({}),
     scraps: bool = False,
     paces: Mapping[int, Pace] = MappingProxyType({}),
+    bud_least: int = BUD_LEAST,
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
     parts: what matched organs lose; born, paces: by organ, how new ones unfold and old ones go.
     scraps: whether what is lost may be scraps of our own cutting: these fade, they don't fall.
-    bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on.
+    bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on, ...
+    bud_least:  ... at least so many.
 
     Every point of the first scan starts a task's mover and every point of the second ends one.
     """
@@ -82,7 +85,7 @@ def interval_tasks(
             continue
         place = _bud_place(match, segment)
         if place not in buds:
-            buds[place] = _bud(points, match, *place, bud_points)
+            buds[place] = _bud(points, match, *place, bud_points, bud_least)
         organ, members = organs.second[segment], second.segments[segment]
         tasks.append(Task("birth", organ, buds[place], members, born.get(organ)))
     nothing = np.empty(0, np.intp)
@@ -138,17 +141,18 @@ def _bud(
     ancestor: int | None,
     base: int,
     bud_points: int | None,
+    bud_least: int,
 ) -> NDArray[np.intp]:
     """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
 
-    The l points nearest to the base, l = 1 % of the ancestor's, at least 10, at most 100; ties:
-    lowest index.
+    The l points nearest to the base, l = 1 % of the ancestor's, at least `bud_least`, at most 100;
+    ties: lowest index.
     """
     from scipy.spatial import cKDTree
 
     everywhere = np.arange(len(points[0]))
     candidates = everywhere if ancestor is None else match.first.segments[ancestor]
-    count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), BUD_LEAST, BUD_MOST))
+    count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), bud_least, BUD_MOST))
     tree = cKDTree(points[1][match.second.segments[base]], balanced_tree=False)
     # A sample, roughly asked, bounds how far the bud reaches: most points are farther.
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]

@@ -143,6 +143,8 @@ def judged(kind: str, seed: int) -> None:
 
 
 def _told(off: Errors) -> str:
+    if not len(off):
+        return "   -    -"
     return f"{np.abs(off).mean():4.1f} {np.quantile(np.abs(off), 0.9):4.1f}"
 
 

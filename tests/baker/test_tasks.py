@@ -3,7 +3,9 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
+from baker import Options
 from baker.match import IntervalOrgans, match_by_label
+from baker.recipe import recipe_for
 from baker.segment.given import hierarchy_from_labels
 from baker.tasks import interval_tasks
 
@@ -18,11 +20,11 @@ def scan(*organs):
     return points, hierarchy_from_labels(points, labels, 0)
 
 
-def tasks_between(first, second):
+def tasks_between(first, second, **options):
     (p, h), (q, g) = first, second
     match = match_by_label(h, g)
     numbers = IntervalOrgans(dict(enumerate(h.labels)), dict(enumerate(g.labels)))
-    return interval_tasks((p, q), match, numbers)
+    return interval_tasks((p, q), match, numbers, **options)
 
 
 def test_every_point_has_a_task():
@@ -48,12 +50,12 @@ def test_a_whole_new_subtree_unfolds_from_one_bud():
     assert np.array_equal(buds[1], buds[2])
 
 
-def test_a_bud_on_a_small_parent_has_at_least_ten_points_or_all():
-    tiny = STEM[:300:50]
+def test_a_bud_on_a_small_parent_has_at_least_three_points_or_all():
+    tiny = STEM[:300:150]
     tasks = tasks_between(scan((0, tiny)), scan((0, tiny), (1, LEAF)))
     assert len(next(t.start for t in tasks if t.event == "birth")) == len(tiny)
     tasks = tasks_between(scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF)))
-    assert len(next(t.start for t in tasks if t.event == "birth")) == 10
+    assert len(next(t.start for t in tasks if t.event == "birth")) == 3
 
 
 def test_the_bud_is_what_lies_nearest_to_the_new_organ():
@@ -65,3 +67,9 @@ def test_the_bud_is_what_lies_nearest_to_the_new_organ():
     )
     nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:60]
     assert np.array_equal(bud, nearest)
+
+
+def test_the_papers_own_buds_have_ten_points_at_least():
+    sparse = scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF))
+    tasks = tasks_between(*sparse, bud_least=recipe_for(Options(paper=True)).bud_least)
+    assert len(next(t.start for t in tasks if t.event == "birth")) == 10
