@@ -28,7 +28,8 @@ def draw(moving: Points, end: Points) -> Points:
     size = float(np.sqrt((here**2).sum(axis=1).mean())) or 1.0
     centres = here[spread_out(here, CENTRES)]
     # What is fitted to scans of a thousand points is not more accurate than a float32.
-    squared = ((here[None] - centres[:, None]) ** 2).sum(axis=2).astype(np.float32)
+    ways = (here[:, axis] - centres[:, axis, None] for axis in range(3))
+    squared = np.float32(sum(way**2 for way in ways))
     drawn, target = here, line(there)
     for width in WIDTHS:
         weights = np.exp(squared * np.float32(-0.5 / (width * size) ** 2)) + np.float32(1e-12)

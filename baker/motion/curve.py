@@ -17,7 +17,8 @@ from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
 MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
-ASKED = 50  # points of an organ that bound how far it is from its bearer
+ASKED = 50  # points of an organ that bound how far it is from its bearer, ...
+ROUGHLY = 1.0  # ... by up to twice as much
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
 
@@ -142,14 +143,14 @@ def _bend(
     way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
     if (bow**2).sum() > MOST**2 * (way**2).sum():
         return None
-    tree = cKDTree(motion.warped)
+    tree = cKDTree(motion.warped, balanced_tree=False)
     touched: dict[int, int] = {}
     for segment, members in borne.items():
         if len(members):
             own = clouds[1][members]
             # A few bound the gap, and the search ends there: most points are farther.
             some = own[:: max(1, len(own) // ASKED)]
-            bound = 1.000001 * float(tree.query(some)[0].min()) or np.inf
+            bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf
             gaps, nearest = tree.query(own, distance_upper_bound=bound)
             touched[segment] = int(nearest[np.argmin(gaps)])
     shifts = motion.bow(motion.sample[[*touched.values()]]) if touched else np.empty((0, 3))
