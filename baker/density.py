@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from baker.nearby import along_curve
 from baker.spacing import Surroundings
-from baker.workers import ALONE, Crew
+from baker.workers import ALONE, Crew, in_groups
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, raised
 
@@ -83,7 +83,7 @@ def with_even_density(tasks: Sequence[Moved], growth: float, crew: Crew = ALONE)
             for task in group
         ]
 
-    found = crew.map(add, _groups(tasks), fewest=FEWEST)
+    found = crew.map(add, in_groups(tasks, lambda task: len(task.movers), GROUPS), fewest=FEWEST)
     added = [more for group in found for more in group]
     return [
         task.movers if more is None else _filled(task.movers, *more)
@@ -111,20 +111,6 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
     # The first is always filled, though (1 / 49) * 49 is less than 1.
     filled = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
     return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
-
-
-def _groups(tasks: Sequence[Moved]) -> list[list[Moved]]:
-    """The tasks in their order, in groups of about as many movers."""
-    share = sum(len(task.movers) for task in tasks) / GROUPS
-    groups: list[list[Moved]] = [[]]
-    size = 0
-    for task in tasks:
-        if size > share:
-            groups.append([])
-            size = 0
-        groups[-1].append(task)
-        size += len(task.movers)
-    return groups
 
 
 def _added(task: Moved, wanted: NDArray[np.floating]) -> Added | None:

@@ -74,6 +74,20 @@ class Crew:
 ALONE = Crew()
 
 
+def in_groups(items: Sequence[Item], size: Callable[[Item], int], count: int) -> list[list[Item]]:
+    """The items in their order, in up to `count` groups of about the same size in all."""
+    share = sum(map(size, items)) / count
+    groups: list[list[Item]] = []
+    held = 0.0
+    for item in items:
+        if not groups or held > share:
+            groups.append([])
+            held = 0.0
+        groups[-1].append(item)
+        held += size(item)
+    return groups
+
+
 class Steps:
     """Counts the steps of a stage that are done; more of them than there are don't count.
 

@@ -20,10 +20,10 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.meeting import Curve, Organ, Tie, on_curve
 from baker.segment.hierarchy import NO_PARENT
-from baker.workers import ALONE, Crew
+from baker.workers import ALONE, Crew, in_groups
 from gclip.pack import raised
 
-FEWEST, TOGETHER = 4, 8  # groups that are worth sharing out; organs in one
+GROUPS, FEWEST = 24, 4  # of organs, to share out; from so many on it is worth it
 
 Bearers = Mapping[int, Sequence[int]]  # of each organ, all by their places among the tasks
 Settled = tuple[Curve | None, list[Tie | None]]  # an organ's paths if drawn; its tie to each bearer
@@ -54,7 +54,7 @@ def attached(
         if organ in place
     }
     meetings = _Meetings(tasks, bearers, spacing, bend)
-    groups = _of_one_bearer(bearers)
+    groups = in_groups(_along_branches(bearers), lambda own: len(tasks[own].movers), GROUPS)
     found = crew.map(lambda group: [meetings.of(own) for own in group], groups, fewest=FEWEST)
     settled = {
         own: one
@@ -76,17 +76,21 @@ def attached(
     return done
 
 
-def _of_one_bearer(bearers: Bearers) -> list[list[int]]:
-    """The organs that have a bearer, up to `TOGETHER` of the same one in a group."""
+def _along_branches(bearers: Bearers) -> list[int]:
+    """The organs that have a bearer, each followed by what it bears: they need the same turns."""
     borne: dict[int, list[int]] = {}
     for own, found in bearers.items():
-        if found:
-            borne.setdefault(found[0], []).append(own)
-    return [
-        group[first : first + TOGETHER]
-        for group in borne.values()
-        for first in range(0, len(group), TOGETHER)
-    ]
+        for bearer in found[:1]:
+            borne.setdefault(bearer, []).append(own)
+    reached: dict[int, None] = {}
+    for first in bearers:
+        following = [first]
+        while following:
+            own = following.pop()
+            if own not in reached:
+                reached[own] = None
+                following += reversed(borne.get(own, []))
+    return [own for own in reached if bearers[own]]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion import attached
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.workers import Crew
 from gclip.clip import Motion
 from gclip.evaluate import bernstein
 from gclip.pack import Movers
@@ -140,3 +141,34 @@ def test_what_is_attached_is_left_alone() -> None:
     solved, match, organs = tasks_of((blade(), blade()))
     after = attached(solved, match, organs, 1.0)
     assert after[1] is solved[1]
+
+
+class Backwards:
+    """A pool that does the last item first."""
+
+    def map(self, function, items):
+        return [function(item) for item in reversed(items)][::-1]
+
+
+def test_who_is_asked_first_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A branch that leaves its stem half-way, and on it a row of leaves that leave the branch.
+    monkeypatch.setattr("baker.motion.attach.FEWEST", 2)
+    stem, branch = tasks_of((blade(), blade() + np.array([0.0, 6.0, 0.0]), blade()))[0]
+    moved, count = [stem, branch], 6
+    for k in range(count):
+        leaf = 0.3 * blade() + [5.0 * k, 0.0, 17.0]
+        curve = tuple(p.astype(np.float32) for p in (leaf, leaf + np.array([0.0, -5.0, 0.0]), leaf))
+        tracks = np.full(COUNT, k + 2)
+        moved.append(replace(branch, movers=replace(branch.movers, curve=curve, tracks=tracks)))
+    segments = tuple(np.arange(k * COUNT, (k + 1) * COUNT) for k in range(count + 2))
+    parents = (NO_PARENT, 0, *[1] * count)
+    hierarchy = Hierarchy(segments, tuple(range(count + 2)), parents, 0)
+    names = {k: k for k in range(count + 2)}
+    match = Match(hierarchy, hierarchy, tuple(names.items()), (), ())
+    plant = (match, IntervalOrgans(names, names), 1.0)
+    alone = attached(moved, *plant)
+    shared = attached(moved, *plant, crew=Crew(2, Backwards()))
+    for before, one, other in zip(moved[2:], alone[2:], shared[2:], strict=True):
+        assert not np.array_equal(before.movers.curve[1], one.movers.curve[1][:COUNT])
+        for ours, theirs in zip(one.movers.curve, other.movers.curve, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
