@@ -24,7 +24,7 @@ _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
 _NEIGHBORS = 4, 6  # neighbours whose partners are tried; more where there is little slack
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
-_FEW = 100  # points of the smaller side up to which that is all that is done
+FEW = 100  # points of the smaller side up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
 _CELL = 500  # points of both sides in a cell above that: its data stay in the cache
 _NEARBY = 3  # sweeps of such cells; where mass has farther to go, in later ones they double
@@ -140,7 +140,7 @@ def _improve(
     """Improve a feasible plan in a sweep; the last level's until one gains next to nothing."""
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    few = min(n, m) <= _FEW
+    few = min(n, m) <= FEW
     exhaustive = few or (last and n * m <= _EXHAUSTIVE)
 
     def cost() -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from baker.transport.multiscale import WHOLE, Search, couple
+from baker.transport.multiscale import FEW, WHOLE, Search, couple
 from baker.transport.plan import (
     Method,
     Plan,
@@ -34,13 +34,18 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     if options.method == Method.SINKHORN:
         return regularized_plan(start, end, options)
 
-    here, there, slack = start - start.mean(axis=0), end - start.mean(axis=0), 0.0
-    if options.power == 2:
+    n, m = len(start), len(end)
+    # Where the clouds are does not matter to squared distances, only to rounding.
+    here = start - start.mean(axis=0)
+    there = end - (end if options.power == 2 else start).mean(axis=0)
+    slack = 0.0
+    whole = n + m <= WHOLE  # one sweep finds the optimum
+    # Of few points all pairs are looked at: it does not matter how they lie.
+    if options.power == 2 and not (whole and min(n, m) <= FEW):
         here, there = balance(start, end)
-        if len(start) + len(end) > WHOLE:  # else one sweep finds the optimum
+        if not whole:
             slack = _SLACK * explained_cost(start, end, here, there)
     search = Search(options.power, options.seed, slack, options.workers)
-    n, m = len(start), len(end)
     masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
     found = couple(here, there, *masses, search)
     return make_plan(
