@@ -46,7 +46,8 @@ def neighbours(points: Points) -> Neighbours:
     """
     from scipy.spatial import cKDTree
 
-    apart, near = cKDTree(points).query(points, k=min(GRAPH_NEIGHBORS, len(points)))
+    tree = cKDTree(points, balanced_tree=False)
+    apart, near = tree.query(points, k=min(GRAPH_NEIGHBORS, len(points)))
     return apart.reshape(len(points), -1), near.reshape(len(points), -1)
 
 

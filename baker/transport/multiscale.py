@@ -177,7 +177,8 @@ def _neighbours(points: Points, k: int, workers: int) -> NDArray[np.int32]:
     k = min(k, n - 1)
     if k > 0:
         threads = workers if n > WHOLE else 1
-        near[:, :k] = cKDTree(points).query(points, np.arange(2, k + 2), workers=threads)[1]
+        tree = cKDTree(points, balanced_tree=False)
+        near[:, :k] = tree.query(points, np.arange(2, k + 2), workers=threads)[1]
     return near
 
 
