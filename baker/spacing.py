@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from baker.contacts import Gaps
 from baker.nearby import CurveTree
 from baker.surface import patches
+from baker.workers import Crew
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
 BATCH = 1000
+TOGETHER = 4096  # points, whose neighbours stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -51,13 +53,20 @@ class Surroundings:
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
             return cls(0.0, None, np.ones(len(points)) if surface else None)
-        ranks = tuple(range(k + 1)) if surface else (1, k)
         tree = tree or CurveTree.of(points)
-        distances, near = _nearest(tree, ranks, workers)
-        found = np.empty((3, len(points)))
-        found[:2, tree.order] = distances[:, 1 if surface else 0], distances[:, -1]
-        if surface:
-            found[2, tree.order] = patches(tree.points, near, distances[:, -1], workers)
+        placed, searched = tree.points, tree.tree
+        axes = np.ascontiguousarray(placed.T, np.float64)
+        ranks = np.arange(1, k + 2) if surface else np.array([2, k + 1])  # 1 is the point itself
+
+        def look(batch: slice) -> NDArray[np.float64]:
+            distances, near = searched.query(placed[batch], ranks)
+            nearest, farthest = distances[:, 1 if surface else 0], distances[:, -1]
+            patch = [patches(axes, near, farthest)] if surface else []
+            return np.stack([nearest, farthest, *patch])
+
+        batches = [slice(at, at + TOGETHER) for at in range(0, len(points), TOGETHER)]
+        found = np.empty((3 if surface else 2, len(points)))
+        found[:, tree.order] = np.concatenate(Crew(workers).map(look, batches), axis=1)
         spacing = float(np.median(found[0, :: -(-len(points) // SAMPLE)]))
         return cls(spacing, found[1], found[2] if surface else None)
 
@@ -128,18 +137,6 @@ def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
     Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
     """
     tree = CurveTree.of(points)
-    distances, _ = _nearest(tree, (k,))
     found = np.empty(len(points))
-    found[tree.order] = distances[:, 0]
+    found[tree.order] = tree.tree.query(tree.points, [k + 1])[0][:, 0]
     return found
-
-
-def _nearest(
-    tree: CurveTree, ranks: tuple[int, ...], workers: int = 1
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """How far each point's nearest ones of these ranks are, and which; 0 is the point itself.
-
-    (N, ranks) distances and places, in the tree's order.
-    """
-    distances, near = tree.tree.query(tree.points, [k + 1 for k in ranks], workers=workers)
-    return distances, near

@@ -5,38 +5,29 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.workers import Crew
-
-BATCH = 2048  # points, whose neighbours stay in the processor's cache
 THIN = 1.5  # times less spread than reach from which on points lie on something thin
 
 
 def patches(
-    points: NDArray[np.floating],
-    near: NDArray[np.integer],
-    reach: NDArray[np.floating],
-    workers: int = 1,
+    axes: NDArray[np.float64], near: NDArray[np.integer], reach: NDArray[np.floating]
 ) -> NDArray[np.float64]:
-    """(N,) what surface is around each of (N, 3) points, up to a factor.
+    """(n,) what surface is around points of a cloud, up to a factor.
 
-    near:  (N, k) which points of the cloud are around it, itself among them.
-    reach: (N,) how far the farthest of these is.
-    workers: threads.
+    axes:  (3, N) the cloud's coordinates.
+    near:  (n, k) which points of the cloud are around each, itself among them.
+    reach: (n,) how far the farthest of these is.
 
     The square of how far they reach; of a twig that is thinner than its points are apart no more
     than their spread along it times that across.
     """
-    axes = np.ascontiguousarray(points.T, dtype=np.float64)
-    batches = [slice(first, first + BATCH) for first in range(0, len(near), BATCH)]
-    spread = Crew(workers).map(lambda batch: _spread(axes, near[batch].T), batches)
-    surface: NDArray[np.float64] = np.minimum(reach**2, THIN * np.concatenate(spread))
+    surface: NDArray[np.float64] = np.minimum(reach**2, THIN * _spread(axes, near.T))
     return surface
 
 
 def _spread(axes: NDArray[np.float64], near: NDArray[np.integer]) -> NDArray[np.float64]:
     """(n,) the square of the radius of the disk that points would be evenly spread on.
 
-    axes: (3, N) their coordinates; near: (k, n) which of them, so that whole rows are added up.
+    near: (k, n), so that whole rows are added up.
     """
     near = np.ascontiguousarray(near)
     x, y, z = (axis.take(near) for axis in axes)
