@@ -154,7 +154,8 @@ class _Attachments:
         return float(np.sqrt(((self._points(segment) - base) ** 2).sum(axis=1).mean()))
 
     def _points(self, segment: int) -> NDArray[np.float64]:
-        return self._cloud[self.match.second.segments[segment]].astype(float)
+        members = self.match.second.segments[segment]
+        return self._cloud.take(members, axis=0).astype(float)
 
     def _bearer(self, parent: int) -> cKDTree:
         """A parent's points to search in: many organs may grow from one."""

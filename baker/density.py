@@ -131,13 +131,13 @@ def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) 
     return replace(
         movers,
         curve=(
-            np.concatenate([start, start[own]]),
-            *(np.concatenate([points, points[own] + shift]) for points in control),
-            np.concatenate([end, end[own]]),
+            np.concatenate([start, start.take(own, axis=0)]),
+            *(np.concatenate([points, points.take(own, axis=0) + shift]) for points in control),
+            np.concatenate([end, end.take(own, axis=0)]),
         ),
         tracks=np.concatenate([movers.tracks, movers.tracks[own]]),
-        start_colors=None if colors is None else np.concatenate([colors, colors[own]]),
-        end_colors=None if target is None else np.concatenate([target, target[own]]),
+        start_colors=None if colors is None else np.concatenate([colors, colors.take(own, axis=0)]),
+        end_colors=None if target is None else np.concatenate([target, target.take(own, axis=0)]),
     )
 
 
@@ -155,8 +155,8 @@ def _aside(
     shared = middle - _mean_of_twins(task.start_points, middle) / 2
     shared -= _mean_of_twins(task.end_points, middle) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
-    lonely = ~shared[own].any(axis=1)
-    shift = 2 * shared[own]
+    shift = 2 * shared.take(own, axis=0)
+    lonely = ~shift.any(axis=1)
     if lonely.any():
         ranks = np.arange(2, min(int(turn[lonely].max()), NEIGHBORS - 1) + 3)
         tree = cKDTree(middle, balanced_tree=False)
@@ -177,7 +177,9 @@ def _mean_of_twins(
     twin = np.empty(len(ends), np.intp)
     twin[order] = np.cumsum(np.concatenate([place[:1] < 0, place[1:] > place[:-1]]))
     count = np.bincount(twin)
-    return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1)[twin]
+    return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1).take(
+        twin, axis=0
+    )
 
 
 def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:

@@ -70,7 +70,8 @@ class Feet:
         return _Sought(lambda side: self._foot(side, parents[side], members[side]))
 
     def _foot(self, side: int, parent: int, members: NDArray[np.intp]) -> int:
-        own, tree = self._clouds[side][members], self._bearer(side, parent)
+        own = self._clouds[side].take(members, axis=0)
+        tree = self._bearer(side, parent)
         # A few bound the gap, and the search ends there: most points are farther.
         some = own[:: max(1, len(own) // ASKED)]
         bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf

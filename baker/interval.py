@@ -75,7 +75,7 @@ def solve_task(
     """
     if task.event in ("loss", "part"):
         decay = task.leaves or decay
-        origin = start.positions[task.start]
+        origin = start.positions.take(task.start, axis=0)
         landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
         movers = _movers(task.organ, decay, origin, landing, start, task.start, start, task.start)
         drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
@@ -84,11 +84,12 @@ def solve_task(
 
     from baker.coupled import coupled
 
-    found = coupled(start.positions[task.start], end.positions[task.end], transport, foot)
+    here = start.positions.take(task.start, axis=0)
+    there = end.positions.take(task.end, axis=0)
+    found = coupled(here, there, transport, foot)
     a, b = task.start[found.rows], task.end[found.columns]
-    movers = _movers(
-        task.organ, Motion.MOVE, start.positions[a], end.positions[b], start, a, end, b
-    )
+    origin, target = here.take(found.rows, axis=0), there.take(found.columns, axis=0)
+    movers = _movers(task.organ, Motion.MOVE, origin, target, start, a, end, b)
     pair = _pair(task, len(movers), found.solver, found.distance, found.marginal_error, found.notes)
     if task.birth is not None:
         origin, target = movers.curve
@@ -120,8 +121,8 @@ def _movers(
         motion=motion,
         curve=(origin, target),
         tracks=np.full(len(a), organ),
-        start_colors=start.colors[a] if colored and start.colors is not None else None,
-        end_colors=end.colors[b] if colored and end.colors is not None else None,
+        start_colors=start.colors.take(a, axis=0) if colored and start.colors is not None else None,
+        end_colors=end.colors.take(b, axis=0) if colored and end.colors is not None else None,
     )
 
 

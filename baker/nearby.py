@@ -41,7 +41,7 @@ class CurveTree:
         from scipy.spatial import cKDTree
 
         order = along_curve(points)
-        placed = points[order]
+        placed = points.take(order, axis=0)
         return cls(order, placed, cKDTree(placed, balanced_tree=False))
 
 
@@ -49,5 +49,5 @@ def nearest(points: NDArray[np.floating], among: NDArray[np.floating]) -> NDArra
     """(n,) which of (m, 3) points is the nearest to each of (n, 3) points."""
     order, there = along_curve(points), CurveTree.of(among)
     found = np.empty(len(points), np.intp)
-    found[order] = there.order[there.tree.query(points[order])[1]]
+    found[order] = there.order[there.tree.query(points.take(order, axis=0))[1]]
     return found

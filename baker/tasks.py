@@ -150,16 +150,18 @@ def _bud(
     """
     from scipy.spatial import cKDTree
 
-    everywhere = np.arange(len(points[0]))
-    candidates = everywhere if ancestor is None else match.first.segments[ancestor]
+    candidates = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
     count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), bud_least, BUD_MOST))
-    tree = cKDTree(points[1][match.second.segments[base]], balanced_tree=False)
+    grown = points[1].take(match.second.segments[base], axis=0)
+    tree = cKDTree(grown, balanced_tree=False)
     # A sample, roughly asked, bounds how far the bud reaches: most points are farther.
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
-    reach = np.sort(tree.query(points[0][sample], eps=ROUGHLY)[0])[:count][-1]
+    reach = np.sort(tree.query(points[0].take(sample, axis=0), eps=ROUGHLY)[0])[:count][-1]
     bound = 1.000001 * reach or np.inf
-    candidates = candidates[_within(points[0][candidates], tree.mins, tree.maxes, bound)]
-    distances, _ = tree.query(points[0][candidates], distance_upper_bound=bound)
+    own = points[0].take(candidates, axis=0)
+    inside = _within(own, tree.mins, tree.maxes, bound)
+    candidates = candidates[inside]
+    distances, _ = tree.query(own[inside], distance_upper_bound=bound)
     return candidates[np.argsort(distances, kind="stable")[:count]]
 
 

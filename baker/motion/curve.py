@@ -139,7 +139,7 @@ def _bend(
 
     assert moved.start_points is not None
     starts, mover = np.unique(moved.start_points, return_inverse=True)
-    bow = motion.bow(clouds[0][starts])[mover]
+    bow = motion.bow(clouds[0].take(starts, axis=0)).take(mover, axis=0)
     way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
     if (bow**2).sum() > MOST**2 * (way**2).sum():
         return None
@@ -147,7 +147,7 @@ def _bend(
     touched: dict[int, int] = {}
     for segment, members in borne.items():
         if len(members):
-            own = clouds[1][members]
+            own = clouds[1].take(members, axis=0)
             # A few bound the gap, and the search ends there: most points are farther.
             some = own[:: max(1, len(own) // ASKED)]
             bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf

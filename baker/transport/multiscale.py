@@ -110,7 +110,7 @@ def _levels(
     """
     n = len(points)
     order, axes = bisection.order(points, max(1, (n - 1).bit_length()), seed, like)
-    points, masses = points[order], masses[order]
+    points, masses = points.take(order, axis=0), masses[order]
     counts, count = [], _COARSEST
     while 3 * count <= n:
         counts.append(count)
