@@ -1,8 +1,9 @@
 """How far a new organ has unfolded half-way through the interval that it is born in.
 
 What a scan does not show yet may appear at any time before the next. How fast the organ grows
-afterwards suggests when: drawn back, its growth gives the size that it had half-way, at most a half
-of what it is at the end, and less where it comes late and fast.
+afterwards suggests when: drawn back, its growth gives the size that it had half-way, less than a
+half of what it is at the end where it comes late and fast. What is small at the end may have been
+there at the start and too small to be seen; what is large was not, and had a half at most.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
+SEEN = 10  # points from which on an organ is seen in a scan
 AT_BASE = 0.02  # share of an organ's points that are its base
 SAMPLED = 5  # times as many points as the base's bound how far it reaches
 ROUGHLY = 1.0  # a distance may be twice as large, where it is but a bound
@@ -89,7 +91,9 @@ def births(
         pace = {top: _pace_of_bearer(top, match, named, paced) for top in bases}
         born.append(
             {
-                named.second[segment]: Birth(bases[top], sizes[top] or usual, pace[top])
+                named.second[segment]: Birth(
+                    bases[top], sizes[top] or min(usual, _most(match, top)), pace[top]
+                )
                 for segment, top in tops.items()
             }
         )
@@ -187,4 +191,13 @@ def _size_half_way(
     size = attached[k].extent(top, base)
     grown = following.extent(later, following.base(later))
     growth = (grown / max(size, 1e-12) - 1) * spans[k] / (2 * spans[k + 1])
-    return float(np.clip(1 - growth, LATE, EVEN))
+    return float(np.clip(1 - growth, LATE, _most(attached[k].match, top)))
+
+
+def _most(match: Match, top: int) -> float:
+    """The largest that an organ not seen before can be half-way, as a share of its end's size.
+
+    It may have been of any size at which it would not have been seen: of half of that.
+    """
+    unseen = min(1.0, (SEEN / len(match.second.segments[top])) ** 0.5)
+    return EVEN + (1 - EVEN) * unseen / 2

@@ -13,12 +13,12 @@ from gclip.evaluate import bernstein
 FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
 
 
-def write(folder, lengths, days=(0, 1, 2)):
+def write(folder, lengths, days=(0, 1, 2), points=1000):
     """A stem, and from the second scan on a leaf of these lengths."""
     rng = np.random.default_rng(0)
     stem = rng.random((600, 3)) * [0.2, 0.2, 10]
     for day, length in zip(days, lengths, strict=True):
-        leaf = rng.random((300 if length else 0, 3)) * [length, 0.5, 0.1] + [0.2, 0, 8]
+        leaf = rng.random((points if length else 0, 3)) * [length, 0.5, 0.1] + [0.2, 0, 8]
         table = np.c_[np.concatenate([stem, leaf]), np.repeat([0, 1], [600, len(leaf)])]
         np.savetxt(folder / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
     return bake([folder], Options(**FIXED))
@@ -52,6 +52,14 @@ def test_an_organ_that_grows_fast_comes_late(tmp_path):
     fast = write(tmp_path, (0, 4, 14))
     assert reach(fast, 0.5) == pytest.approx(LATE * 4, rel=0.15)
     assert reach(fast, 0.5) < 0.95 * reach(slow, 0.5)
+
+
+def test_what_is_small_may_have_been_there_unseen(tmp_path):
+    """A scan shows nothing of a few points: if they hardly grow they were there before."""
+    few = reach(write(tmp_path, (0, 4, 4.4), points=12), 0.5)
+    assert 0.65 * 4 < few < 0.75 * 4
+    growing = reach(write(tmp_path, (0, 4, 14), points=12), 0.5)
+    assert growing < 0.5 * 4
 
 
 def test_growth_is_told_by_the_day(tmp_path):
