@@ -70,17 +70,17 @@ def expand(
     With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
     equal sizes). Whole masses, so feasible for any sizes; at most n + m pairs and the blocks' own.
     """
-    by_row, by_column = np.lexsort(edges[::-1]), np.lexsort(edges)
+    by_row = np.argsort(edges[0] * len(columns) + edges[1], kind="stable")
+    by_column = np.argsort(edges[1] * len(rows) + edges[0], kind="stable")
     row_end, column_end = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
     # All of the mass lies on one line in the order of the rows, and once more in that of the
     # columns; along an edge the two run side by side, `shift` apart.
-    edge_end = np.cumsum(mass[by_row])
-    in_columns = np.empty_like(mass)
-    in_columns[by_column] = np.cumsum(mass[by_column])
+    edge_end, along_columns = np.cumsum(mass[by_row]), np.cumsum(mass[by_column])
+    in_columns, place = np.empty_like(mass), np.empty_like(by_row)
+    in_columns[by_column] = along_columns
+    place[by_row] = np.arange(len(by_row))
     shift = in_columns[by_row] - edge_end
-    edge_of_column_end = by_row.argsort()[
-        by_column[np.searchsorted(np.cumsum(mass[by_column]), column_end)]
-    ]
+    edge_of_column_end = place[by_column[np.searchsorted(along_columns, column_end)]]
     steps = np.concatenate([row_end, edge_end, column_end - shift[edge_of_column_end]])
     steps.sort()
     steps = steps[np.concatenate([steps[:1] > 0, steps[1:] > steps[:-1]])]

@@ -93,11 +93,11 @@ class Plan:
 
 def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
     """(E,) float64: distance ** power along each pair of the support."""
-    squared = np.zeros(len(edges[0]))
-    for axis in range(start.shape[1]):
-        difference = start[edges[0], axis].astype(np.float64)
-        difference -= end[edges[1], axis]
-        squared += difference**2
+    way = start.take(edges[0], axis=0).astype(np.float64, copy=False)
+    way -= end.take(edges[1], axis=0)
+    squared = np.zeros(len(way))
+    for axis in way.T:
+        squared += axis**2
     return squared if power == 2 else np.sqrt(squared)
 
 
