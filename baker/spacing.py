@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
-BATCH = 1000
 TOGETHER = 4096  # points, whose neighbours stay in the processor's cache
 
 
@@ -98,28 +97,12 @@ def lowest_point(
 
     Alone is a point whose 8th neighbour is more than ten times as far as is usual in the cloud.
     """
-    from scipy.spatial import cKDTree
-
-    order = np.argsort(heights, kind="stable")
     k = min(NEIGHBORS, len(points) - 1)
     if k < 1:
-        return int(order[0])
-    sample = slice(None, None, -(-len(points) // SAMPLE))
-    tree = cKDTree(points) if reach is None else None
-
-    def reach_of(chosen: NDArray[np.intp] | slice) -> NDArray[np.floating]:
-        if tree is None:
-            assert reach is not None
-            return reach[chosen]
-        return tree.query(points[chosen], k=[k + 1])[0][:, 0]
-
-    usual = np.median(reach_of(sample))
-    for first in range(0, len(order), BATCH):
-        batch = order[first : first + BATCH]
-        dense = reach_of(batch) <= ALONE * usual
-        if dense.any():
-            return int(batch[np.argmax(dense)])
-    return int(order[0])
+        return 0
+    apart = reaches(points, k) if reach is None else reach
+    usual = np.median(apart[:: -(-len(points) // SAMPLE)])
+    return int(np.argmin(np.where(apart <= ALONE * usual, heights, np.inf)))
 
 
 def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -127,11 +110,11 @@ def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
     k = min(NEIGHBORS, len(points) - 1)
     if k < 1:
         return np.ones(len(points), bool)
-    distance = reach(points, k)
+    distance = reaches(points, k)
     return distance <= ALONE * np.median(distance)
 
 
-def reach(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
+def reaches(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
     """(N,) each point's distance to its k-th nearest other point, k < N.
 
     Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from baker.spacing import lowest_point
 from baker.vertical import Vertical
+from gclip.pack import extent
 
 ASTRAY = 4.0  # times as far from where most scans have it as it usually is
 FAR = 0.03  # of the plant's size, that it is off by at least
@@ -29,7 +30,7 @@ def standing_bases(
     off = np.linalg.norm(feet - middle, axis=1)
     put = []
     for cloud, base, away in zip(clouds, bases, off, strict=True):
-        usual = max(ASTRAY * float(np.median(off)), FAR * float(np.ptp(cloud, axis=0).max()))
+        usual = max(ASTRAY * float(np.median(off)), FAR * _size(cloud))
         if away > usual:
             aside = np.linalg.norm(_level(cloud, vertical) - middle, axis=1)
             around = np.flatnonzero(aside <= usual)
@@ -38,6 +39,11 @@ def standing_bases(
                 base = int(around[lowest_point(cloud[around], heights)])
         put.append(base)
     return put
+
+
+def _size(points: NDArray[np.floating]) -> float:
+    low, high = extent(points)
+    return float((high - low).max())
 
 
 def _level(points: NDArray[np.floating], vertical: Vertical) -> NDArray[np.floating]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.spacing import Surroundings, reach
+from baker.spacing import Surroundings, reaches
 
 
 def surface(points):
@@ -26,7 +26,7 @@ def twig(count, radius, seed=0):
 
 def test_on_a_sheet_it_is_the_square_of_the_reach():
     points = sheet(2000)
-    square = reach(points, 8) ** 2
+    square = reaches(points, 8) ** 2
     assert np.isclose(surface(points), square).mean() > 0.6
     assert (surface(points) <= square * (1 + 1e-9)).all()
 
@@ -35,7 +35,7 @@ def test_on_a_sheet_it_is_the_square_of_the_reach():
 def test_a_twig_thinner_than_its_spacing_has_less_the_thinner_it_is(radius):
     thin, half = (np.median(surface(twig(100, r))) for r in (radius, radius / 2))
     assert half == pytest.approx(thin / 2, rel=0.2)
-    assert thin < 0.5 * np.median(reach(twig(100, radius), 8)) ** 2
+    assert thin < 0.5 * np.median(reaches(twig(100, radius), 8)) ** 2
 
 
 def test_it_grows_with_the_square_of_the_unit():
