@@ -25,6 +25,7 @@ from gclip.pack import Movers, raised
 if TYPE_CHECKING:
     from baker.interval import Moved
 
+ROOM = 0.3  # of a point's reach: half a spacing, what is left between spreading movers half-way
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 GROUPS, FEWEST = 24, 8  # of tasks, to share out; from so many on it is worth it
 
@@ -147,13 +148,17 @@ def _aside(
     """(n, 3) how far the additions are from their movers half-way.
 
     Movers from one point spread out, movers to one point draw together: an addition keeps that
-    order where it goes on from the others through its mover. A mover that shares no point has it
-    on the way to a neighbour.
+    order where it goes on from the others through its mover, no farther than the gap to those from
+    the next point: beyond a tip there are none. A mover that shares no point has it on the way to a
+    neighbour.
     """
     from scipy.spatial import cKDTree
 
-    shared = middle - _mean_of_twins(task.start_points, middle) / 2
-    shared -= _mean_of_twins(task.end_points, middle) / 2
+    leaving = middle - _mean_of_twins(task.start_points, middle)
+    if task.reach is not None:
+        far = np.sqrt((leaving**2).sum(axis=1))
+        leaving *= np.minimum(1.0, ROOM * task.reach / np.maximum(far, 1e-300))[:, None]
+    shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
     shift = 2 * shared.take(own, axis=0)
     lonely = ~shift.any(axis=1)

@@ -44,6 +44,8 @@ class Moved:
              what is lost.
     born:    whether they unfold from a bud.
     limbs:   whether the organ's limbs were moved each on its own.
+    reach:   (M,) how far what surrounds each mover's start reaches; None of what is born, and where
+             density is left as it is.
     """
 
     movers: Movers
@@ -53,6 +55,7 @@ class Moved:
     end_points: NDArray[np.intp] | None = None
     born: bool = False
     limbs: bool = False
+    reach: NDArray[np.floating] | None = None
 
 
 def solve_task(
@@ -103,7 +106,8 @@ def solve_task(
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
     surface = surface_half_way(before, found.rows, after, found.columns, born)
-    return Moved(movers, pair, surface, a, b, born, found.limbs)
+    reach = None if before is None or born else np.sqrt(before)[found.rows]
+    return Moved(movers, pair, surface, a, b, born, found.limbs, reach)
 
 
 def _movers(

@@ -214,6 +214,7 @@ def _joined(moved: Moved, *ties: Moved) -> Moved:
         surface=_all([one.surface for one in every]),
         start_points=_all([one.start_points for one in every]),
         end_points=_all([one.end_points for one in every]),
+        reach=_all([one.reach for one in every]),
     )
 
 

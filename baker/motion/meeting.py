@@ -169,4 +169,5 @@ def _tie(moved: Moved, a: int, b: int, path: NDArray[np.float64]) -> Moved:
         surface=None if moved.surface is None else moved.surface[[a, b]].min(keepdims=True),
         start_points=None if start is None else start[[a]],
         end_points=None if end is None else end[[b]],
+        reach=None if moved.reach is None else moved.reach[[a, b]].min(keepdims=True),
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.density import half_way, point_surface, surface_half_way, with_even_density
+from baker.density import ROOM, half_way, point_surface, surface_half_way, with_even_density
 from baker.interval import Moved
 from gclip.clip import Motion
 from gclip.pack import Movers, raised
@@ -86,6 +86,19 @@ def test_movers_of_one_point_spread_out_from_their_mean():
     assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
     assert 0.5 < np.abs(middle[:, 0] - 0.5).max() <= 1.0 + 1e-12
     assert np.abs(middle[:, 1:]).max() == 0.0
+
+
+def test_no_addition_runs_far_ahead_of_a_tip():
+    """No farther than half the gap to the next point: beyond a tip that nothing follows."""
+    count, reach = 24, 0.5
+    end = np.column_stack([np.linspace(0.0, 2.0, count), np.zeros((count, 2))])
+    movers = Movers(Motion.MOVE, (np.zeros((count, 3)), end), np.zeros(count, int))
+    surface = np.r_[np.ones(6), 9 * np.ones(18)]
+    ends = np.zeros(count, int), np.arange(count)
+    task = Moved(movers, None, surface, *ends, reach=np.full(count, reach))
+    (filled,) = with_even_density([task], 1.0)
+    assert len(filled) > count
+    assert half_way(filled.curve)[:, 0].max() <= 1.0 + ROOM * reach + 1e-12
 
 
 def test_a_bud_has_no_surface():
