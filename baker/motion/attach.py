@@ -122,20 +122,19 @@ class _Meetings:
 
     def of(self, own: int) -> Settled:
         """One organ's paths and ties."""
-        for turn in self._before(own, *self._bearers[own]):
-            if turn not in self._met:
-                self._met[turn] = self._drawn(turn)
+        for turn in self._missing(own, *self._bearers[own]):
+            self._met[turn] = self._drawn(turn)
         moved = self._moved(own)
         ties = [self._tie(own, bearer) for bearer in self._bearers[own]]
         return None if moved is self._tasks[own] else moved.movers.curve, ties
 
-    def _before(self, *organs: int) -> list[_Turn]:
-        """The turns that organs' last ones depend on, and those themselves, in their order."""
+    def _missing(self, *organs: int) -> list[_Turn]:
+        """Organs' turns and all that these depend on, in their order, as far as not yet met."""
         found: set[_Turn] = set()
         asked: list[tuple[int, int | None]] = [(organ, None) for organ in organs]
         while asked:
             for turn in self._until(*asked.pop()):
-                if turn not in found:
+                if turn not in found and turn not in self._met:
                     found.add(turn)
                     asked.append((turn.bearer, turn.wave))
         return sorted(found, key=lambda turn: turn.wave)
