@@ -169,6 +169,7 @@ def bake_series(
         matches=tuple(matches),
         organs=tuple(named),
         held_out=held_out,
+        bud=(chosen.bud, recipe.bud_least),
     )
     return clip, record
 

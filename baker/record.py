@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from baker.tasks import BUD_LEAST
+
 if TYPE_CHECKING:
     from baker.align import Alignment
     from baker.interval import Keyframe
@@ -33,6 +35,7 @@ class BakeRecord:
     matches:     of each interval, with the reasons in their notes.
     organs:      which organ (track) each segment of an interval's match is.
     held_out:    scans left out for verification.
+    bud:         how many points organs unfold from, if that was asked for, and how many at least.
     """
 
     found: Series
@@ -44,6 +47,7 @@ class BakeRecord:
     matches: tuple[Match, ...]
     organs: tuple[IntervalOrgans, ...]
     held_out: tuple[HeldOut, ...] = ()
+    bud: tuple[int | None, int] = (None, BUD_LEAST)
 
 
 def left_out(scans: int, every: int | None) -> tuple[int, ...]:

@@ -118,7 +118,14 @@ def _buds(
 ) -> dict[int, tuple[int, NDArray[np.float64]]]:
     """By organ that is born: the organ whose points are its bud, and the middle of them."""
     first, second = (record.keyframes[k].positions for k in (interval, interval + 1))
-    tasks = interval_tasks((first, second), record.matches[interval], record.organs[interval])
+    wanted, least = record.bud
+    tasks = interval_tasks(
+        (first, second),
+        record.matches[interval],
+        record.organs[interval],
+        wanted,
+        bud_least=least,
+    )
     return {
         task.organ: (_most(scan.points[task.start]), first[task.start].mean(axis=0, dtype=float))
         for task in tasks

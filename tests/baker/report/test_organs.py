@@ -92,6 +92,20 @@ def test_a_leaf_is_matched_to_the_nearest_and_born_on_the_stem(write_scans):
     assert np.linalg.norm(told[new].bud - attachment) < 1.0
 
 
+@pytest.mark.parametrize("options", [{}, {"bud": 30}, {"paper": True, "bud": 1}, {"paper": True}])
+def test_a_bud_is_told_where_the_movers_unfold_from(write_scans, options):
+    clip, record = bake_recorded([write_scans()], replace(PLAIN, **options))
+    scan, near = organs_of_scans(record)[0], nearness(record, 0)
+    told = {r.pair.track: r for r in reasons(clip, record, 0, scan, near)}
+    births = [r for r in told.values() if r.pair.event == "birth"]
+    assert births
+    frame = clip.at(clip.times[0])
+    for birth in births:
+        unfolding = frame.positions[frame.tracks == birth.pair.track]
+        middle = np.unique(unfolding.round(4), axis=0).mean(axis=0)
+        np.testing.assert_allclose(birth.bud, middle, atol=1e-3)
+
+
 def test_many_segments_are_not_all_compared(write_scans, monkeypatch):
     monkeypatch.setattr("baker.report.reasons.MOST", 3)
     clip, record = bake_recorded([write_scans()], PLAIN)
