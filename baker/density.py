@@ -156,8 +156,8 @@ def _aside(
 
     leaving = middle - _mean_of_twins(task.start_points, middle)
     if task.reach is not None:
-        far = np.sqrt((leaving**2).sum(axis=1))
-        leaving *= np.minimum(1.0, ROOM * task.reach / np.maximum(far, 1e-300))[:, None]
+        far, room = np.sqrt((leaving**2).sum(axis=1)), ROOM * task.reach
+        leaving *= np.divide(room, far, out=np.ones_like(far), where=far > room)[:, None]
     shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
     shift = 2 * shared.take(own, axis=0)
