@@ -44,8 +44,8 @@ class Moved:
              what is lost.
     born:    whether they unfold from a bud.
     limbs:   whether the organ's limbs were moved each on its own.
-    reach:   (M,) how far what surrounds each mover's start reaches; None of what is born, and where
-             density is left as it is.
+    reach:   (M,) how far what surrounds each mover's start reaches, its end if it is born; None
+             where density is left as it is.
     """
 
     movers: Movers
@@ -106,7 +106,9 @@ def solve_task(
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
     surface = surface_half_way(before, found.rows, after, found.columns, born)
-    reach = None if before is None or born else np.sqrt(before)[found.rows]
+    reach = None
+    if before is not None and after is not None:
+        reach = np.sqrt(after)[found.columns] if born else np.sqrt(before)[found.rows]
     return Moved(movers, pair, surface, a, b, born, found.limbs, reach)
 
 

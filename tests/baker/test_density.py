@@ -101,6 +101,23 @@ def test_no_addition_runs_far_ahead_of_a_tip():
     assert half_way(filled.curve)[:, 0].max() <= 1.0 + ROOM * reach + 1e-12
 
 
+def test_additions_of_what_is_born_stay_with_it(tmp_path):
+    """Half-way a new twig whose points are sparse at its tip ends where its own movers do."""
+    rng = np.random.default_rng(4)
+    up, out = np.linspace(0.0, 8.0, 2000)[:, None], 8.0 * np.linspace(0.0, 1.0, 40)[:, None] ** 2
+    stem = rng.normal(0.0, 0.05, (2000, 3)) + up * [0.0, 0.0, 1.0]
+    twig = rng.normal(0.0, 0.1, (40, 3)) + out * [1.0, 0.0, 0.0] + np.array([0.1, 0.0, 6.0])
+    labels = np.repeat([0, 1], [2000, 40])
+    np.savetxt(tmp_path / "day0.txt", np.c_[stem, labels[:2000]])
+    np.savetxt(tmp_path / "day1.txt", np.c_[np.concatenate([stem, twig]), labels])
+    tips = []
+    for even in (0.0, 1.0):
+        options = Options(align="none", up="z", labels="consistent", even=even, workers=1)
+        tips.append(float(bake([tmp_path], options).at(0.5).positions[:, 0].max()))
+    assert tips[0] > 3.5
+    assert tips[0] <= tips[1] < tips[0] + 0.1
+
+
 def test_a_bud_has_no_surface():
     whole = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
     born = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3), birth=True)
