@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
+from baker.nearby import bound_by
 from baker.pace import Pace
 from baker.segment.hierarchy import NO_PARENT
 from baker.workers import ALONE, Crew
@@ -27,7 +28,6 @@ LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left ou
 SEEN = 10  # points from which on an organ is seen in a scan
 AT_BASE = 0.02  # share of an organ's points that are its base
 SAMPLED = 5  # times as many points as the base's bound how far it reaches
-ROUGHLY = 1.0  # a distance may be twice as large, where it is but a bound
 MANY = 100  # births that are worth sharing out
 
 
@@ -147,10 +147,7 @@ class _Attachments:
         own = self._points(segment)
         bearer = self._bearer(self.match.second.parents[segment])
         count = max(1, round(AT_BASE * len(own)))
-        # A sample, roughly asked, bounds how far the base reaches, and the search ends there.
-        sample = own[:: max(1, len(own) // (SAMPLED * count))]
-        reach = np.sort(bearer.query(sample, eps=ROUGHLY)[0])[count - 1]
-        bound = 1.000001 * reach or np.inf
+        bound = bound_by(own[:: max(1, len(own) // (SAMPLED * count))], bearer, count)
         apart = bearer.query(own, distance_upper_bound=bound)[0]
         return own[np.argsort(apart, kind="stable")[:count]].mean(axis=0)
 

@@ -178,9 +178,8 @@ def _mean_of_twins(
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
     assert ends is not None  # what has a surface moves from points to points
     order = np.argsort(ends, kind="stable")
-    place = ends[order]
-    twin = np.empty(len(ends), np.intp)
-    twin[order] = np.cumsum(np.concatenate([place[:1] < 0, place[1:] > place[:-1]]))
+    place, twin = ends[order], np.empty(len(ends), np.intp)
+    twin[order] = np.cumsum(np.diff(place, prepend=place[:1]) > 0)
     count = np.bincount(twin)
     return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1).take(
         twin, axis=0

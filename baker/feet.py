@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.match import IntervalOrgans, Match
+from baker.nearby import bound_by
 from baker.segment.hierarchy import NO_PARENT
 from baker.tasks import Task
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 ASKED = 50  # points of an organ that bound how far it is from its bearer
-ROUGHLY = 1.0  # that bound may be twice as large
 
 
 class Foot(Protocol):
@@ -72,9 +72,7 @@ class Feet:
     def _foot(self, side: int, parent: int, members: NDArray[np.intp]) -> int:
         own = self._clouds[side].take(members, axis=0)
         tree = self._bearer(side, parent)
-        # A few bound the gap, and the search ends there: most points are farther.
-        some = own[:: max(1, len(own) // ASKED)]
-        bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf
+        bound = bound_by(own[:: max(1, len(own) // ASKED)], tree)
         return int(np.argmin(tree.query(own, distance_upper_bound=bound)[0]))
 
     def _bearer(self, side: int, parent: int) -> cKDTree:

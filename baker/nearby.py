@@ -14,6 +14,18 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 
+ROUGHLY = 1.0  # a distance may be twice as large, where it is but a bound
+
+
+def bound_by(some: NDArray[np.floating], tree: cKDTree, count: int = 1) -> float:
+    """What the `count` points of a cloud that are nearest to a tree's are surely within.
+
+    some: (n, 3) a sample of the cloud. A search for those ends there: most points are farther.
+    """
+    reach = np.sort(tree.query(some, eps=ROUGHLY)[0])[:count][-1]
+    return float(1.000001 * reach) or np.inf
+
+
 def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
     """(n,) indices of (n, 3) points along a Morton curve: so asked, searches are 3 times as fast.
 

@@ -65,7 +65,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
             executor = stack.enter_context(intervals_on(wanted.cluster))
         crew = Crew(workers, pool)
         scans = read_scans(inputs, options, progress, crew)
-        # Only now: that these load may take as long as the reading, beside which forks do it.
+        # Only now: they have been loaded beside the forks that read.
         from baker.pipeline import bake_series
         from baker.summary import print_summary
         from baker.verify import print_errors, verify

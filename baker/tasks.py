@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from baker.birth import Birth
 from baker.match import IntervalOrgans, Match
 from baker.missing import Part
+from baker.nearby import bound_by
 from baker.pace import Pace
 from baker.scraps import is_scrap
 from baker.segment.hierarchy import NO_PARENT
@@ -19,8 +20,7 @@ from gclip.clip import Motion
 
 BUD_SHARE, BUD_MOST = 0.01, 100
 BUD_LEAST = 3  # in a sparse scan more would stretch far along the bearer
-SAMPLED = 10  # times as many points as the bud's bound how far it reaches, ...
-ROUGHLY = 1.0  # ... asked for distances that may be twice as large as they are
+SAMPLED = 10  # times as many points as the bud's bound how far it reaches
 
 
 @dataclass(frozen=True)
@@ -154,10 +154,8 @@ def _bud(
     count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), bud_least, BUD_MOST))
     grown = points[1].take(match.second.segments[base], axis=0)
     tree = cKDTree(grown, balanced_tree=False)
-    # A sample, roughly asked, bounds how far the bud reaches: most points are farther.
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
-    reach = np.sort(tree.query(points[0].take(sample, axis=0), eps=ROUGHLY)[0])[:count][-1]
-    bound = 1.000001 * reach or np.inf
+    bound = bound_by(points[0].take(sample, axis=0), tree, count)
     own = points[0].take(candidates, axis=0)
     inside = _within(own, tree.mins, tree.maxes, bound)
     candidates = candidates[inside]

@@ -134,6 +134,8 @@ def main() -> None:
     parser.add_argument("rows", nargs="*", help="parts of rows' names; all by default")
     parser.add_argument("--runs", type=int, default=1, help="of recipe and whole bake, best counts")
     asked = parser.parse_args()
+    if asked.runs < 1:
+        parser.error(f"--runs is {asked.runs}; it is 1 or more.")
     wanted = asked.rows
     recipe.quietly()
     head = (

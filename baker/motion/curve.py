@@ -13,12 +13,12 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import FEWEST, Shapes
+from baker.nearby import bound_by
 from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
 MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
-ASKED = 50  # points of an organ that bound how far it is from its bearer, ...
-ROUGHLY = 1.0  # ... by up to twice as much
+ASKED = 50  # points of an organ that bound how far it is from its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
 
@@ -148,9 +148,7 @@ def _bend(
     for segment, members in borne.items():
         if len(members):
             own = clouds[1].take(members, axis=0)
-            # A few bound the gap, and the search ends there: most points are farther.
-            some = own[:: max(1, len(own) // ASKED)]
-            bound = 1.000001 * float(tree.query(some, eps=ROUGHLY)[0].min()) or np.inf
+            bound = bound_by(own[:: max(1, len(own) // ASKED)], tree)
             gaps, nearest = tree.query(own, distance_upper_bound=bound)
             touched[segment] = int(nearest[np.argmin(gaps)])
     shifts = motion.bow(motion.sample[[*touched.values()]]) if touched else np.empty((0, 3))

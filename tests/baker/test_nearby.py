@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from baker.nearby import along_curve, nearest
+from baker.nearby import along_curve, bound_by, nearest
 
 random = np.random.default_rng(3)
 
@@ -22,3 +23,14 @@ def test_points_that_follow_one_another_along_the_curve_are_near():
     np.testing.assert_array_equal(np.sort(order), np.arange(2000))
     steps = np.linalg.norm(np.diff(points[order], axis=0), axis=1)
     assert np.median(steps) < 0.25 * np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
+
+
+@pytest.mark.parametrize("count", [1, 7, 400])
+def test_the_nearest_points_are_within_what_a_sample_bounds(count):
+    points, among = random.random((400, 3)), random.random((90, 3)) + np.array([0.5, 0, 0])
+    bound = bound_by(points[::3], cKDTree(among), count)
+    assert np.sort(cdist(points, among).min(axis=1))[: min(count, 134)].max() <= bound
+
+
+def test_what_touches_is_not_bounded():
+    assert bound_by(np.zeros((2, 3)), cKDTree(np.zeros((1, 3)))) == np.inf
