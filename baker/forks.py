@@ -104,10 +104,12 @@ class _Late:
         from baker.motion.drawing import laid
         from baker.motion.follow import follow
         from baker.motion.nearest import nearest_cloud
+        from baker.neighbours import neighbours
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
 
         few = np.eye(3)
+        neighbours(few, 1)
         solve(np.tile(few, (2, 1)), few)
         draw(few, few)
         laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)

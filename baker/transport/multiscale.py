@@ -150,7 +150,7 @@ def _improve(
     now = np.inf if whole else cost()
     little_slack = whole or (last and search.slack < _ENOUGH * now)
     k = 0 if few else _NEIGHBORS[int(little_slack)]
-    near = _neighbours(start, k, search.workers), _neighbours(end, k, search.workers)
+    near = _neighbours(start, k), _neighbours(end, k)
     if whole:
         return *_solve_cells(
             start, end, near, edges, mass, np.zeros(n, np.int64), exhaustive, search
@@ -168,18 +168,11 @@ def _improve(
     return edges, mass, sweep + 1
 
 
-def _neighbours(points: Points, k: int, workers: int) -> NDArray[np.int32]:
+def _neighbours(points: Points, k: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    from scipy.spatial import cKDTree
+    from baker.neighbours import neighbours
 
-    n = len(points)
-    near = np.repeat(np.arange(n, dtype=np.int32)[:, None], k, axis=1)
-    k = min(k, n - 1)
-    if k > 0:
-        threads = workers if n > WHOLE else 1
-        tree = cKDTree(points, balanced_tree=False)
-        near[:, :k] = tree.query(points, np.arange(2, k + 2), workers=threads)[1]
-    return near
+    return neighbours(points, k)[1] if k else np.empty((len(points), 0), np.int32)
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> NDArray[np.int64]:
