@@ -28,7 +28,7 @@ LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left ou
 SEEN = 10  # points from which on an organ is seen in a scan
 AT_BASE = 0.02  # share of an organ's points that are its base
 SAMPLED = 5  # times as many points as the base's bound how far it reaches
-MANY = 100  # births that are worth sharing out
+MANY = 1000  # births that are worth sharing out: a round of forks takes as long as 300 of them
 
 
 @dataclass(frozen=True)

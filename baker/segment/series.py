@@ -14,6 +14,8 @@ from baker.segment.hierarchy import Hierarchy, whole
 from baker.segment.thin import segment_thin
 from baker.workers import ALONE, Crew, Done
 
+MANY = 8  # labelled scans that are worth sharing out once it is known what touches in them
+
 
 def whole_hierarchies(clouds: Sequence[NDArray[np.floating]], done: Done) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
@@ -76,7 +78,7 @@ def labelled_hierarchies(
     threads = crew.beside(len(clouds))
     gaps = touching or crew.map(touch, range(len(clouds)))
     agreed = agreed_gaps(labels, gaps, spacings) if consistent and agreeing else None
-    return crew.map(hang, range(len(clouds)), done=done)
+    return crew.map(hang, range(len(clouds)), done=done, fewest=MANY)
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:

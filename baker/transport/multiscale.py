@@ -26,7 +26,7 @@ _NEIGHBORS = 4, 6  # neighbours whose partners are tried; more where there is li
 _EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
 FEW = 100  # points of the smaller side up to which that is all that is done
 WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL = 500  # points of both sides in a cell above that: its data stay in the cache
+_CELL = 250, 500  # points of both sides in a cell above that; more where there is little slack
 _NEARBY = 3  # sweeps of such cells; where mass has farther to go, in later ones they double
 _ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
 _SWEEPS = 6  # at most: the time that a point takes grows with the cells
@@ -149,7 +149,7 @@ def _improve(
     whole = n + m <= WHOLE
     now = np.inf if whole else cost()
     little_slack = whole or (last and search.slack < _ENOUGH * now)
-    k = 0 if few else _NEIGHBORS[int(little_slack)]
+    k, size = 0 if few else _NEIGHBORS[int(little_slack)], _CELL[int(little_slack)]
     near = _neighbours(start, k), _neighbours(end, k)
     if whole:
         return *_solve_cells(
@@ -157,7 +157,7 @@ def _improve(
         ), 1
     for sweep in range(_SWEEPS if last else 1):
         farther = sweep + 1 - _NEARBY
-        cells = round((n + m) / (_CELL * 2 ** max(0, farther)))
+        cells = round((n + m) / (size * 2 ** max(0, farther)))
         cell = _cells(start, cells, search.seed, sweep)
         edges, mass = _solve_cells(start, end, near, edges, mass, cell, exhaustive, search)
         before, now = now, cost()
