@@ -107,9 +107,12 @@ class _Late:
         from baker.neighbours import neighbours
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
+        from baker.ways import links, ways
 
         few = np.eye(3)
         neighbours(few, 1)
+        graph = links(few, np.eye(3, dtype=int), np.empty((0, 2), int))
+        ways(few, graph, np.arange(1), np.zeros(1))
         solve(np.tile(few, (2, 1)), few)
         draw(few, few)
         laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)

@@ -63,3 +63,21 @@ def nearest(points: NDArray[np.floating], among: NDArray[np.floating]) -> NDArra
     found = np.empty(len(points), np.intp)
     found[order] = there.order[there.tree.query(points.take(order, axis=0))[1]]
     return found
+
+
+def nearest_others(
+    points: NDArray[np.floating], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """(n, count) distances to the nearest other points of each of (n, 3) points, and which.
+
+    In order of distance. Where a point has fewer others, itself at an infinite distance.
+    """
+    from baker.neighbours import neighbours
+    from baker.transport import bisection
+
+    depth = max(1, (len(points) - 1).bit_length() - 3)
+    order = bisection.order(points, depth, seed=0)[0]
+    squared, near = neighbours(points.take(order, axis=0).astype(float, copy=False), count)
+    away, found = np.empty_like(squared), np.empty(near.shape, np.intp)
+    away[order], found[order] = np.sqrt(squared), order[near]
+    return away, found

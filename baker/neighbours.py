@@ -28,10 +28,13 @@ def neighbours(points: Floats, count: int) -> tuple[NDArray[np.float64], NDArray
     while n >> depth > LEAF:
         depth += 1
     leaves = 1 << depth
-    first = np.array([-(-leaf * n // leaves) for leaf in range(leaves + 1)])
+    first = np.empty(leaves + 1, np.int64)
+    for leaf in range(leaves + 1):
+        first[leaf] = -(-leaf * n // leaves)
     box = _boxes(points, first)
     away, near = np.full((n, count), np.inf), np.empty((n, count), np.int32)
-    near[:] = np.arange(n).reshape(-1, 1)
+    for i in range(n):
+        near[i] = i
     waiting = np.empty(depth + 2, np.int64)
     for leaf in range(leaves):
         # Itself first, then what is beside it, then what is beside both, and so on.

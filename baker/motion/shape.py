@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.motion.spine import Neighbours, Points, Spine, fit_spine, neighbours, path_lengths
+from baker.motion.spine import NEIGHBORS, Points, Spine, fit_spine, path_lengths
+from baker.nearby import nearest_others
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
 SAMPLE = 1000
@@ -56,9 +57,10 @@ class Shapes:
             return None
         sample = self._points[members[_sample(len(members))]].astype(np.float64)
         above = self._found[self._hierarchy.parents[segment]]
-        around = neighbours(sample)
-        seeds, head = _contact(sample, around, above, self._base)
-        lengths = path_lengths(sample, seeds, head, around)
+        apart, near = nearest_others(sample, NEIGHBORS)
+        spacing = float(np.median(apart[:, 0]))
+        seeds, head = _contact(sample, CONTACT * spacing, above, self._base)
+        lengths = path_lengths(sample, seeds, head, near)
         return OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
 
 
@@ -69,15 +71,17 @@ def _sample(count: int) -> NDArray[np.intp]:
 
 
 def _contact(
-    sample: Points, around: Neighbours, parent: OrganShape | None, base: NDArray[np.floating]
+    sample: Points, contact: float, parent: OrganShape | None, base: NDArray[np.floating]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """The points where an organ touches its parent, and how far along the plant those are."""
+    """The points where an organ touches its parent, and how far along the plant those are.
+
+    contact: how far beyond the smallest gap points still touch.
+    """
     from baker.motion.nearest import line, line_along, nearest_on
 
     if parent is None:
         lowest = int(np.argmin(((sample - base) ** 2).sum(1)))
         return np.array([lowest]), np.zeros(1)
-    contact = CONTACT * float(np.median(around[0][:, 1]))
     bearer = line(parent.points)
     gap, touched = nearest_on(line_along(sample, bearer[0]), bearer, contact)
     seeds = np.flatnonzero(gap <= gap.min() + contact)

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.nearby import nearest_others
+
 Points = NDArray[np.float64]
 
 LEVELS = 11  # nodes of a spine
-GRAPH_NEIGHBORS = 10
+NEIGHBORS = 9  # that paths go through
 TIP = 0.98  # the share of points that lie before the tip; the rest may be noise
 BAND = 0.09  # width of a level's kernel, as a share of the length
 
@@ -36,59 +38,25 @@ def levels() -> NDArray[np.float64]:
     return np.linspace(0.0, 1.0, LEVELS)
 
 
-Neighbours = tuple[NDArray[np.float64], NDArray[np.intp]]
-
-
-def neighbours(points: Points) -> Neighbours:
-    """(n, k) how far the nearest of (n, 3) points are from each, and which they are; itself first.
-
-    Up to GRAPH_NEIGHBORS of them.
-    """
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(points, balanced_tree=False)
-    apart, near = tree.query(points, k=min(GRAPH_NEIGHBORS, len(points)))
-    return apart.reshape(len(points), -1), near.reshape(len(points), -1)
-
-
 def path_lengths(
     points: Points,
     seeds: NDArray[np.intp],
     head_starts: NDArray[np.float64],
-    around: Neighbours | None = None,
+    near: NDArray[np.intp] | None = None,
 ) -> NDArray[np.float64]:
     """(n,) length of the shortest path through the points from the nearest seed.
 
     head_starts: (seeds,) what the path is long already where it enters at each seed.
-    around: the points' `neighbours`, where these are known.
+    near: (n, NEIGHBORS) the points' `nearest_others`, where these are known.
 
     Parts of the neighbour graph that no seed is in are joined by their shortest gaps.
     """
-    from scipy.sparse import coo_matrix, csr_matrix
-    from scipy.sparse.csgraph import connected_components, dijkstra
-    from scipy.spatial import cKDTree
+    from baker.ways import links, ways
 
-    count = len(points)
-    apart, near = around or neighbours(points)
-    tiny = 1e-9 * float(apart.max() or 1.0)
-    weights = np.concatenate([apart.ravel(), head_starts - head_starts.min()]) + tiny
-    columns = np.concatenate([near.ravel(), seeds])
-    ends = np.append(near.shape[1] * np.arange(count + 1), len(columns))
-    graph = csr_matrix((weights, columns, ends), (count + 1, count + 1))
-    while True:
-        parts, part = connected_components(graph, directed=False)
-        if parts == 1:
-            break
-        joined = []
-        for lone in set(range(parts)) - {int(part[count])}:
-            inside = np.flatnonzero(part[:count] == lone)
-            outside = np.flatnonzero(part[:count] != lone)
-            gap, nearest = cKDTree(points[outside]).query(points[inside])
-            best = int(np.argmin(gap))
-            joined.append((gap[best] + tiny, inside[best], outside[nearest[best]]))
-        gaps, rows, columns = (np.array(values) for values in zip(*joined, strict=True))
-        graph = graph + coo_matrix((gaps, (rows, columns)), graph.shape).tocsr()
-    return dijkstra(graph, directed=False, indices=count)[:count]
+    if near is None:
+        near = nearest_others(points, NEIGHBORS)[1]
+    graph = links(points, near, np.empty((0, 2), np.intp))
+    return ways(points, graph, seeds, head_starts - head_starts.min())[0]
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:

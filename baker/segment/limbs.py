@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.nearby import nearest
+from baker.nearby import nearest, nearest_others
 
 NEIGHBORS = 5  # more tie leaves together that lie close by
 LONG = 3.0  # median edges of the graph that a limb is long at least, ...
@@ -39,17 +39,18 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
 
 
 def _limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
-    from scipy.sparse.csgraph import dijkstra
-
-    from baker.segment.graph import connected_graph
     from baker.segment.merge_tree import branches
+    from baker.ways import links, ways
 
-    if len(points) < 2 * FEWEST:
+    if len(points) < 2 * FEWEST or not np.ptp(points, axis=0).any():
         return np.full(len(points), -1)
-    graph = connected_graph(points, NEIGHBORS)[0]
-    way = dijkstra(graph, directed=False, indices=foot)
-    longest = max(LONG * float(np.median(graph.data)), LONG_SHARE * float(way.max()))
-    both = (graph + graph.T).tocsr()
+    places = points.astype(np.float64, copy=False)
+    near = nearest_others(places, NEIGHBORS)[1]
+    graph = links(places, near, np.empty((0, 2), np.intp))
+    way, bridges = ways(places, graph, np.array([foot]), np.zeros(1))
+    if len(bridges):
+        graph = links(places, near, bridges)
+    first, ends, lengths = graph
+    longest = max(LONG * float(np.median(lengths)), LONG_SHARE * float(way.max()))
     order = np.argsort(-way, kind="stable")
-    near = both.indptr.astype(np.int64), both.indices.astype(np.int64)
-    return branches(way, order, *near, longest, BESIDE, FEWEST).astype(np.intp)
+    return branches(way, order, first, ends, longest, BESIDE, FEWEST).astype(np.intp)

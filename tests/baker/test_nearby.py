@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from baker.nearby import along_curve, bound_by, nearest
+from baker.nearby import along_curve, bound_by, nearest, nearest_others
 
 random = np.random.default_rng(3)
 
@@ -34,3 +34,16 @@ def test_the_nearest_points_are_within_what_a_sample_bounds(count):
 
 def test_what_touches_is_not_bounded():
     assert bound_by(np.zeros((2, 3)), cKDTree(np.zeros((1, 3)))) == np.inf
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("n", [1, 2, 9, 300])
+def test_others_are_found_in_any_order(n, dtype):
+    points = random.normal(size=(n, 3)).astype(dtype)
+    away, near = nearest_others(points, 3)
+    apart = cdist(points, points)
+    np.fill_diagonal(apart, np.inf)
+    found = min(3, n - 1)
+    np.testing.assert_array_equal(near[:, :found], np.argsort(apart, axis=1)[:, :found])
+    np.testing.assert_allclose(away[:, :found], np.sort(apart, axis=1)[:, :found])
+    assert (near[:, found:] == np.arange(n)[:, None]).all()
