@@ -9,16 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.contacts import Gaps
-from baker.nearby import CurveTree
-from baker.surface import patches
 from baker.workers import Crew
 
 if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
+    from baker.cubes import Cubes
 
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
-TOGETHER = 4096  # points, whose neighbours stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -43,37 +40,43 @@ class Surroundings:
         points: NDArray[np.floating],
         workers: int = 1,
         surface: bool = False,
-        tree: CurveTree | None = None,
+        cubes: Cubes | None = None,
     ) -> Surroundings:
         """All from one search.
 
-        workers: threads; surface: whether that is asked; tree: of the points, where there is one.
+        workers: threads; surface: whether that is asked; cubes: of the points, where there are any.
         """
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
             return cls(0.0, None, np.ones(len(points)) if surface else None)
-        tree = tree or CurveTree.of(points)
-        placed, searched = tree.points, tree.tree
-        axes = np.ascontiguousarray(placed.T, np.float64)
-        ranks = np.arange(1, k + 2) if surface else np.array([2, k + 1])  # 1 is the point itself
-
-        def look(batch: slice) -> NDArray[np.float64]:
-            distances, near = searched.query(placed[batch], ranks)
-            nearest, farthest = distances[:, 1 if surface else 0], distances[:, -1]
-            patch = [patches(axes, near, farthest)] if surface else []
-            return np.stack([nearest, farthest, *patch])
-
-        batches = [slice(at, at + TOGETHER) for at in range(0, len(points), TOGETHER)]
-        found = np.empty((3 if surface else 2, len(points)))
-        found[:, tree.order] = np.concatenate(Crew(workers).map(look, batches), axis=1)
+        found = _around(cubes, points, k, workers, surface)
         spacing = float(np.median(found[0, :: -(-len(points) // SAMPLE)]))
         return cls(spacing, found[1], found[2] if surface else None)
 
 
-def point_spacing(points: NDArray[np.floating], tree: cKDTree | None = None) -> float:
-    """Median distance from a point of an (N, 3) cloud to its nearest neighbour; 0 for N < 2.
+def _around(
+    cubes: Cubes | None, points: NDArray[np.floating], k: int, workers: int, surface: bool
+) -> NDArray[np.float64]:
+    """(2 or 3, N) how far each point's nearest and k-th other point are; its surface, if asked."""
+    from baker.cubes import Cubes
+    from baker.surface import patches
 
-    tree: of the points in any order, where there is one.
+    chosen = cubes or Cubes.of(points, k + 1)
+
+    def look(batch: slice) -> NDArray[np.float64]:
+        near, apart = chosen.nearest(batch, k + 1)  # the first is the point itself
+        farthest = np.ascontiguousarray(apart[:, k])
+        patch = [patches(chosen.points, near, farthest)] if surface else []
+        return np.stack([apart[:, 1], farthest, *patch])
+
+    found = np.empty((3 if surface else 2, len(points)))
+    looks = Crew(workers).map(look, chosen.batches())
+    found[:, chosen.order] = np.concatenate(looks, axis=1)
+    return found
+
+
+def point_spacing(points: NDArray[np.floating]) -> float:
+    """Median distance from a point of an (N, 3) cloud to its nearest neighbour; 0 for N < 2.
 
     Estimated on evenly strided points where there are more than 20,000, always against all points.
     """
@@ -82,7 +85,7 @@ def point_spacing(points: NDArray[np.floating], tree: cKDTree | None = None) -> 
     if len(points) < 2:
         return 0.0
     sample = points[:: -(-len(points) // SAMPLE)]
-    distances, _ = (tree or cKDTree(points)).query(sample, k=2)
+    distances, _ = cKDTree(points).query(sample, k=2)
     return float(np.median(distances[:, 1]))
 
 
@@ -115,11 +118,5 @@ def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
 
 
 def reaches(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
-    """(N,) each point's distance to its k-th nearest other point, k < N.
-
-    Asked for in the order of a Morton curve, which is three times as fast where scans are shuffled.
-    """
-    tree = CurveTree.of(points)
-    found = np.empty(len(points))
-    found[tree.order] = tree.tree.query(tree.points, [k + 1])[0][:, 0]
-    return found
+    """(N,) each point's distance to its k-th nearest other point, k < N."""
+    return _around(None, points, k, workers=1, surface=False)[1]

@@ -1,43 +1,49 @@
-"""What surface each point of a scan stands for."""
+"""What surface each point of a scan stands for; compiled by numba: import this module late."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.compiled import compiled
+
 THIN = 1.5  # times less spread than reach from which on points lie on something thin
 
 
+@compiled
 def patches(
-    axes: NDArray[np.float64], near: NDArray[np.integer], reach: NDArray[np.floating]
+    points: NDArray[np.float64], near: NDArray[np.integer], reach: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """(n,) what surface is around points of a cloud, up to a factor.
 
-    axes:  (3, N) the cloud's coordinates.
-    near:  (n, k) which points of the cloud are around each, itself among them.
-    reach: (n,) how far the farthest of these is.
+    points: (N, 3) the cloud.
+    near:   (n, k) which points of the cloud are around each, itself among them.
+    reach:  (n,) how far the farthest of these is.
 
     The square of how far they reach; of a twig that is thinner than its points are apart no more
     than their spread along it times that across.
     """
-    surface: NDArray[np.float64] = np.minimum(reach**2, THIN * _spread(axes, near.T))
+    surface = np.empty(len(near))
+    for i in range(len(near)):
+        surface[i] = min(reach[i] * reach[i], THIN * _spread(points, near[i]))
     return surface
 
 
-def _spread(axes: NDArray[np.float64], near: NDArray[np.integer]) -> NDArray[np.float64]:
-    """(n,) the square of the radius of the disk that points would be evenly spread on.
-
-    near: (k, n), so that whole rows are added up.
-    """
-    near = np.ascontiguousarray(near)
-    x, y, z = (axis.take(near) for axis in axes)
-    for around in (x, y, z):
-        around -= around.mean(axis=0)
-    xx, yy, zz = (np.einsum("kn,kn->n", axis, axis) for axis in (x, y, z))
-    xy, xz, yz = (np.einsum("kn,kn->n", *pair) for pair in ((x, y), (x, z), (y, z)))
+@compiled
+def _spread(points: NDArray[np.float64], near: NDArray[np.integer]) -> float:
+    """The square of the radius of the disk that some points would be evenly spread on."""
+    count = len(near)
+    a, b, c = 0.0, 0.0, 0.0
+    for j in near:
+        a, b, c = a + points[j, 0], b + points[j, 1], c + points[j, 2]
+    a, b, c = a / count, b / count, c / count
+    xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in near:
+        x, y, z = points[j, 0] - a, points[j, 1] - b, points[j, 2] - c
+        xx, yy, zz = xx + x * x, yy + y * y, zz + z * z
+        xy, xz, yz = xy + x * y, xz + x * z, yz + y * z
     # Of the variances along the principal axes the products of two, summed: of what is no
     # thicker than a sheet that of the larger ones.
     patch = xx * yy - xy**2 + xx * zz - xz**2 + yy * zz - yz**2
     # Evenly spread over a disk the variances are a quarter of its radius squared.
-    spread: NDArray[np.float64] = 4.0 * np.sqrt(np.maximum(patch, 0.0)) / len(near)
-    return spread
+    return 4.0 * np.sqrt(max(patch, 0.0)) / count

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from baker.contacts import MOST_ORGANS, Borders, Gaps, contacts
-from baker.nearby import CurveTree
+from baker.contacts import MOST_ORGANS, Borders, contacts
 from baker.scans.cloud import Cloud
 from baker.scans.strays import without_strays
-from baker.spacing import Surroundings, point_spacing
-from baker.workers import Crew
+from baker.spacing import NEIGHBORS, Surroundings
 
 
 def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
@@ -22,34 +17,26 @@ def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
 
     Notes how many points were given another label. workers: threads.
     """
-    tree = CurveTree.of(cloud.points)
+    from baker.cubes import Cubes
 
-    def around_points() -> Surroundings:
-        return Surroundings.of(cloud.points, workers, surface=True, tree=tree)
-
-    labels = cloud.labels
-    if labels is None:
-        return cloud, around_points()
-    # Neither waits for the other: what a single thread has to do of one is done beside the other.
-    looks: list[Callable[[], Any]] = [around_points, lambda: _organs(cloud.points, labels, tree)]
-    around, (mended, touching) = Crew(workers).map(lambda look: look(), looks)
-    around = replace(around, touching=touching)
-    changed = int((mended != labels).sum())
+    cubes = Cubes.of(cloud.points, NEIGHBORS + 1)
+    around = Surroundings.of(cloud.points, workers, surface=True, cubes=cubes)
+    if cloud.labels is None:
+        return cloud, around
+    found = Borders.of(cloud.points, cloud.labels, around.spacing, workers, cubes)
+    borders = without_strays(found)
+    if len(borders.names) <= MOST_ORGANS:
+        around = replace(around, touching=contacts(borders))
+    changed = int((borders.owner != found.owner).sum())
     if not changed:
         return cloud, around
     points = "point has" if changed == 1 else "points have"
+    mended = borders.names[borders.owner].astype(np.int64)
     return replace(cloud, labels=mended).noting(
         f"{changed} {points} the label of what is all around now, not of an organ elsewhere."
     ), around
 
 
-def _organs(
-    points: NDArray[np.floating], labels: NDArray[np.int64], tree: CurveTree
-) -> tuple[NDArray[np.int64], Gaps | None]:
-    """The labels, strays mended, and how far apart what touches is, if they number organs."""
-    found = Borders.of(tree.points, labels[tree.order], point_spacing(points, tree.tree))
-    borders = without_strays(found, tree.tree)
-    if borders is not found:
-        labels = np.empty_like(labels)
-        labels[tree.order] = borders.names[borders.owner]
-    return labels, contacts(borders) if len(borders.names) <= MOST_ORGANS else None
+def ready() -> None:
+    """Load the machine code that looks around, so that not every fork has to."""
+    look_around(Cloud(np.eye(3, dtype=np.float32), np.arange(3)))

@@ -104,6 +104,10 @@ def read_series(
         except InputError as error:
             return error
 
+    if options.look_around:
+        from baker.scans.around import ready
+
+        ready()
     threads = crew.beside(len(entries))
     scans: list[Scan] = []
     for found in crew.each(scan_of, entries):

@@ -13,65 +13,72 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from scipy.spatial import cKDTree
 
     from baker.contacts import Borders
 
-NEIGHBORS = 12
+NEIGHBORS = 12  # of a point, that tell what is around it
 SMALL = 0.05  # of an organ: larger pieces are parts of it, whatever lies between
+STEPS = 3
 SURROUNDED = 0.8  # of what is around a piece has other labels
 DOUBTFUL = 0.5  # of an organ may be strays; if more are, its label means something else
 
 
-def without_strays(borders: Borders, tree: cKDTree) -> Borders:
+def without_strays(borders: Borders) -> Borders:
     """Give pieces of an organ that lie apart from it, amid others, their surroundings' label.
 
     No organ vanishes. What has no strays is returned as it is.
-
-    tree: of the points.
     """
-    organs = _mended(borders, tree) if borders.reach else borders.owner
-    changed = np.flatnonzero(organs != borders.owner)
-    if not len(changed):
-        return borders
-    near = borders.near.copy()
-    for around in tree.query_ball_point(borders.points[changed], borders.reach):
-        near[around] = True  # what was of the same organ may be of another now
-    return replace(borders, owner=organs, near=near)
+    owner = _mended(borders)
+    return borders if owner is borders.owner else replace(borders, owner=owner)
 
 
-def _mended(borders: Borders, tree: cKDTree) -> NDArray[np.intp]:
+def _mended(borders: Borders) -> NDArray[np.intp]:
     """(N,) the organ of each point, strays mended."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    points, owner, near = borders.points, borders.owner, borders.near
-    border = np.flatnonzero(near)
-    if not len(border):
-        return owner
-    k = min(NEIGHBORS + 1, len(points))
-    _, around = tree.query(points[border], k, distance_upper_bound=borders.reach)
-    around = around[:, 1:]  # the nearest is the point itself
-    found = around < len(points)
-    one, other = np.broadcast_to(border[:, None], around.shape)[found], around[found]
-    own = owner[one] == owner[other]
-    touching = coo_matrix((np.ones(own.sum()), (one[own], other[own])), shape=[len(points)] * 2)
-    count, piece = connected_components(touching, directed=False)
+    owner, one, other = borders.owner, borders.one, borders.other
+    near = np.ones(len(one), bool)
+    near[NEIGHBORS:] = one[NEIGHBORS:] != one[:-NEIGHBORS]
+    one, other = one[near], other[near]
+    own = owner.take(one) == owner.take(other)
+    # A piece is safe that goes on where no other organ is: in a few steps most are found to be.
+    safe = np.ones(len(owner), bool)
+    safe[one] = False
+    for _ in range(STEPS):
+        safe[one[own & safe.take(other)]] = True
+    doubtful = np.flatnonzero(~safe)
+    place = np.full(len(owner), len(doubtful))  # all that is safe as one
+    place[doubtful] = np.arange(len(doubtful))
+    asked = np.flatnonzero(~(safe.take(one) & safe.take(other)))
+    own, there = own.take(asked), owner.take(other.take(asked))
+    one, other = place.take(one.take(asked)), place.take(other.take(asked))
+    linked = np.ones(own.sum()), (one[own], other[own])
+    count, piece = connected_components(
+        coo_matrix(linked, shape=[len(doubtful) + 1] * 2), directed=False
+    )
+    own_piece = piece[:-1]
 
-    size, organ = np.bincount(piece, minlength=count), np.zeros(count, np.intp)
-    organ[piece] = owner
-    amid = np.bincount(piece[one[~own]], minlength=count)
-    stray = amid >= SURROUNDED * np.maximum(np.bincount(piece[one], minlength=count), 1)
-    stray &= size < SMALL * np.bincount(owner)[organ]
-    stray[piece[~near]] = False  # it goes on where no other organ is
-    lost = np.bincount(organ[stray], weights=size[stray], minlength=int(owner.max()) + 1)
-    stray &= (lost <= DOUBTFUL * np.bincount(owner))[organ]
+    size, organ = np.bincount(own_piece, minlength=count), np.zeros(count, np.intp)
+    organ[own_piece] = owner.take(doubtful)
+    whole = np.bincount(owner)
+    amid = np.bincount(piece.take(one[~own]), minlength=count)
+    stray = amid >= SURROUNDED * np.maximum(np.bincount(piece.take(one), minlength=count), 1)
+    stray &= size < SMALL * whole[organ]
+    stray[piece[-1]] = False
+    lost = np.bincount(organ[stray], weights=size[stray], minlength=len(whole))
+    stray &= (lost <= DOUBTFUL * whole)[organ]
+    if not stray.any():
+        return owner
 
     votes = np.flatnonzero(stray[piece[one]] & ~own)
     pairs, number = np.unique(
-        np.stack([piece[one[votes]], owner[other[votes]]], axis=1), axis=0, return_counts=True
+        np.stack([piece[one[votes]], there[votes]], axis=1), axis=0, return_counts=True
     )
     best = np.lexsort((pairs[:, 1], -number, pairs[:, 0]))
     pieces, first = np.unique(pairs[best, 0], return_index=True)
     organ[pieces] = pairs[best[first], 1]
-    return organ[piece]
+    wrong = stray[own_piece]
+    mended = owner.copy()
+    mended[doubtful[wrong]] = organ[own_piece[wrong]]
+    return mended

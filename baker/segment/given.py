@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.contacts import Borders, Gaps, contacts
-from baker.nearby import along_curve
 from baker.segment.hierarchy import NO_PARENT, Hierarchy, split_by_label
 from baker.spacing import lowest_point, point_spacing
 from baker.vertical import Vertical
@@ -64,8 +63,7 @@ def touching_segments(
     workers: int = 1,
 ) -> Gaps:
     """By their labels, how far apart segments of an (N, 3) cloud are that touch each other."""
-    order = along_curve(points)
-    return contacts(Borders.of(points[order], labels[order], spacing), workers)
+    return contacts(Borders.of(points, labels, spacing, workers))
 
 
 def root_point(

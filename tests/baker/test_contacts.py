@@ -16,7 +16,7 @@ def blocks():
 @pytest.mark.parametrize("workers", [1, 2])
 def test_touching_segments_are_all_found_and_only_they(workers):
     points, labels = blocks()
-    gaps = contacts(Borders.of(points, labels, 0.12 / REACH), workers)
+    gaps = contacts(Borders.of(points, labels, 0.12 / REACH, workers))
     apart = cdist(points, points)
     for a in range(10, 18):
         for b in range(10, 18):
@@ -29,8 +29,8 @@ def test_what_is_near_reaches_no_farther_than_the_points_about_borders():
     points, labels = blocks()
     borders = Borders.of(points, labels, 0.01)
     foreign = np.where(labels[:, None] == labels, np.inf, cdist(points, points)).min(axis=1)
-    assert borders.near[foreign <= borders.reach].all()
-    assert not borders.near.all()
+    assert np.isin(np.flatnonzero(foreign < 0.01 * REACH), borders.one).all()
+    assert len(np.unique(borders.one)) < len(points)
 
 
 def test_one_segment_touches_nothing():
