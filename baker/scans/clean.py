@@ -13,6 +13,7 @@ import numpy as np
 
 from baker.errors import InputError
 from baker.scans.cloud import Cloud
+from gclip.pack import extent
 
 OUTLIER_NEIGHBORS = 16
 FINEST = 2.0**-60  # edge of the smallest cubes that can be numbered, in the coordinates' size
@@ -35,9 +36,10 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
     if not len(cloud):
         raise InputError(f"'{path}' holds no points.")
     with np.errstate(invalid="ignore"):
+        low, high = extent(cloud.points)  # NaN where any is
+        if (low >= -FARTHEST).all() and (high <= FARTHEST).all():
+            return cloud
         finite = (np.abs(cloud.points) <= FARTHEST).all(axis=1)
-    if finite.all():
-        return cloud
     if not finite.any():
         raise InputError(
             f"'{path}': none of its {len(cloud)} points has finite coordinates (up to "
@@ -49,7 +51,8 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
 
 def require_size(cloud: Cloud, path: Path) -> None:
     """InputError for a scan that has a size, but one below `SMALLEST`."""
-    size = float(np.ptp(cloud.points, axis=0).max())
+    low, high = extent(cloud.points)
+    size = float((high - low).max())
     if 0.0 < size < SMALLEST:
         raise InputError(
             f"'{path}' is only {size:.2g} in size, at least {SMALLEST:g} is needed; write it in "
