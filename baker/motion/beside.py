@@ -36,20 +36,16 @@ def gaps_of(mine: Moving, theirs: Moving, allowed: float) -> tuple[Floats, Ints,
     allowed: by how much they may be farther apart on the way than at the first and last instant.
 
     All pairs count, but the search ends with one that is near enough, as one that was near a while
-    ago often is. What is exact is the largest gap on the way, if they may not be as far apart, and
-    the larger one of the first and the last; the first is left at 0 where it does not matter.
+    ago often is. What is exact is the gap at the first and the last instant, and the largest one on
+    the way if they may not be as far apart.
     """
     last = len(mine[2]) - 1
     gaps, known = np.zeros(last + 1), np.zeros(last + 1, np.bool_)
     gaps[last], p, q = _closest(mine, theirs, last, -1, -1, 0.0)
     first, second = np.full(last + 1, p), np.full(last + 1, q)
+    gaps[0], first[0], second[0] = _closest(mine, theirs, 0, p, q, 0.0)
     known[0] = known[last] = True
-    _refine(mine, theirs, gaps, first, second, known, gaps[last] + allowed)
-    if gaps.max() > gaps[last] + allowed:
-        gaps[0], p, q = _closest(mine, theirs, 0, first[1], second[1], 0.0)
-        first[0], second[0] = p, q
-        enough = max(gaps[0], gaps[last]) + allowed
-        _refine(mine, theirs, gaps, first, second, known, enough)
+    _refine(mine, theirs, gaps, first, second, known, max(gaps[0], gaps[last]) + allowed)
     return gaps, first, second
 
 
