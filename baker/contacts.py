@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.numbered import numbered
+
 if TYPE_CHECKING:
     from baker.cubes import Cubes
 
@@ -54,7 +56,7 @@ class Borders:
         """
         from baker.cubes import Cubes
 
-        names, owner = np.unique(labels, return_inverse=True)
+        names, owner = numbered(labels)
         reach = REACH * spacing
         if cubes is None or cubes.edge <= reach:
             cubes = Cubes.of(points, AROUND, reach)

