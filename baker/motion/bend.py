@@ -11,7 +11,7 @@ from baker.motion.spine import Points, Spine, at_levels, levels
 ROLLS = np.radians(np.arange(-90, 91, 30))  # of the base
 TWISTS = np.radians(np.arange(-60, 61, 30))  # of the tip beyond the base
 ROLL_PRICE = 0.05  # by how much a roll of 90 degrees must bring the clouds nearer
-SEARCHED = 300  # points of either side that decide
+SEARCHED = 100  # points of either side that decide
 
 
 def bend(start: Points, end: Points, here: Spine, there: Spine) -> Points:

@@ -13,12 +13,12 @@ from baker.interval import Moved
 from baker.match import IntervalOrgans, Match
 from baker.motion.organ import OrganMotion, fit_motion
 from baker.motion.shape import FEWEST, Shapes
-from baker.nearby import bound_by
+from baker.motion.spine import at_levels
 from baker.segment.hierarchy import NO_PARENT
 from gclip.pack import raised
 
 MOST = 0.25  # of the way that movers go, that they bow by: turning by a right angle takes 0.21
-ASKED = 50  # points of an organ that bound how far it is from its bearer
+ASKED = 100  # points of an organ that tell where it touches its bearer
 MATTERS = 0.25  # point spacings; a smaller bow is below what the scan shows
 
 
@@ -135,23 +135,25 @@ def _bend(
 
     borne: the points, in the second of the clouds, of each segment that the organ bears.
     """
-    from scipy.spatial import cKDTree
+    from baker.motion.nearest import line, line_along, nearest_on
 
     assert moved.start_points is not None
-    starts, mover = np.unique(moved.start_points, return_inverse=True)
-    bow = motion.bow(clouds[0].take(starts, axis=0)).take(mover, axis=0)
+    # Movers that start at one point follow one another.
+    another = np.diff(moved.start_points, prepend=-1) != 0
+    starts = clouds[0].take(moved.start_points[another], axis=0)
+    bow = motion.bow(starts).take(np.cumsum(another) - 1, axis=0)
     way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
     if (bow**2).sum() > MOST**2 * (way**2).sum():
         return None
-    tree = cKDTree(motion.warped, balanced_tree=False)
+    bearer = line(motion.warped)
     touched: dict[int, int] = {}
     for segment, members in borne.items():
         if len(members):
-            own = clouds[1].take(members, axis=0)
-            bound = bound_by(own[:: max(1, len(own) // ASKED)], tree)
-            gaps, nearest = tree.query(own, distance_upper_bound=bound)
+            asked = members[:: max(1, len(members) // ASKED)]
+            own = clouds[1].take(asked, axis=0).astype(np.float64)
+            gaps, nearest = nearest_on(line_along(own, bearer[0]), bearer, 0.0)
             touched[segment] = int(nearest[np.argmin(gaps)])
-    shifts = motion.bow(motion.sample[[*touched.values()]]) if touched else np.empty((0, 3))
+    shifts = at_levels(motion.bows, motion.along[[*touched.values()]])
     return Bend(bow, dict(zip(touched, shifts, strict=True)))
 
 

@@ -22,7 +22,7 @@ STEADY, WANDERING = 0.1, 0.3  # how far a hinge moves, in organ lengths: likewis
 NO_SIGN = (0.08, 0.2)  # of either, that goes with growth by the factor e
 TORN = 0.4  # unevenness of a warp that is not to be trusted
 NEAR, FAR, STEP = 24, 72, 8  # neighbours whose distances tell how evenly a warp stretches
-ASKED = 300  # points whose neighbours are asked
+ASKED = 100  # points whose neighbours are asked
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,16 @@ class OrganMotion:
 
     def bow(self, points: NDArray[np.floating]) -> Points:
         """(n, 3) how far movers that start at these points are off their chord half way."""
-        bows = self.half_nodes - 0.5 * (self.start_nodes + self.end_nodes)
-        return at_levels(bows, self._nearby(points, self.along))
+        return at_levels(self.bows, self._nearby(points, self.along))
 
     def halfway(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Points:
         """(n, 3) where movers from `start` to `end` are in the organ's shape half way."""
         return 0.5 * (np.asarray(start, float) + end) + self.bow(start)
+
+    @cached_property
+    def bows(self) -> Points:
+        """(LEVELS, 3) how far the spine's nodes are off their chord half way."""
+        return self.half_nodes - 0.5 * (self.start_nodes + self.end_nodes)
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -82,7 +86,7 @@ def fit_motion(start: OrganShape, end: OrganShape, least: float = 0.0) -> OrganM
     None where the organ's bows don't matter, or where the warp tears it: it goes straight.
     """
     here, there = start.spine.nodes, end.spine.nodes
-    if max(_bow_size(here, there, pace) for pace in (0.0, 1.0)) < least:
+    if max(_largest(_bows(here, there, pace)) for pace in (0.0, 1.0)) < least:
         return None
     laid = bend(start.points, end.points, start.spine, end.spine)
     warped = draw(laid, end.points)
@@ -90,7 +94,7 @@ def fit_motion(start: OrganShape, end: OrganShape, least: float = 0.0) -> OrganM
     if uneven > TORN:
         return None
     motion = motion_of(start.points, start.spine.along, warped, uneven)
-    return motion if _bow_size(motion.start_nodes, motion.end_nodes, motion.pace) >= least else None
+    return motion if _largest(motion.bows) >= least else None
 
 
 def motion_of(
@@ -159,6 +163,9 @@ def _length(nodes: Points) -> float:
     return float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
 
 
-def _bow_size(start: Points, end: Points, pace: float) -> float:
-    bows = half_way_spine(start, end, pace) - 0.5 * (start + end)
-    return float(np.linalg.norm(bows, axis=1).max())
+def _bows(start: Points, end: Points, pace: float) -> Points:
+    return half_way_spine(start, end, pace) - 0.5 * (start + end)
+
+
+def _largest(vectors: Points) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.motion.spine import NEIGHBORS, Points, Spine, fit_spine, path_lengths
-from baker.nearby import nearest_others
+from baker.nearby import along_bisection
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
-SAMPLE = 1000
+SAMPLE = 500
 FEWEST = 40  # points below which an organ has no spine
 CONTACT = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 
@@ -52,13 +52,16 @@ class Shapes:
         return self._found[segment]
 
     def _shape(self, segment: int) -> OrganShape | None:
+        from baker.neighbours import neighbours
+
         members = self._hierarchy.segments[segment]
         if len(members) < FEWEST:
             return None
         sample = self._points[members[_sample(len(members))]].astype(np.float64)
+        sample = sample.take(along_bisection(sample), axis=0)
         above = self._found[self._hierarchy.parents[segment]]
-        apart, near = nearest_others(sample, NEIGHBORS)
-        spacing = float(np.median(apart[:, 0]))
+        squared, near = neighbours(sample, NEIGHBORS)
+        spacing = float(np.sqrt(np.median(squared[:, 0])))
         seeds, head = _contact(sample, CONTACT * spacing, above, self._base)
         lengths = path_lengths(sample, seeds, head, near)
         return OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())

@@ -42,7 +42,7 @@ def path_lengths(
     points: Points,
     seeds: NDArray[np.intp],
     head_starts: NDArray[np.float64],
-    near: NDArray[np.intp] | None = None,
+    near: NDArray[np.integer] | None = None,
 ) -> NDArray[np.float64]:
     """(n,) length of the shortest path through the points from the nearest seed.
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from baker.nearby import along_curve, bound_by, nearest, nearest_others
+from baker.nearby import along_bisection, along_curve, bound_by, nearest, nearest_others
 
 random = np.random.default_rng(3)
 
@@ -17,9 +17,10 @@ def test_each_point_gets_its_nearest(n, m, dtype):
     np.testing.assert_array_equal(nearest(points, among), cdist(points, among).argmin(axis=1))
 
 
-def test_points_that_follow_one_another_along_the_curve_are_near():
+@pytest.mark.parametrize("along", [along_curve, along_bisection])
+def test_points_that_follow_one_another_are_near(along):
     points = random.random((2000, 3))
-    order = along_curve(points)
+    order = along(points)
     np.testing.assert_array_equal(np.sort(order), np.arange(2000))
     steps = np.linalg.norm(np.diff(points[order], axis=0), axis=1)
     assert np.median(steps) < 0.25 * np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
