@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from baker.numbered import numbered
 
 if TYPE_CHECKING:
-    from baker.cubes import Cubes
+    from baker.neighbours import Halves
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
-AROUND = 9  # points that cubes of their own are made for
 
 MOST_ORGANS = 1000
 """Labels of a scan, above which they number something else than organs (matching all of them with
@@ -48,19 +47,18 @@ class Borders:
         labels: NDArray[np.integer],
         spacing: float,
         workers: int = 1,
-        cubes: Cubes | None = None,
+        halves: Halves | None = None,
     ) -> Borders:
         """Those of (N, 3) points of (N,) labels.
 
-        spacing: of the cloud's points; workers: threads; cubes: of the points, where there are any.
+        spacing: of the cloud's points; workers: threads; halves: of the points, where known.
         """
-        from baker.cubes import Cubes
+        from baker.neighbours import Halves
 
         names, owner = numbered(labels)
-        reach = REACH * spacing
-        if cubes is None or cubes.edge <= reach:
-            cubes = Cubes.of(points, AROUND, reach)
-        return cls(names, owner, *cubes.pairs(owner.take(cubes.order), reach, workers))
+        halves = halves or Halves.of(points)
+        pairs = halves.pairs(owner.take(halves.order), REACH * spacing, workers)
+        return cls(names, owner, *pairs)
 
 
 def contacts(borders: Borders) -> Gaps:

@@ -104,13 +104,13 @@ class _Late:
         from baker.motion.drawing import laid
         from baker.motion.follow import follow
         from baker.motion.nearest import nearest_cloud
-        from baker.neighbours import neighbours
+        from baker.neighbours import Halves
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
         from baker.ways import links, ways
 
         few = np.eye(3)
-        neighbours(few, 1)
+        Halves.of(few).nearest(1)
         graph = links(few, np.eye(3, dtype=int), np.empty((0, 2), int))
         ways(few, graph, np.arange(1), np.zeros(1))
         solve(np.tile(few, (2, 1)), few)

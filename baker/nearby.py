@@ -65,17 +65,6 @@ def nearest(points: NDArray[np.floating], among: NDArray[np.floating]) -> NDArra
     return found
 
 
-def along_bisection(points: NDArray[np.floating]) -> NDArray[np.intp]:
-    """(n,) indices of (n, 3) points, in an order for `neighbours`: halves, and halves of these.
-
-    Every k-th of them is an even share of the points.
-    """
-    from baker.transport import bisection
-
-    depth = max(1, (len(points) - 1).bit_length() - 3)
-    return bisection.order(points, depth, seed=0)[0].astype(np.intp, copy=False)
-
-
 def nearest_others(
     points: NDArray[np.floating], count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -83,10 +72,10 @@ def nearest_others(
 
     In order of distance. Where a point has fewer others, itself at an infinite distance.
     """
-    from baker.neighbours import neighbours
+    from baker.neighbours import Halves
 
-    order = along_bisection(points)
-    squared, near = neighbours(points.take(order, axis=0).astype(float, copy=False), count)
+    halves = Halves.of(points)
+    squared, near = halves.nearest(count)
     away, found = np.empty_like(squared), np.empty(near.shape, np.intp)
-    away[order], found[order] = np.sqrt(squared), order[near]
+    away[halves.order], found[halves.order] = np.sqrt(squared), halves.order[near]
     return away, found

@@ -12,7 +12,7 @@ from baker.contacts import Gaps
 from baker.workers import Crew
 
 if TYPE_CHECKING:
-    from baker.cubes import Cubes
+    from baker.neighbours import Halves
 
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
@@ -40,38 +40,36 @@ class Surroundings:
         points: NDArray[np.floating],
         workers: int = 1,
         surface: bool = False,
-        cubes: Cubes | None = None,
+        halves: Halves | None = None,
     ) -> Surroundings:
         """All from one search.
 
-        workers: threads; surface: whether that is asked; cubes: of the points, where there are any.
+        workers: threads; surface: whether that is asked; halves: of the points, where known.
         """
+        from baker.neighbours import Halves
+
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
             return cls(0.0, None, np.ones(len(points)) if surface else None)
-        found = _around(cubes, points, k, workers, surface)
+        found = _around(halves or Halves.of(points), k, workers, surface)
         spacing = float(np.median(found[0, :: -(-len(points) // SAMPLE)]))
         return cls(spacing, found[1], found[2] if surface else None)
 
 
-def _around(
-    cubes: Cubes | None, points: NDArray[np.floating], k: int, workers: int, surface: bool
-) -> NDArray[np.float64]:
+def _around(halves: Halves, k: int, workers: int, surface: bool) -> NDArray[np.float64]:
     """(2 or 3, N) how far each point's nearest and k-th other point are; its surface, if asked."""
-    from baker.cubes import Cubes
     from baker.surface import patches
 
-    chosen = cubes or Cubes.of(points, k + 1)
-
     def look(batch: slice) -> NDArray[np.float64]:
-        near, apart = chosen.nearest(batch, k + 1)  # the first is the point itself
-        farthest = np.ascontiguousarray(apart[:, k])
-        patch = [patches(chosen.points, near, farthest)] if surface else []
-        return np.stack([apart[:, 1], farthest, *patch])
+        squared, near = halves.nearest(k, batch)
+        nearest, farthest = np.sqrt(squared[:, 0]), np.sqrt(squared[:, -1])
+        begin = halves.first[batch.start]
+        patch = [patches(halves.points, begin, near, farthest)] if surface else []
+        return np.stack([nearest, farthest, *patch])
 
-    found = np.empty((3 if surface else 2, len(points)))
-    looks = Crew(workers).map(look, chosen.batches())
-    found[:, chosen.order] = np.concatenate(looks, axis=1)
+    found = np.empty((3 if surface else 2, len(halves.points)))
+    looks = Crew(workers).map(look, halves.batches())
+    found[:, halves.order] = np.concatenate(looks, axis=1)
     return found
 
 
@@ -119,4 +117,6 @@ def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
 
 def reaches(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
     """(N,) each point's distance to its k-th nearest other point, k < N."""
-    return _around(None, points, k, workers=1, surface=False)[1]
+    from baker.neighbours import Halves
+
+    return _around(Halves.of(points), k, workers=1, surface=False)[1]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.motion.spine import NEIGHBORS, Points, Spine, fit_spine, path_lengths
-from baker.nearby import along_bisection
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
 SAMPLE = 500
@@ -52,15 +51,15 @@ class Shapes:
         return self._found[segment]
 
     def _shape(self, segment: int) -> OrganShape | None:
-        from baker.neighbours import neighbours
+        from baker.neighbours import Halves
 
         members = self._hierarchy.segments[segment]
         if len(members) < FEWEST:
             return None
-        sample = self._points[members[_sample(len(members))]].astype(np.float64)
-        sample = sample.take(along_bisection(sample), axis=0)
+        halves = Halves.of(self._points[members[_sample(len(members))]])
+        sample = halves.points
         above = self._found[self._hierarchy.parents[segment]]
-        squared, near = neighbours(sample, NEIGHBORS)
+        squared, near = halves.nearest(NEIGHBORS)
         spacing = float(np.sqrt(np.median(squared[:, 0])))
         seeds, head = _contact(sample, CONTACT * spacing, above, self._base)
         lengths = path_lengths(sample, seeds, head, near)

@@ -9,7 +9,7 @@ import numpy as np
 from baker.contacts import MOST_ORGANS, Borders, contacts
 from baker.scans.cloud import Cloud
 from baker.scans.strays import without_strays
-from baker.spacing import NEIGHBORS, Surroundings
+from baker.spacing import Surroundings
 
 
 def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
@@ -17,13 +17,13 @@ def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
 
     Notes how many points were given another label. workers: threads.
     """
-    from baker.cubes import Cubes
+    from baker.neighbours import Halves
 
-    cubes = Cubes.of(cloud.points, NEIGHBORS + 1)
-    around = Surroundings.of(cloud.points, workers, surface=True, cubes=cubes)
+    halves = Halves.of(cloud.points)
+    around = Surroundings.of(cloud.points, workers, surface=True, halves=halves)
     if cloud.labels is None:
         return cloud, around
-    found = Borders.of(cloud.points, cloud.labels, around.spacing, workers, cubes)
+    found = Borders.of(cloud.points, cloud.labels, around.spacing, workers, halves)
     borders = without_strays(found)
     if len(borders.names) <= MOST_ORGANS:
         around = replace(around, touching=contacts(borders))

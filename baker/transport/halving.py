@@ -11,7 +11,7 @@ from baker.compiled import compiled
 @compiled
 def halve(
     points: NDArray[np.floating], depth: int, axes: NDArray[np.integer], axes_known: bool
-) -> NDArray[np.integer]:
+) -> NDArray[np.intp]:
     """(n,) indices of (n, 3) points, halved `depth` times, and on the last level sorted.
 
     On every level, part p of 2 ** level parts goes from p n / 2 ** level on, rounded up, and is
@@ -20,22 +20,30 @@ def halve(
     """
     n = len(points)
     order = np.arange(n)
-    for level in range(depth):
-        parts = 1 << level
-        for part in range(parts):
-            begin, end = -(-part * n // parts), -(-(part + 1) * n // parts)
-            members = order[begin:end].copy()
-            if not axes_known:
-                axes[parts + part] = _longest(points, members)
-            along = np.empty(len(members))
-            for i in range(len(members)):
-                along[i] = points[members[i], axes[parts + part]]
-            if level + 1 == depth:
-                order[begin:end] = members[np.argsort(along, kind="mergesort")]
-            else:
-                # Only which half they are in counts: the next level orders them anew.
-                _select(along, members, -(-(2 * part + 1) * n // (2 * parts)) - begin)
-                order[begin:end] = members
+    # What has been parted last is parted on: its points are still in the cache.
+    waiting, left = np.ones(depth + 1, np.int64), min(depth, 1)
+    while left > 0:
+        left -= 1
+        branch = waiting[left]
+        level = 0
+        while branch >> level > 1:
+            level += 1
+        parts, part = 1 << level, branch - (1 << level)
+        begin, end = -(-part * n // parts), -(-(part + 1) * n // parts)
+        members = order[begin:end].copy()
+        if not axes_known:
+            axes[branch] = _longest(points, members)
+        along = np.empty(len(members))
+        for i in range(len(members)):
+            along[i] = points[members[i], axes[branch]]
+        if level + 1 == depth:
+            order[begin:end] = members[np.argsort(along, kind="mergesort")]
+            continue
+        # Only which half they are in counts: the next level orders them anew.
+        _select(along, members, -(-(2 * part + 1) * n // (2 * parts)) - begin)
+        order[begin:end] = members
+        waiting[left], waiting[left + 1] = 2 * branch + 1, 2 * branch
+        left += 2
     return order
 
 

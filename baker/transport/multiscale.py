@@ -168,11 +168,11 @@ def _improve(
     return edges, mass, sweep + 1
 
 
-def _neighbours(points: Points, k: int) -> NDArray[np.int32]:
+def _neighbours(points: NDArray[np.float64], k: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    from baker.neighbours import neighbours
+    from baker.neighbours import Halves
 
-    return neighbours(points, k)[1] if k else np.empty((len(points), 0), np.int32)
+    return Halves.along(points).nearest(k)[1] if k else np.empty((len(points), 0), np.int32)
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> NDArray[np.int64]:

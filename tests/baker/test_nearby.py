@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from baker.nearby import along_bisection, along_curve, bound_by, nearest, nearest_others
+from baker.nearby import along_curve, bound_by, nearest, nearest_others
+from baker.neighbours import Halves
 
 random = np.random.default_rng(3)
 
@@ -17,7 +18,7 @@ def test_each_point_gets_its_nearest(n, m, dtype):
     np.testing.assert_array_equal(nearest(points, among), cdist(points, among).argmin(axis=1))
 
 
-@pytest.mark.parametrize("along", [along_curve, along_bisection])
+@pytest.mark.parametrize("along", [along_curve, lambda points: Halves.of(points).order])
 def test_points_that_follow_one_another_are_near(along):
     points = random.random((2000, 3))
     order = along(points)
