@@ -70,25 +70,13 @@ def expand(
     With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
     equal sizes). Whole masses, so feasible for any sizes; at most n + m pairs and the blocks' own.
     """
+    from baker.transport.halving import hand_out
+
     by_row = np.argsort(edges[0] * len(columns) + edges[1], kind="stable")
-    by_column = np.argsort(edges[1] * len(rows) + edges[0], kind="stable")
-    row_end, column_end = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
-    # All of the mass lies on one line in the order of the rows, and once more in that of the
-    # columns; along an edge the two run side by side, `shift` apart.
-    edge_end, along_columns = np.cumsum(mass[by_row]), np.cumsum(mass[by_column])
-    in_columns, place = np.empty_like(mass), np.empty_like(by_row)
-    in_columns[by_column] = along_columns
-    place[by_row] = np.arange(len(by_row))
-    shift = in_columns[by_row] - edge_end
-    edge_of_column_end = place[by_column[np.searchsorted(along_columns, column_end)]]
-    steps = np.concatenate([row_end, edge_end, column_end - shift[edge_of_column_end]])
-    steps.sort()
-    steps = steps[np.concatenate([steps[:1] > 0, steps[1:] > steps[:-1]])]
-    edge = np.searchsorted(edge_end, steps)
-    return (
-        rows.order[np.searchsorted(row_end, steps)],
-        columns.order[np.searchsorted(column_end, steps + shift[edge])],
-    ), np.concatenate([steps[:1], steps[1:] - steps[:-1]])
+    one, other, handed = hand_out(
+        edges[1][by_row], mass[by_row], supply[rows.order], demand[columns.order], columns.first
+    )
+    return (rows.order[one], columns.order[other]), handed
 
 
 def couple(

@@ -1,4 +1,4 @@
-"""The loop of recursive bisection, compiled by numba: import this module late."""
+"""The loops of recursive bisection, compiled by numba: import this module late."""
 
 from __future__ import annotations
 
@@ -86,3 +86,37 @@ def _longest(points: NDArray[np.floating], members: NDArray[np.integer]) -> int:
         if high - low > longest:
             longest, chosen = high - low, axis
     return chosen
+
+
+@compiled
+def hand_out(
+    columns: NDArray[np.integer],
+    mass: NDArray[np.integer],
+    supply: NDArray[np.integer],
+    demand: NDArray[np.integer],
+    first: NDArray[np.integer],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of points, by row, then column, and their masses, out of those of pairs of blocks.
+
+    columns, mass: of pairs of blocks, by row, then column: together all mass of either side.
+    supply, demand: of the points, block after block; first: where each block of columns begins.
+    """
+    most = len(mass) + len(supply) + len(demand)
+    one, other = np.empty(most, np.int64), np.empty(most, np.int64)
+    handed, made = np.empty(most, np.int64), 0
+    place, row = first.copy(), 0
+    left, wanted = supply[0], demand[first]
+    for pair in range(len(mass)):
+        block, rest = columns[pair], mass[pair]
+        while rest > 0:
+            while left == 0:
+                row += 1
+                left = supply[row]
+            while wanted[block] == 0:
+                place[block] += 1
+                wanted[block] = demand[place[block]]
+            part = min(rest, left, wanted[block])
+            one[made], other[made], handed[made] = row, place[block], part
+            rest, left, made = rest - part, left - part, made + 1
+            wanted[block] -= part
+    return one[:made], other[:made], handed[:made]
