@@ -176,14 +176,10 @@ def _mean_of_twins(
     ends: NDArray[np.intp] | None, values: NDArray[np.floating]
 ) -> NDArray[np.floating]:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
+    from baker.twins import mean_of_twins
+
     assert ends is not None  # what has a surface moves from points to points
-    order = np.argsort(ends, kind="stable")
-    place, twin = ends[order], np.empty(len(ends), np.intp)
-    twin[order] = np.cumsum(np.diff(place, prepend=place[:1]) > 0)
-    count = np.bincount(twin)
-    return np.stack([np.bincount(twin, axis) / count for axis in values.T], axis=1).take(
-        twin, axis=0
-    )
+    return mean_of_twins(ends, np.argsort(ends, kind="stable"), values)
 
 
 def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:

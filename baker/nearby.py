@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.pack import morton_codes
-
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
@@ -31,6 +29,8 @@ def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
 
     So is making a tree of them.
     """
+    from baker.codes import morton_codes
+
     return np.argsort(morton_codes(points), kind="stable")
 
 
