@@ -166,8 +166,6 @@ class ForkPool:
         forks = 0 if self._parent is not None else min(self._workers, len(items))
         crew: dict[Connection, int] = {}
         if forks > 1:
-            import scipy.spatial  # noqa: F401  # almost every round needs it
-
             self._late.wait()
         try:
             with suppress(OSError):  # where no more processes are to be had, fewer do it

@@ -34,8 +34,7 @@ def without_strays(borders: Borders) -> Borders:
 
 def _mended(borders: Borders) -> NDArray[np.intp]:
     """(N,) the organ of each point, strays mended."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
+    from baker.scans.pieces import pieces
 
     owner, one, other = borders.owner, borders.one, borders.other
     near = np.ones(len(one), bool)
@@ -53,10 +52,8 @@ def _mended(borders: Borders) -> NDArray[np.intp]:
     asked = np.flatnonzero(~(safe.take(one) & safe.take(other)))
     own, there = own.take(asked), owner.take(other.take(asked))
     one, other = place.take(one.take(asked)), place.take(other.take(asked))
-    linked = np.ones(own.sum()), (one[own], other[own])
-    count, piece = connected_components(
-        coo_matrix(linked, shape=[len(doubtful) + 1] * 2), directed=False
-    )
+    count = len(doubtful) + 1
+    piece = pieces(count, one[own], other[own])
     own_piece = piece[:-1]
 
     size, organ = np.bincount(own_piece, minlength=count), np.zeros(count, np.intp)
@@ -72,12 +69,12 @@ def _mended(borders: Borders) -> NDArray[np.intp]:
         return owner
 
     votes = np.flatnonzero(stray[piece[one]] & ~own)
-    pairs, number = np.unique(
+    amid_what, number = np.unique(
         np.stack([piece[one[votes]], there[votes]], axis=1), axis=0, return_counts=True
     )
-    best = np.lexsort((pairs[:, 1], -number, pairs[:, 0]))
-    pieces, first = np.unique(pairs[best, 0], return_index=True)
-    organ[pieces] = pairs[best[first], 1]
+    best = np.lexsort((amid_what[:, 1], -number, amid_what[:, 0]))
+    mistaken, first = np.unique(amid_what[best, 0], return_index=True)
+    organ[mistaken] = amid_what[best[first], 1]
     wrong = stray[own_piece]
     mended = owner.copy()
     mended[doubtful[wrong]] = organ[own_piece[wrong]]
