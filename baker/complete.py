@@ -88,8 +88,8 @@ def _rest(
         return None
     start, end = keyframes[k].positions, keyframes[k + 1].positions
     return missing_part(
-        start[before],
-        end[after],
+        start.take(before, axis=0),
+        end.take(after, axis=0),
         surfaces[k][before],
         surfaces[k + 1][after],
         lambda: (_base(start, match.first, a), _base(end, match.second, b)),

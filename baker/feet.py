@@ -80,6 +80,7 @@ class Feet:
         from scipy.spatial import cKDTree
 
         if (side, parent) not in self._bearers:
-            points = self._clouds[side][self._hierarchies[side].segments[parent]]
+            members = self._hierarchies[side].segments[parent]
+            points = self._clouds[side].take(members, axis=0)
             self._bearers[side, parent] = cKDTree(points, balanced_tree=False)
         return self._bearers[side, parent]

@@ -98,7 +98,10 @@ def _known(
     for a, b in match.pairs:
         first, second = match.first.segments[a], match.second.segments[b]
         if len(first) and len(second):
-            before, after = clouds[0][first].astype(float), clouds[1][second].astype(float)
+            before, after = (
+                cloud.take(members, axis=0).astype(float)
+                for cloud, members in zip(clouds, (first, second), strict=True)
+            )
             organ = organs.second[b]
             ways[organ] = after.mean(axis=0) - before.mean(axis=0)
             if min(len(first), len(second)) >= FEWEST:
