@@ -18,8 +18,7 @@ def movers(
     point of either side is in at least one. Ties go to the lowest index. Raises ValueError where
     the plan leaves out a point.
     """
-    order = np.argsort(plan.rows.astype(np.int64) * m + plan.columns, kind="stable")
-    rows, columns, mass = plan.rows[order], plan.columns[order], plan.mass[order]
+    rows, columns, mass = plan.rows, plan.columns, plan.mass
     picked = np.zeros(len(mass), np.float32)
     for name, side, count in (("start", rows, n), ("end", columns, m)):
         entries = _maxima(side, mass, count)

@@ -137,7 +137,12 @@ def _at(levels: list[_Level], index: int) -> _Level:
 def _improve(
     rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, last: bool
 ) -> tuple[Edges, Masses, int]:
-    """Improve a feasible plan in a sweep; the last level's until one gains next to nothing."""
+    """Improve a feasible plan in a sweep; the last level's until one gains next to nothing.
+
+    edges: by row.
+    """
+    from baker.transport.simplex import improve_cells
+
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
     few = min(n, m) <= FEW
@@ -152,9 +157,9 @@ def _improve(
     k, size = 0 if few else _NEIGHBORS[int(little_slack)], _CELL[int(little_slack)]
     near = _neighbours(start, k), _neighbours(end, k)
     if whole:
-        return *_solve_cells(
-            start, end, near, edges, mass, np.zeros(n, np.int64), exhaustive, search
-        ), 1
+        one = np.array([0, len(mass)])
+        *pair, moved = improve_cells(start, end, *near, *edges, mass, one, search.power, exhaustive)
+        return (pair[0], pair[1]), moved.astype(np.int64, copy=False), 1
     for sweep in range(_SWEEPS if last else 1):
         farther = sweep + 1 - _NEARBY
         cells = round((n + m) / (size * 2 ** max(0, farther)))

@@ -31,16 +31,6 @@ def test_ties_go_to_the_lowest_index():
     ]  # fmt: skip
 
 
-def test_the_order_of_the_pairs_does_not_matter():
-    plan = plan_of(np.random.default_rng(0).integers(0, 3, (6, 5)))
-    shuffle = np.random.default_rng(1).permutation(len(plan.mass))
-    shuffled = Plan(
-        plan.rows[shuffle], plan.columns[shuffle], plan.mass[shuffle], 0.0, 0.0, 0.0, ""
-    )
-    for expected, found in zip(movers(plan, 6, 5), movers(shuffled, 6, 5), strict=True):
-        np.testing.assert_array_equal(found, expected)
-
-
 def test_a_plan_that_leaves_out_a_point_is_refused():
     with pytest.raises(ValueError, match="1 of the 2 points of the end"):
         movers(plan_of([[1.0, -1.0]]), 1, 2)
