@@ -27,7 +27,7 @@ def draw(moving: Points, end: Points) -> Points:
     here, there = moving - middle, end - middle
     size = float(np.sqrt((here**2).sum(axis=1).mean())) or 1.0
     centres = here[spread_out(here, CENTRES)]
-    # What is fitted to scans of a thousand points is not more accurate than a float32.
+    # What is fitted to some hundred points is not more accurate than a float32.
     ways = (here[:, axis] - centres[:, axis, None] for axis in range(3))
     squared = np.float32(sum(way**2 for way in ways))
     drawn, target = here, line(there)

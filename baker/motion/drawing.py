@@ -1,6 +1,6 @@
 """The steps of bending and drawing an organ, compiled by numba: import this module late.
 
-Arrays of a thousand points are so small that numpy's calls would take longer than their work.
+Arrays of some hundred points are so small that numpy's calls would take longer than their work.
 """
 
 from __future__ import annotations
