@@ -104,20 +104,24 @@ class _Late:
         from baker.motion.drawing import laid
         from baker.motion.follow import follow
         from baker.motion.nearest import nearest_cloud
+        from baker.nearby import along_curve
         from baker.neighbours import Halves
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
+        from baker.twins import mean_of_twins
         from baker.ways import links, ways
 
-        few = np.eye(3)
+        few, places = np.eye(3), np.arange(3)
+        along_curve(few)
+        mean_of_twins(places, places, few)
         Halves.of(few).nearest(1)
-        graph = links(few, np.eye(3, dtype=int), np.empty((0, 2), int))
-        ways(few, graph, np.arange(1), np.zeros(1))
+        graph = links(few, np.eye(3, dtype=np.int32), np.empty((0, 2), int))
+        ways(few, graph, places[:1], np.zeros(1))
         solve(np.tile(few, (2, 1)), few)
         draw(few, few)
         laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)
         nearest_cloud(few[None], few, few, np.ones(1))
-        branches(np.ones(3), np.arange(3), np.arange(4), np.arange(3), 1.0, 1.0, 1)
+        branches(np.ones(3), places, np.arange(4), places, 1.0, 1.0, 1)
         curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
         moving = curve, balls(curve), weights
         _, *pair = gaps_of(moving, moving, 1.0)

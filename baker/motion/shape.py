@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from baker.motion.spine import NEIGHBORS, Points, Spine, fit_spine, path_lengths
 from baker.segment.hierarchy import NO_PARENT, Hierarchy
 
-SAMPLE = 500
+SAMPLE = 750
 FEWEST = 40  # points below which an organ has no spine
 CONTACT = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 
