@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip.pack import in_order
+
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
-
 
 ROUGHLY = 1.0  # a distance may be twice as large, where it is but a bound
 
@@ -31,7 +32,7 @@ def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
     """
     from baker.codes import morton_codes
 
-    return np.argsort(morton_codes(points), kind="stable")
+    return in_order(morton_codes(points))
 
 
 @dataclass(frozen=True)

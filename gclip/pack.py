@@ -168,13 +168,24 @@ def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
 
 
 def _gpu_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
-    order = np.argsort(morton_codes(points), kind="stable")
+    order = in_order(morton_codes(points))
     blocks = -(-len(order) // BLOCK)
     shuffled = np.random.default_rng(0).permutation(blocks)
     padded = np.full(blocks * BLOCK, -1, np.intp)
     padded[: len(order)] = order
     order = padded.reshape(blocks, BLOCK)[shuffled].ravel()
     return order[order >= 0]
+
+
+def in_order(codes: NDArray[np.uint64]) -> NDArray[np.intp]:
+    """(N,) indices that sort Morton codes, as far as their leading bits tell; equal ones stay.
+
+    The others make room for the indices: to sort numbers is twice as fast as to sort by them.
+    """
+    room = np.uint64(len(codes).bit_length())
+    numbered = (codes >> room << room) | np.arange(len(codes), dtype=np.uint64)
+    numbered.sort()
+    return (numbered & ((np.uint64(1) << room) - np.uint64(1))).astype(np.intp)
 
 
 def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:

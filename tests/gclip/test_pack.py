@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gclip.clip import Motion
-from gclip.pack import BLOCK, Movers, extent, morton_codes, pack_interval
+from gclip.pack import BLOCK, Movers, extent, in_order, morton_codes, pack_interval
 
 
 def pack(points: np.ndarray, spacing: float, **more):
@@ -45,6 +45,15 @@ def test_neighbours_in_a_block_are_neighbours_in_space():
     points = np.random.default_rng(0).random((40 * BLOCK, 3))
     block = pack(points, spacing=1.0, precision="float32").start_positions[:BLOCK]
     assert np.prod(np.ptp(block, axis=0)) < 0.2
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 64, 1000, 65_536])
+def test_codes_in_order_are_sorted_by_their_leading_bits_and_equal_ones_stay(count):
+    random = np.random.default_rng(count)
+    codes = random.integers(0, 2**63, count, np.uint64)
+    codes[::2] = codes[0] if count else 0  # many are equal
+    leading = codes >> np.uint64(count.bit_length())
+    np.testing.assert_array_equal(in_order(codes), np.argsort(leading, kind="stable"))
 
 
 def test_morton_codes_interleave_bits():
