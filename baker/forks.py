@@ -17,7 +17,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from baker.errors import InputError
-from baker.workers import Crew, Done, Pool
+from baker.workers import Crew, Done
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -33,7 +33,7 @@ MANY = 16  # items for each fork from which on it is given one ahead, not to wai
 DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 
-def on_cores(workers: int) -> tuple[Executor, Pool | None]:
+def on_cores(workers: int) -> tuple[Executor, ForkPool | None]:
     """Where a command solves its intervals, and where it looks at single scans.
 
     Forks where they are safe, else threads: other systems' own libraries don't survive them.
@@ -150,6 +150,11 @@ class ForkPool:
         else:
             self._done(steps)
 
+    def begin(self) -> None:
+        """Load what later rounds need beside the first work, whoever does it."""
+        if self._parent is None:
+            self._late.start()
+
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
         """The results in the items' order, as soon as they and those before are there."""
         early: dict[int, Result] = {}
@@ -177,7 +182,7 @@ class ForkPool:
                     pipe, process = self._fork(function, items, list(crew))
                     crew[pipe] = process
             if crew:
-                self._late.start()
+                self.begin()
                 yield from self._shared_out(list(crew), len(items))
             else:
                 yield from ((index, function(item)) for index, item in enumerate(items))

@@ -119,7 +119,7 @@ def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -
         solved = attached(solved, *plant, job.spacing, job.curved, crew)
     return pack_interval(
         *job.times,
-        with_even_density(solved, job.even, crew),
+        with_even_density(solved, job.even, crew.if_light()),
         spacing=job.series_spacing,
         precision=job.precision,
         segments=tuple(m.pair for m in solved if m.pair is not None),

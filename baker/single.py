@@ -63,7 +63,7 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
             from baker.greenhouse.cluster import intervals_on
 
             executor = stack.enter_context(intervals_on(wanted.cluster))
-        crew = Crew(workers, pool)
+        crew = Crew(workers, pool, pool.begin) if pool else Crew(workers)
         scans = read_scans(inputs, options, progress, crew)
         # Only now: they have been loaded beside the forks that read.
         from baker.pipeline import bake_series

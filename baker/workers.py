@@ -28,10 +28,12 @@ class Crew:
     pool:    where they work; none of its own threads may be among the callers. By default they
              are threads, which gain only where the function spends its time outside Python, as
              compiled loops do.
+    beside_one: called before one of them works while the others have nothing to do.
     """
 
     workers: int = 1
     pool: Pool | None = None
+    beside_one: Callable[[], None] = lambda: None
 
     def map(
         self,
@@ -52,6 +54,10 @@ class Crew:
             done(1)
         return results
 
+    def if_light(self) -> Crew:
+        """Who should share out what moves more than it computes: two processes gain nothing."""
+        return self if self.pool is None or self.workers > 2 else ALONE
+
     def beside(self, count: int) -> int:
         """Threads for each of so many works: few are of different size, and cores stand idle."""
         return self.workers if count < 2 * self.workers else 1
@@ -61,6 +67,7 @@ class Crew:
     ) -> Iterable[Result]:
         """The function's results in the items' order, each as soon as it and those before are."""
         if self.workers <= 1 or len(items) < fewest:
+            self.beside_one()
             yield from map(function, items)
         elif self.pool is not None:
             yield from self.pool.map(function, items)

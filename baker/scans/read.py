@@ -26,6 +26,7 @@ Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
 
 FEWEST = {"denoise": 4, "resample": 10}
+SEVERAL = 3  # scans that are worth sharing out: of two the larger one takes most of the time
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def read_series(
         ready()
     threads = crew.beside(len(entries))
     scans: list[Scan] = []
-    for found in crew.each(scan_of, entries):
+    for found in crew.each(scan_of, entries, fewest=SEVERAL):
         if isinstance(found, InputError):
             raise found
         scans.append(found)
