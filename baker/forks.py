@@ -104,7 +104,6 @@ class _Late:
         from baker.motion.drawing import laid
         from baker.motion.follow import follow
         from baker.motion.nearest import nearest_cloud
-        from baker.nearby import along_curve
         from baker.neighbours import Halves
         from baker.segment.merge_tree import branches
         from baker.transport.solve import solve
@@ -112,7 +111,6 @@ class _Late:
         from baker.ways import links, ways
 
         few, places = np.eye(3), np.arange(3)
-        along_curve(few)
         mean_of_twins(places, places, few)
         Halves.of(few).nearest(1)
         graph = links(few, np.eye(3, dtype=np.int32), np.empty((0, 2), int))

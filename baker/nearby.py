@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.pack import in_order
+from gclip.pack import in_order, morton_codes
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -30,8 +30,6 @@ def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
 
     So is making a tree of them.
     """
-    from baker.codes import morton_codes
-
     return in_order(morton_codes(points))
 
 
