@@ -1,29 +1,16 @@
-"""Loading shaders: package data, with includes and definitions put in."""
+"""Compiling shaders and setting their uniforms."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from player.errors import PlayerError
+from shaders import source
 
 if TYPE_CHECKING:
     import moderngl
-
-INCLUDE = re.compile(r'^#include "([a-z_]+\.glsl)"$', re.MULTILINE)
-VERSION = re.compile(r"^#version .*$", re.MULTILINE)
-
-
-def source(name: str, **definitions: int | float) -> str:
-    """The text of `player/shaders/<name>`, includes resolved, each definition as a `#define`."""
-    text = _read(name)
-    while INCLUDE.search(text):
-        text = INCLUDE.sub(lambda found: _read(found[1]), text)
-    lines = "".join(f"\n#define {key} {value}" for key, value in sorted(definitions.items()))
-    return VERSION.sub(lambda found: found[0] + lines, text, count=1)
 
 
 def program(
@@ -80,7 +67,3 @@ def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> N
             program[name].write(np.ascontiguousarray(value.T, np.float32).tobytes())  # type: ignore[union-attr]
         else:
             program[name].value = value  # type: ignore[union-attr]
-
-
-def _read(name: str) -> str:
-    return (files("player") / "shaders" / name).read_text("utf-8")

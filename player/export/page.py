@@ -16,6 +16,7 @@ from player.errors import PlayerError
 from player.export.film import Film
 from player.export.output import whole_file
 from player.export.packing import Packed, pack
+from shaders import web_sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 SCRIPTS = ("clip.js", "timeline.js", "camera.js", "renderer.js", "page.js")
-SHARED = ("curve.glsl", "srgb.glsl")  # of the player's own shaders
 CORNERS = 96  # outermost points that the browser fits its view to
 LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
@@ -59,7 +59,7 @@ def render(clip: Clip, film: Film, title: str, packed: list[Packed]) -> Iterator
         style=Markup(_read("page.css")),
         script=Markup("\n".join(_read(name) for name in SCRIPTS)),
         clip=embedded(_about(clip, film, title, packed)),
-        shaders=embedded(_shaders()),
+        shaders=embedded(web_sources()),
         intervals=(base64.b64encode(one.data).decode("ascii") for one in packed),
     )
 
@@ -165,7 +165,7 @@ def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
 
 
 def _ground(colors: dict[str, Any]) -> dict[str, Any]:
-    """A background's colours by the names that html/shaders/picture.frag gives them."""
+    """A background's colours by the names that shaders/web/picture.frag gives them."""
     plain = ("above", "below", "floor", "shadow")
     return {f"{name}_color" if name in plain else name: color for name, color in colors.items()}
 
@@ -177,27 +177,6 @@ def _corners(points: np.ndarray, up: str) -> list[list[float]]:
     directions = np.random.default_rng(0).normal(size=(CORNERS, 3))
     outermost = np.unique(np.argmax(points @ directions.T, axis=0))
     return (points[outermost] @ axes(up)).tolist()
-
-
-def _shaders() -> dict[str, str]:
-    """The page's shaders by name, with includes put in; the interpolation is the player's own."""
-    folder = files("player.export") / "html" / "shaders"
-    own = {entry.name: entry.read_text("utf-8") for entry in folder.iterdir()}
-    shared = {name: (files("player") / "shaders" / name).read_text("utf-8") for name in SHARED}
-    texts = own | shared
-    return {
-        name: _included(text, texts)
-        for name, text in sorted(own.items())
-        if not name.endswith(".glsl")
-    }
-
-
-def _included(text: str, texts: dict[str, str]) -> str:
-    from player.glsl import INCLUDE
-
-    while INCLUDE.search(text):
-        text = INCLUDE.sub(lambda found: texts[found[1]], text)
-    return text
 
 
 def _read(name: str) -> str:

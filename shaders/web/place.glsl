@@ -1,6 +1,6 @@
 // Where a mover is and how large its disc appears.
 
-#include "curve.glsl"
+#include "../curve.glsl"
 
 layout(location = 0) in vec3 in_point0;
 #if DEGREE > 0

@@ -1,0 +1,34 @@
+"""Includes and definitions are put in, and no source refers to a file that is missing."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+import pytest
+
+import shaders
+
+STAGES = (".vert", ".frag", ".comp")
+TOP = sorted(e.name for e in files(shaders).iterdir() if e.name.endswith(STAGES))
+
+
+@pytest.mark.parametrize("name", TOP)
+def test_every_include_is_resolved(name: str) -> None:
+    text = shaders.source(name)
+    assert "#include" not in text
+    assert text.count("#version") == 1
+
+
+def test_definitions_follow_the_version() -> None:
+    _, _, after = shaders.source("dots.vert", SECOND=2, FIRST=1).partition("#version")
+    assert after.splitlines()[1:3] == ["#define FIRST 1", "#define SECOND 2"]
+
+
+def test_the_page_interpolates_with_the_windows_shader() -> None:
+    web = shaders.web_sources()
+    files_there = {entry.name for entry in (files(shaders) / "web").iterdir()}
+    assert set(web) == {name for name in files_there if not name.endswith(".glsl")}
+    assert not any("#include" in text for text in web.values())
+    curve = shaders.source("curve.glsl")
+    assert curve in web["positions.vert"]
+    assert curve in shaders.source("positions.vert")
