@@ -22,6 +22,7 @@ from baker.options import (
     Up,
 )
 from gclip.console import run_app
+from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
@@ -219,6 +220,7 @@ def bake_command(
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Say what was found in each scan.")
     ] = False,
+    version: VersionOption = False,
 ) -> int:
     """Bake 3D scans of a growing plant into a growth clip; or of many plants, a clip each."""
     options = Options(

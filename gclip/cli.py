@@ -9,6 +9,7 @@ import typer
 
 from gclip.console import run_app
 from gclip.errors import ClipError
+from gclip.version import VersionOption
 
 if TYPE_CHECKING:
     from gclip.check import Report
@@ -19,7 +20,7 @@ EPILOG = "Exit codes: 0 all are whole, 2 wrong usage or a clip is not, 1 a fault
 
 
 @app.callback()
-def gclip_command() -> None:
+def gclip_command(version: VersionOption = False) -> None:
     """Look after growth clips. `bake` makes them, `play` shows them."""
 
 

@@ -13,6 +13,7 @@ import typer
 
 from gclip.console import run_app
 from gclip.text import printable
+from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.keys import help_text
 from player.style import Style
@@ -155,6 +156,7 @@ def play_command(
         bool, typer.Option("--kiosk", help="Full screen, over and over, nothing to press.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
+    version: VersionOption = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures."""
     days = tuple(day or ())

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from gclip.console import run_app
+from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
@@ -84,6 +85,7 @@ def grow_command(
         bool, typer.Option("--force", help="Replace scans that are in OUTDIR.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing.")] = False,
+    version: VersionOption = False,
 ) -> None:
     """Grow a plant and scan it: labelled, coloured point clouds, and what is true between them.
 
