@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -12,6 +14,39 @@ from hypothesis import settings
 # How long a case takes never decides whether a test passes.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def default_signals_for_children() -> Iterator[None]:
+    """Let child processes be interrupted where the tests themselves are not, as under ``nohup``.
+
+    A new program inherits ignored signals as ignored, but handled ones as their default. So a
+    handler that does nothing stands where a signal was ignored.
+    """
+    numbers = [getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP")]
+    ignored = [n for n in numbers if n is not None and signal.getsignal(n) is signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, lambda number, frame: None)
+    yield
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of a Chromium: playwright's own where it has been downloaded, else the system's.
+
+    One from a snap is passed over: it sees neither /tmp nor hidden folders.
+    """
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as control:
+        own = control.chromium.executable_path
+    found = (own, shutil.which("chromium"), shutil.which("google-chrome"))
+    for program in found:
+        if program and Path(program).exists() and "/snap/" not in program:
+            return program
+    pytest.skip("no Chromium (apt-get install chromium, or python -m playwright install chromium)")
 
 
 @pytest.fixture(scope="module")

@@ -182,7 +182,10 @@ def _bytes(color: tuple[float, ...]) -> tuple[int, ...]:
 
 @cache
 def _font(name: str, size: float) -> Any:
-    """The window's own font, found without loading the window; else Pillow's."""
+    """The window's own font, found without loading the window; else Pillow's.
+
+    Pillow's basic layout: with libraqm, where the system has that, letters would stand elsewhere.
+    """
     from importlib.util import find_spec
 
     from PIL import ImageFont
@@ -190,5 +193,5 @@ def _font(name: str, size: float) -> Any:
     spec = find_spec("imgui_bundle")
     for folder in spec.submodule_search_locations or () if spec else ():
         for path in sorted((Path(folder) / "assets" / "fonts").rglob(name)):
-            return ImageFont.truetype(str(path), size)
+            return ImageFont.truetype(str(path), size, layout_engine=ImageFont.Layout.BASIC)
     return ImageFont.load_default(size)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import re
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from playwright.sync_api import sync_playwright
 
 from gclip.clip import Clip, HeldOutScan, Motion, Track
 from player.export import Film, export
@@ -27,14 +27,10 @@ SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--igno
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("google-chrome")
-    if program is None:
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    with playwright.sync_playwright() as control:
+def browser(chromium: str) -> Iterator[Any]:
+    with sync_playwright() as control:
         started = control.chromium.launch(
-            executable_path=program, args=[*SOFTWARE_GL, "--no-sandbox"]
+            executable_path=chromium, args=[*SOFTWARE_GL, "--no-sandbox"]
         )
         yield started
         started.close()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
@@ -159,13 +158,10 @@ document.title = JSON.stringify({
 
 
 @pytest.mark.parametrize("width", [1280, 480])
-def test_a_browser_without_a_network_shows_all_of_it(report, tmp_path, width):
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("needs chromium (apt-get install chromium)")
+def test_a_browser_without_a_network_shows_all_of_it(chromium, report, tmp_path, width):
     looked = tmp_path / "looked.html"
     looked.write_text(report.read_text().replace("</body>", LOOK + "</body>"))
-    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    command = [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
     offline = ["--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={tmp_path / 'profile'}"]
     shown = subprocess.run(
         [*command, *offline, f"--window-size={width},900", looked.as_uri()],
