@@ -253,14 +253,14 @@ def bake_command(
         unit=unit,
         workers=workers,
     )
-    from baker.greenhouse.plants import find_plants
-    from baker.single import Wanted, bake_one, check_beside
+    from baker.batch.plant import Wanted, bake_one, check_beside
+    from baker.batch.plants import find_plants
 
     if traits is not None:
         check_beside(traits, "a table of traits", (".csv",))
     plants = find_plants(inputs, output)
     if plants:
-        from baker.greenhouse.run import Order, bake_all
+        from baker.batch.run import Order, bake_all
 
         order = Order(
             clips=Path(output),

@@ -13,34 +13,34 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.align import Alignment
-from baker.birth import Birth, births
-from baker.cache import IntervalCache
-from baker.cache.alignments import aligned
-from baker.complete import completed
-from baker.density import point_surface
-from baker.describe import describe_provenance, describe_tracks
+from baker.alignment import Alignment
+from baker.alignment.plant_base import standing_bases
+from baker.batch.cache import IntervalCache
+from baker.batch.cache.alignments import aligned
+from baker.batch.executor import Executor, Threads
+from baker.batch.interval_job import IntervalJob
+from baker.batch.intervals import solve_intervals
+from baker.batch.provenance import describe_provenance, describe_tracks
 from baker.errors import InputError
-from baker.executor import Executor, Threads
-from baker.interval import Keyframe
-from baker.intervals import solve_intervals
-from baker.job import IntervalJob
-from baker.match import IntervalOrgans, Match, follow_organs, match_series
+from baker.geometry.spacing import Surroundings
+from baker.geometry.up_axis import Vertical
+from baker.geometry.workers import ALONE, Crew, Pool, worker_count
+from baker.interpolation.births import Birth, births
+from baker.interpolation.colors import painted
+from baker.interpolation.complete import completed
+from baker.interpolation.growth_rate import Pace, paces
+from baker.interpolation.movers import Keyframe
+from baker.interpolation.resampling import point_surface
+from baker.interpolation.steady import steadied
+from baker.matching import IntervalOrgans, Match, follow_organs, match_series
 from baker.options import Options, Paths
-from baker.pace import Pace, paces
-from baker.paint import painted
-from baker.reading import read_scans, told_by
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import Series
-from baker.segment.foot import standing_bases
-from baker.segment.given import root_point
-from baker.segmentation import segment_scans
-from baker.spacing import Surroundings
-from baker.steady import steadied
-from baker.tasks import interval_tasks
-from baker.vertical import Vertical
-from baker.workers import ALONE, Crew, Pool, worker_count
+from baker.scans.stage import read_scans, told_by
+from baker.segmentation.from_labels import root_point
+from baker.segmentation.stage import segment_scans
+from baker.transport.tasks import interval_tasks
 from gclip.clip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from baker.match.greedy import PAPER, GreedyRules
+from baker.matching.hierarchical import PAPER, GreedyRules
 from baker.options import Missing, Options, Paths
-from baker.tasks import BUD_LEAST
-from baker.transport.plan import TransportOptions
+from baker.transport.problem import TransportOptions
+from baker.transport.tasks import BUD_LEAST
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from baker.tasks import BUD_LEAST
+from baker.transport.tasks import BUD_LEAST
 
 if TYPE_CHECKING:
-    from baker.align import Alignment
-    from baker.interval import Keyframe
-    from baker.match import IntervalOrgans, Match
+    from baker.alignment import Alignment
+    from baker.interpolation.movers import Keyframe
+    from baker.matching import IntervalOrgans, Match
     from baker.scans import Scan, Series
-    from baker.segment.hierarchy import Hierarchy
+    from baker.segmentation.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True)

@@ -32,10 +32,10 @@ from pathlib import Path
 
 import numpy as np
 
-from baker.align import Alignment, align
-from baker.align.icp import rigid_fit
-from baker.align.up import upright
-from baker.vertical import Vertical
+from baker.alignment import Alignment, align
+from baker.alignment.icp import rigid_fit
+from baker.alignment.up_axis_search import upright
+from baker.geometry.up_axis import Vertical
 
 WRONG = 30.0  # degrees: locked on a wrong way round
 SHIFT = 0.1  # of a scan's height
@@ -228,7 +228,7 @@ def _clouds(folder: Path, names: list[str]) -> dict[str, list[np.ndarray]]:
 
 
 def _grown(kinds: list[str], plants: int) -> dict[str, list[np.ndarray]]:
-    from baker.grow import plant
+    from grow import plant
 
     series = {}
     for kind in kinds:

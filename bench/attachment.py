@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker import Options, bake
-from baker.grow.cli import main as grow
+from grow.cli import main as grow
 
 if TYPE_CHECKING:
     from gclip import Clip, Frame

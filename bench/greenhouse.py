@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 import gclip
-from baker.grow.series import Plan, write_series
 from baker.scans import Series, read_series
+from grow.series import Plan, write_series
 
 KINDS = ("maize", "tomato", "tree")
 GROWN = 9

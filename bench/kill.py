@@ -32,7 +32,7 @@ SOON = 0.05  # seconds after a draft appears
 EVERY = 10  # kills, after which a run is left alone
 PATIENCE = 300.0
 PRELOADED = [
-    *("baker.cli", "baker.grow.cli", "baker.pipeline", "baker.report.page", "measure.traits"),
+    *("baker.cli", "grow.cli", "baker.pipeline", "baker.report.page", "traits.traits"),
     *("player.cli", "player.export", "scipy.spatial", "scipy.sparse.csgraph", "numba", "moderngl"),
     *("PIL.Image", "imageio_ffmpeg", "rich.progress", "safetensors.numpy", "ot"),
 ]
@@ -213,7 +213,7 @@ def make_series(folder: Path) -> tuple[Path, Path]:
     """A small plant's scans, and its clip."""
     series, clip = folder / "scans", folder / "plant.gclip"
     grown = ["maize", str(series), "--scans", "4", "--points", "500", "-q"]
-    _finished("baker.grow.cli", grown, folder)
+    _finished("grow.cli", grown, folder)
     _finished("baker.cli", ["-q", str(series), "-o", str(clip)], folder)
     return series, clip
 

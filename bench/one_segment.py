@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from baker.transport import multiscale
-from baker.transport.plan import TransportOptions, costs, uniform_masses
+from baker.transport.problem import TransportOptions, costs, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.support import balance, explained_cost, nearest, unique
 from bench.transport import Cloud, leaf

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from baker import Options, bake
-from baker.grow.cli import main as grow
+from grow.cli import main as grow
 
 ALIGNED = {"align": "none", "up": "z"}
 
@@ -47,7 +47,7 @@ def maize(folder: Path) -> None:
 
 def cropped(folder: Path, backwards: bool = False) -> None:
     """A maize of 5,080 points, and the same without one leaf: 4,100 points."""
-    from baker.grow import plant
+    from grow import plant
 
     cloud = plant("maize").cloud(14.0, points=60_000)
     labels = cloud.labels

@@ -19,7 +19,7 @@ from itertools import pairwise
 from math import log
 from pathlib import Path
 
-from baker.grow.cli import main as grow
+from grow.cli import main as grow
 
 SIZES = (10_000, 100_000, 1_000_000, 3_000_000)
 START_UP = 200  # points a scan: a bake of next to nothing

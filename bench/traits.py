@@ -26,14 +26,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from baker import Options, bake
-from baker.grow import plant
-from baker.grow.series import Plan, write_series
 from gclip.clip import Clip, ScanMark, Track
 from gclip.pack import Motion, Movers, pack_interval
-from measure import Measurement, measure
+from grow import plant
+from grow.series import Plan, write_series
+from traits import Measurement, measure
 
 if TYPE_CHECKING:
-    from baker.grow.model import Cloud, Plant
+    from grow.model import Cloud, Plant
 
 TRAITS = ("length", "area", "hull", "height", "angle")
 SHARES = (0.25, 0.5, 0.75)

@@ -21,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.plan import TransportOptions
+from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 
 DENSE_LIMIT = 30_000_000  # pairs: a dense emd of about 1.5 GB

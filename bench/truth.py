@@ -26,15 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker import Options, bake
-from baker.grow import plant
-from baker.grow.cli import main as grow
 from bench.traits import clip_of, truth
 from bench.traits import errors as errors_of
-from measure import measure
+from grow import plant
+from grow.cli import main as grow
+from traits import measure
 
 if TYPE_CHECKING:
-    from baker.grow.model import Plant
     from gclip import Clip
+    from grow.model import Plant
 
 Cloud = NDArray[np.float32]
 Errors = NDArray[np.float64]

@@ -12,7 +12,7 @@ from player.dates import date_at
 
 if TYPE_CHECKING:
     from gclip import Clip
-    from measure import Measurement
+    from traits import Measurement
 
 PAUSE = 0.7  # seconds between measurements while time goes on
 
@@ -73,7 +73,7 @@ class OrganFacts:
         self._thread.start()
 
     def _measure(self, track: int, day: float) -> None:
-        from measure import measure
+        from traits import measure
 
         with suppress(ClipError):  # cut short while it is open: who draws it tells
             found = measure(self._clip, day, only=[track])

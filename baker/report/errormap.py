@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.verify import HoldoutError
+from baker.report.verification import HoldoutError
 
 COLORMAP = "turbo"  # blue to red, and unlike "jet" even in between (Mikhailov 2019)
 BLUE, RED = 0.08, 0.96  # the part of it that is neither black nor purple

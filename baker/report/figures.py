@@ -16,7 +16,7 @@ from baker.report.merges import Joined, absorbed, joined
 from baker.report.organs import ScanOrgans
 from baker.report.pictures import PIXELS, Picture, Plate, Window, take_pictures
 from baker.report.reasons import Nearness, Reason, nearness, reasons
-from baker.verify import HoldoutError
+from baker.report.verification import HoldoutError
 from gclip.clip import Clip, ScanMark
 
 PLAIN = (122, 146, 110)  # scans without colours of their own, where organs don't matter

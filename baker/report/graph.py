@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 READABLE = 40  # nodes up to which each gets its number
 

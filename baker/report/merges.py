@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from baker.record import BakeRecord
-from baker.segment.hierarchy import Hierarchy
+from baker.segmentation.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.record import BakeRecord
-from baker.segment.hierarchy import Hierarchy
+from baker.segmentation.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True)

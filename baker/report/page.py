@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
+from baker.geometry.workers import worker_count
 from baker.options import Options
 from baker.record import BakeRecord
-from baker.verify import HoldoutError, both_ways, overall, verify
-from baker.workers import worker_count
+from baker.report.verification import HoldoutError, both_ways, overall, verify
 from gclip.clip import Clip
 from gclip.draft import draft_file, draft_folder
 

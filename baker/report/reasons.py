@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from baker.record import BakeRecord
 from baker.report.organs import ScanOrgans
-from baker.segment.hierarchy import Hierarchy
-from baker.tasks import interval_tasks
+from baker.segmentation.hierarchy import Hierarchy
+from baker.transport.tasks import interval_tasks
 from gclip.clip import Clip, SegmentPair
 
 SAMPLE = 400  # points of a segment that distances are measured with

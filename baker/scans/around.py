@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from baker.contacts import MOST_ORGANS, Borders, contacts
+from baker.geometry.contacts import MOST_ORGANS, Borders, contacts
+from baker.geometry.spacing import Surroundings
 from baker.scans.cloud import Cloud
 from baker.scans.strays import without_strays
-from baker.spacing import Surroundings
 
 
 def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
@@ -17,7 +17,7 @@ def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
 
     Notes how many points were given another label. workers: threads.
     """
-    from baker.neighbours import Halves
+    from baker.geometry.neighbors import Halves
 
     halves = Halves.of(cloud.points)
     around = Surroundings.of(cloud.points, workers, surface=True, halves=halves)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.compiled import compiled
+from baker.geometry.compiled import compiled
 
 Ints = NDArray[np.integer]
 

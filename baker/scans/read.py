@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from baker.errors import InputError
+from baker.geometry.workers import ALONE, Crew
 from baker.scans.scan import Scan, Series
-from baker.workers import ALONE, Crew
 from gclip.text import printable
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from baker.rgbd.series import ImageSeries
     from baker.scans.cloud import Cloud
+    from baker.scans.rgbd.series import ImageSeries
     from baker.scans.times import Entry, Schedule
 
 Progress = Callable[[int, int, str], None]
@@ -80,8 +80,8 @@ def read_series(
     """Read the scans of one plant, clean them and put them in the order of time.
 
     `inputs` is one folder that holds one series, or two or more files; a folder with a camera's
-    file holds colour and depth images (`baker.rgbd`). All scans share one `origin`, chosen from
-    the first one (`baker.scans.place.shared_origin`).
+    file holds colour and depth images (`baker.scans.rgbd`). All scans share one `origin`, chosen
+    from the first one (`baker.scans.place.shared_origin`).
 
     crew: who shares the reading.
 
@@ -211,7 +211,7 @@ def list_series(inputs: Sequence[Path], options: ReadOptions) -> Listing:
 
 def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | None:
     """The series of images in the one folder given, or None where there is none."""
-    from baker.rgbd.camera import find_camera
+    from baker.scans.rgbd.camera import find_camera
 
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera is None:
@@ -221,7 +221,7 @@ def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | 
             f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
             "--label-field."
         )
-    from baker.rgbd.series import ImageSeries
+    from baker.scans.rgbd.series import ImageSeries
 
     return ImageSeries(camera, options.times_file)
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from baker.spacing import Surroundings
+    from baker.geometry.spacing import Surroundings
 
 
 @dataclass(frozen=True)

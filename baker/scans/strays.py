@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from baker.contacts import Borders
+    from baker.geometry.contacts import Borders
 
 NEIGHBORS = 12  # of a point, that tell what is around it
 SMALL = 0.05  # of an organ: larger pieces are parts of it, whatever lies between

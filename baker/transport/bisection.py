@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.plan import Edges, Indices, Masses, Points
+from baker.transport.problem import Edges, Indices, Masses, Points
 
 
 def order(
@@ -19,7 +19,7 @@ def order(
     Every part is cut across its longest extent, in a frame turned at random by the seed; or, with
     the axes that another cloud was cut along, `like` that one.
     """
-    from baker.transport.halving import halve
+    from baker.transport.space_partition import halve
 
     axes = np.zeros(2**depth, np.int64) if like is None else like
     return halve(points @ _turn(seed), depth, axes, like is not None), axes
@@ -70,7 +70,7 @@ def expand(
     With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
     equal sizes). Whole masses, so feasible for any sizes; at most n + m pairs and the blocks' own.
     """
-    from baker.transport.halving import hand_out
+    from baker.transport.space_partition import hand_out
 
     by_row = np.argsort(edges[0] * len(columns) + edges[1], kind="stable")
     one, other, handed = hand_out(

@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.workers import Crew
 from baker.transport import bisection
 from baker.transport.bisection import Blocks
-from baker.transport.plan import Edges, Indices, Masses, Points, costs
-from baker.workers import Crew
+from baker.transport.problem import Edges, Indices, Masses, Points, costs
 
 _COARSEST = 64  # blocks of either side on the first level
 _FINER = 4  # blocks within a block
@@ -141,7 +141,7 @@ def _improve(
 
     edges: by row.
     """
-    from baker.transport.simplex import improve_cells
+    from baker.transport.network_simplex import improve_cells
 
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
@@ -175,7 +175,7 @@ def _improve(
 
 def _neighbours(points: NDArray[np.float64], k: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    from baker.neighbours import Halves
+    from baker.geometry.neighbors import Halves
 
     return Halves.along(points).nearest(k)[1] if k else np.empty((len(points), 0), np.int32)
 
@@ -201,7 +201,7 @@ def _solve_cells(
     search: Search,
 ) -> tuple[Edges, Masses]:
     """Solve each cell's rows exactly for the masses that they now send."""
-    from baker.transport.simplex import improve_cells
+    from baker.transport.network_simplex import improve_cells
 
     order = np.argsort(cell[edges[0]] * len(start) + edges[0], kind="stable")
     rows, columns, mass = edges[0][order], edges[1][order], mass[order]

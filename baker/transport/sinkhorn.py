@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport import bisection
-from baker.transport.linear import share_that_can_flow
-from baker.transport.plan import (
+from baker.transport.feasibility import share_that_can_flow
+from baker.transport.problem import (
     Edges,
     Indices,
     Plan,

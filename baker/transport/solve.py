@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from baker.transport.masses import shared_masses
 from baker.transport.multiscale import FEW, WHOLE, Search, couple
-from baker.transport.plan import (
+from baker.transport.problem import (
     Method,
     Plan,
     Points,
@@ -12,7 +13,6 @@ from baker.transport.plan import (
     make_plan,
     uniform_masses,
 )
-from baker.transport.shared import shared_masses
 from baker.transport.sinkhorn import regularized_plan
 from baker.transport.support import balance, explained_cost
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.plan import Edges, Points
+from baker.transport.problem import Edges, Points
 
 TINY = float(np.finfo(float).tiny)
 RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible

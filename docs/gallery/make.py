@@ -55,7 +55,7 @@ def clip_of(name: str, work: Path) -> Path:
     """A plant's clip, grown and baked if it isn't in `work` yet."""
     plant, scans, clip = PLANTS[name], work / name, work / f"{name}.gclip"
     if not clip.exists():
-        grow = [sys.executable, "-m", "baker.grow", *plant.grow, str(scans), "--force", "-q"]
+        grow = [sys.executable, "-m", "grow", *plant.grow, str(scans), "--force", "-q"]
         bake = [sys.executable, "-m", "baker", str(scans), "-o", str(clip), *plant.bake, "-q"]
         subprocess.run(grow, check=True)
         subprocess.run(bake, check=True)

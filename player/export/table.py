@@ -6,10 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from measure import measure_days, write_table
-from measure.table import Namer
 from player.export.film import Film
 from player.export.output import whole_file
+from traits import measure_days, write_table
+from traits.table import Namer
 
 if TYPE_CHECKING:
     from gclip import Clip

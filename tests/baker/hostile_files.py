@@ -351,7 +351,7 @@ def _read_scan(path: Path) -> None:
 
 
 def _reading_images(path: Path) -> Callable[[], None]:
-    from baker.rgbd.series import ImageSeries
+    from baker.scans.rgbd.series import ImageSeries
 
     for name in ("000_00", "001_00"):
         for what, prefix in (("color", "rgb"), ("depth", "depth"), ("label", "label")):

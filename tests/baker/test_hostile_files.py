@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 from hostile_files import CAMERA, SOUND, File, all_files, check_file
 
 from baker.errors import InputError
-from baker.rgbd.camera import read_camera
-from baker.rgbd.images import read_color
 from baker.scans.formats import read_columns
+from baker.scans.rgbd.camera import read_camera
+from baker.scans.rgbd.images import read_color
 from baker.scans.times import FoundScans, schedule_scans
 
 LISTS = ("ply binary, lists before", "ply binary, lists inside", "ply ascii, lists before")

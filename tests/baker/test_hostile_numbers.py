@@ -12,23 +12,28 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from hostile_series import ROUGH, SHAPES, Scan
 
-from baker.align import align
-from baker.birth import Birth
-from baker.density import half_way, point_surface, surface_half_way, with_even_density
-from baker.interval import Moved
-from baker.match.pieces import agreement
-from baker.match.tracks import track_organs
-from baker.missing import missing_part
-from baker.motion.bend import bend
-from baker.motion.coherent import draw
-from baker.motion.organ import fit_motion
-from baker.motion.shape import FEWEST, OrganShape
-from baker.motion.spine import fit_spine, path_lengths
-from baker.spacing import lowest_point, point_spacing, without_outliers
-from baker.transport.distance import Moments, gaussian_distance, wasserstein
-from baker.transport.movers import movers
-from baker.transport.plan import TransportOptions
+from baker.alignment import align
+from baker.geometry.spacing import lowest_point, point_spacing, without_outliers
+from baker.interpolation.bend import bend
+from baker.interpolation.births import Birth
+from baker.interpolation.coherent import draw
+from baker.interpolation.missing import missing_part
+from baker.interpolation.movers import Moved
+from baker.interpolation.organ_motion import fit_motion
+from baker.interpolation.organ_shape import FEWEST, OrganShape
+from baker.interpolation.resampling import (
+    half_way,
+    point_surface,
+    surface_half_way,
+    with_even_density,
+)
+from baker.interpolation.spine import fit_spine, path_lengths
+from baker.matching.pieces import agreement
+from baker.matching.tracking import track_organs
+from baker.transport.correspondences import movers
+from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
+from baker.transport.wasserstein import Moments, gaussian_distance, wasserstein
 from gclip.clip import Motion
 from gclip.pack import Movers
 

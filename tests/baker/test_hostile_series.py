@@ -114,10 +114,10 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
 
 def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     from baker import Options
+    from baker.batch.traits import write_traits
     from baker.pipeline import bake_recorded
     from baker.report import write_report
-    from baker.traits import write_traits
-    from baker.verify import verify
+    from baker.report.verification import verify
 
     point = Scan("same point", 1)
     clip, record = bake_recorded(

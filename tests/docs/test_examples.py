@@ -22,7 +22,7 @@ from pathlib import Path
 import pytest
 
 from baker.cli import main as bake
-from baker.grow.cli import main as grow
+from grow.cli import main as grow
 from player.cli import main as play
 
 ROOT = Path(__file__).parents[2]

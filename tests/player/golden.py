@@ -272,7 +272,7 @@ def _read(screen: moderngl.Framebuffer) -> Picture:
 def _grow(plant: str) -> None:
     """Scans of a small plant, baked."""
     from baker import Options, bake
-    from baker.grow.series import Plan, write_series
+    from grow.series import Plan, write_series
 
     seed, days, count = PLANTS[plant]
     plan = Plan(plant, seed=seed, scans=2, days=days, points=(count, count), suffix="txt")

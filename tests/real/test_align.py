@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from baker.align import align, find_up
-from baker.align.icp import rigid_fit
-from baker.align.up import upright
+from baker.alignment import align, find_up
+from baker.alignment.icp import rigid_fit
+from baker.alignment.up_axis_search import upright
+from baker.geometry.up_axis import Vertical
 from baker.scans import read_series
-from baker.vertical import Vertical
 
 ALIGNED = [
     "maize_control_plant1",

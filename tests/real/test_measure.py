@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from baker import Options, bake
-from measure import measure
+from traits import measure
 
 SCANS = ("day04.txt", "day06.txt", "day08.txt")
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from baker.segment.given import root_point
-from baker.segment.organs import segment_organs
-from baker.vertical import Vertical
+from baker.geometry.up_axis import Vertical
+from baker.segmentation.from_labels import root_point
+from baker.segmentation.organs import segment_organs
 
 SERIES = (
     "maize_control_plant1",

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from baker import Options
 from baker.pipeline import bake_recorded
-from baker.verify import overall, unit_length, verify
+from baker.report.verification import overall, unit_length, verify
 
 
 def test_rebuilt_scans_are_nearer_than_the_scans_before_them(shared_data: Path) -> None:

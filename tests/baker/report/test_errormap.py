@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from baker.report.errormap import Scale, common_scale, histogram
-from baker.verify import Distances, HoldoutError
+from baker.report.verification import Distances, HoldoutError
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from baker.report.graph import draw_tree, middles, tree_layout
-from baker.segment.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 
 def hierarchy_of(parents: list[int]) -> Hierarchy:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from baker import Options
-from baker.match.match import Merge
+from baker.matching.match import Merge
 from baker.pipeline import bake_recorded
 from baker.report.merges import absorbed, joined
 from baker.report.organs import organs_of_scans

@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker.grow import plant
-from baker.grow.cli import main as grow
+from baker.geometry.spacing import Surroundings, point_spacing
 from baker.options import Options
 from baker.pipeline import bake_recorded
 from baker.scans import ReadOptions, read_series
 from baker.scans.around import look_around
 from baker.scans.cloud import Cloud
-from baker.segment.given import touching_segments
-from baker.spacing import Surroundings, point_spacing
+from baker.segmentation.from_labels import touching_segments
+from grow import plant
+from grow.cli import main as grow
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +64,6 @@ def test_a_bake_hangs_organs_by_what_was_looked_up(tmp_path: Path, monkeypatch):
     grow(["tomato", str(tmp_path), "--scans", "3", "--points", "900", "-q"])
     options = Options(labels="consistent", align="none", up="z")
     known = bake_recorded([tmp_path], options)[1].hierarchies
-    monkeypatch.setattr("baker.segmentation._known", lambda touching: None)
+    monkeypatch.setattr("baker.segmentation.stage._known", lambda touching: None)
     again = bake_recorded([tmp_path], options)[1].hierarchies
     assert [h.parents for h in known] == [h.parents for h in again]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from transport_clouds import grown_leaf, leaf
 
 from baker.transport import bisection
-from baker.transport.plan import uniform_masses
+from baker.transport.problem import uniform_masses
 
 
 def assert_feasible(plan, supply, demand):

@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial.distance import cdist
 from transport_clouds import grown_leaf, leaf
 
-from baker.transport.linear import share_that_can_flow
-from baker.transport.movers import movers
-from baker.transport.plan import TransportOptions, costs
+from baker.transport.correspondences import movers
+from baker.transport.feasibility import share_that_can_flow
+from baker.transport.problem import TransportOptions, costs
 from baker.transport.sinkhorn import scale
 from baker.transport.solve import solve
 from baker.transport.support import nearest

@@ -10,8 +10,8 @@ from scipy.spatial.distance import cdist
 from transport_clouds import grown_leaf, leaf
 
 from baker.transport import multiscale
-from baker.transport.movers import movers
-from baker.transport.plan import Plan, TransportOptions, uniform_masses
+from baker.transport.correspondences import movers
+from baker.transport.problem import Plan, TransportOptions, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.support import balance, explained_cost
 

@@ -1,0 +1,181 @@
+"""Coarse alignment of a series (section 3.1, ruling 19): every scan to its predecessor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import accumulate, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.alignment.frames import best_stands, shared_frames
+from baker.alignment.icp import trimmed_icp, trimmed_residual
+from baker.alignment.pose import Stand, move, possible_stands
+from baker.alignment.stem_base import stem_bases
+from baker.alignment.up_axis_search import find_up_of, upright
+from baker.alignment.yaw import YawFit, difference
+from baker.geometry.sample_graph import touching_pairs
+from baker.geometry.sampling import EvenSample, even_sample
+from baker.geometry.up_axis import Vertical
+from baker.geometry.workers import ALONE, Crew, Steps
+
+Progress = Callable[[str, int, int], None]
+
+FEWEST = 10  # different points of a scan that can tell where it looks
+
+
+@dataclass(frozen=True)
+class PairFit:
+    """How a scan was moved onto its predecessor.
+
+    yaw:       degrees about the growing direction, right-handed.
+    tilt:      degrees between the two growing directions.
+    shift:     how far the stem's base was moved, in the scans' unit.
+    residual:  root mean square distance from the predecessor to the moved scan, of the nearest
+               four fifths of an even sample.
+    """
+
+    yaw: float
+    tilt: float
+    shift: float
+    residual: float
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """A series in one frame: the first scan's own.
+
+    up:          the direction of growth in that frame: "x", "y", "z", "-x", "-y" or "-z".
+    transforms:  a (4, 4) float64 for each scan, from its coordinates to the first scan's; the
+                 first is the identity.
+    drift:       how each scan but the first was moved onto its predecessor; empty where nothing
+                 was looked for.
+    notes:       what a user should know, one sentence each.
+    """
+
+    up: str
+    transforms: tuple[NDArray[np.float64], ...]
+    drift: tuple[PairFit, ...]
+    notes: tuple[str, ...]
+
+
+def align(
+    clouds: Sequence[NDArray[np.float32]],
+    method: str = "auto",
+    up: str = "auto",
+    root: NDArray[np.floating] | None = None,
+    progress: Progress | None = None,
+    crew: Crew = ALONE,
+) -> Alignment:
+    """Bring a series of (N, 3) clouds of one plant into the frame of the first.
+
+    method:  "auto" keeps the vertical, puts the stems' bases on one another and looks for the yaw
+             that leaves most of the plant in its direction; scans that already stand in one frame
+             stay there. "icp" is the paper's way, closest points from where the scans lie (it
+             often locks on a wrong yaw). "none" leaves everything where it is.
+    up:      the direction of growth, or "auto".
+    root:    (3,) base of the first scan's stem, where it is known.
+    crew:    who shares the work.
+    """
+    if method == "none" and up != "auto":
+        return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
+    tell = progress or (lambda stage, done, total: None)
+    done = Steps(partial(tell, "aligning"), 3 * len(clouds) - 2)
+    samples = crew.map(even_sample, clouds, done=done)
+    direction = find_up_of(samples) if up == "auto" else up
+    vertical = Vertical.named(direction)
+    transforms, notes = [np.eye(4)] * len(clouds), []
+    steps = [np.eye(4)] * (len(clouds) - 1)
+    if method == "auto":
+        first = possible_stands(samples[0], vertical, root)[0]
+        stands, yaws = best_stands(first, samples[1:], vertical, crew, done)
+        frames = shared_frames(stands, yaws)
+        transforms = _brought_together(stands, yaws, frames)
+        steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
+        if len(clouds) > 1 and len(set(frames)) == 1:
+            notes.append("the scans stand in one frame already and were left there")
+        else:
+            notes += _jumps(frames) + _doubts(samples, yaws, frames)
+    elif method == "icp":
+        steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
+        transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
+    drift = tuple(
+        _pair_fit(*pair, step, vertical)
+        for pair, step in zip(pairwise(samples), steps, strict=True)
+    )
+    if any(not np.array_equal(transform, np.eye(4)) for transform in transforms):
+        notes.insert(0, _moves(drift))
+    done(2 * len(clouds))
+    return Alignment(direction, tuple(transforms), drift, tuple(notes))
+
+
+def _brought_together(
+    stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+) -> list[NDArray[np.float64]]:
+    """Each scan's transform to the first: onto the one before, or with those of its own frame."""
+    transforms = [np.eye(4)]
+    first = {frames[0]: 0}
+    for at in range(1, len(stands)):
+        if frames[at] in first:
+            transforms.append(transforms[first[frames[at]]])
+            continue
+        first[frames[at]] = at
+        before, after = stands[at - 1 : at + 1]
+        step = move(before, after, yaws[at - 1][0].yaw)
+        transforms.append(transforms[-1] @ step)
+    return transforms
+
+
+def _jumps(frames: NDArray[np.intp]) -> list[str]:
+    """A sentence for the scans that jumped out of the frame that most of the series stands in."""
+    numbers, counts = np.unique(frames, return_counts=True)
+    if counts.max() == 1:
+        return []
+    jumped = ", ".join(str(at + 1) for at in np.flatnonzero(frames != numbers[np.argmax(counts)]))
+    return [f"most scans stand in one frame and were left there; these did not: scan {jumped}"]
+
+
+def _pair_fit(
+    earlier: EvenSample, later: EvenSample, step: NDArray[np.float64], vertical: Vertical
+) -> PairFit:
+    frame = upright(vertical)
+    turn = frame @ step[:3, :3] @ frame.T
+    base = stem_bases(later, vertical, touching_pairs(later))[0]
+    return PairFit(
+        yaw=float(np.degrees(np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))),
+        tilt=float(np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0)))),
+        shift=float(np.linalg.norm(step[:3, :3] @ base + step[:3, 3] - base)),
+        residual=trimmed_residual(earlier, later, step),
+    )
+
+
+def _moves(drift: Sequence[PairFit]) -> str:
+    yaw, tilt, shift = (
+        max(abs(getattr(fit, name)) for fit in drift) for name in ("yaw", "tilt", "shift")
+    )
+    return (
+        f"the scans were turned onto their predecessors by up to {yaw:.1f} degrees, tilted by up "
+        f"to {tilt:.1f} degrees and moved by up to {shift:.4g}"
+    )
+
+
+def _doubts(
+    samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+) -> list[str]:
+    """A sentence for every scan that was turned and might as well stand another way round."""
+    doubts = []
+    for at, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True)):
+        if frames[at] == frames[at + 1]:
+            continue
+        if min(len(sample.points) for sample in pair) < FEWEST:
+            doubts.append(f"scan {at + 2} or its predecessor has too few points to find its yaw")
+        elif len(likely) > 1:
+            further = abs(difference(likely[1].yaw, likely[0].yaw))
+            doubts.append(
+                f"scan {at + 2} fits its predecessor nearly as well when turned by a further "
+                f"{further:.0f} degrees (so much of the plant keeps its direction: "
+                f"{likely[0].kept:.0%}, or {likely[1].kept:.0%})"
+            )
+    return doubts

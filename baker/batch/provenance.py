@@ -1,0 +1,73 @@
+"""What a clip says of itself: its organs as tracks, and where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+from baker.alignment import Alignment
+from baker.interpolation.palette import organ_colors
+from baker.matching import Organ
+from baker.matching.labels import LabelUse
+from baker.options import Options
+from baker.scans import Scan, Series
+from baker.segmentation.hierarchy import Hierarchy
+from gclip.clip import Track
+
+
+def describe_tracks(
+    scans: Sequence[Scan], organs: Sequence[Organ], labels: LabelUse
+) -> tuple[Track, ...]:
+    """The organs as tracks, called by their own labels only where these are the scans'."""
+    tracks = []
+    own = labels.consistent and not labels.renamed
+    for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
+        tracks.append(
+            Track(
+                id=index,
+                name=f"label {organ.label}"
+                if own and organ.label is not None
+                else f"organ {index}",
+                color=color,
+                parent=organ.parent,
+                born=scans[organ.first].time,
+                lost=scans[organ.last + 1].time if organ.last + 1 < len(scans) else None,
+                kind="root" if index == 0 else "organ",
+            )
+        )
+    return tuple(tracks)
+
+
+def describe_provenance(
+    found: Series,
+    series: Series,
+    alignment: Alignment,
+    labels: LabelUse,
+    hierarchies: Sequence[Hierarchy],
+    options: Options,
+) -> dict[str, Any]:
+    """What made this clip: enough to bake it again and to see that it is the same."""
+    notes: list[str] = []
+    if len(series.scans) < len(found.scans):
+        kept = {scan.time for scan in series.scans}
+        names = [scan.name for scan in found.scans if scan.time not in kept]
+        notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
+    for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
+        notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
+    return {
+        **software(),
+        "options": options.provenance(),
+        "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
+        "transforms": [transform.tolist() for transform in alignment.transforms],
+        "decisions": [series.rule, *alignment.notes, labels.sentence],
+        "notes": notes,
+    }
+
+
+def software() -> dict[str, dict[str, str]]:
+    """The program and the packages its numbers come from, with their versions."""
+    return {
+        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "numba", "ortools")},
+    }

@@ -1,0 +1,190 @@
+"""Movers by surface, not by scan: more of them where half-way through they would be sparse.
+
+A scan's points follow its scanner, and a segment has as many movers as the larger of its two sides
+has points. So half-way an organ that doubles is thinner than the stem beside it, and one that is
+being born is denser. Where movers are few for the surface that they stand for, more are put beside
+them: with the same ends, so that both scans show nothing but their own points, yet set apart
+between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry.nearby import along_curve
+from baker.geometry.spacing import Surroundings
+from baker.geometry.workers import ALONE, Crew, in_groups
+from gclip.evaluate import bernstein
+from gclip.pack import Movers, raised
+
+if TYPE_CHECKING:
+    from baker.interpolation.movers import Moved
+
+ROOM = 0.3  # of a point's reach: half a spacing, what is left between spreading movers half-way
+NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
+GROUPS, FEWEST = 24, 8  # of tasks, to share out; from so many on it is worth it
+
+Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
+
+
+def point_surface(
+    points: NDArray[np.floating], known: NDArray[np.floating] | None = None
+) -> NDArray[np.floating]:
+    """Surface of each of (N, 3) points up to a factor: what its eight nearest lie on.
+
+    known: as in the cloud's `Surroundings`, where these are known.
+
+    Points that stand alone count no more than most do.
+    """
+    surface = Surroundings.of(points, surface=True).surface if known is None else known
+    assert surface is not None
+    return np.minimum(surface, np.quantile(surface, 0.98))
+
+
+def surface_half_way(
+    start: NDArray[np.floating] | None,
+    a: NDArray[np.integer],
+    end: NDArray[np.floating] | None,
+    b: NDArray[np.integer],
+    birth: bool = False,
+) -> NDArray[np.float64] | None:
+    """What each mover from point a to point b stands for half-way.
+
+    Movers that share a point share its surface; a bud has none. Lengths, not areas, are averaged.
+    """
+    if start is None or end is None:
+        return None
+    before = np.sqrt(start[a] / np.bincount(a)[a])
+    after = np.sqrt(end[b] / np.bincount(b)[b])
+    return (((0.0 if birth else before) + after) / 2) ** 2
+
+
+def with_even_density(tasks: Sequence[Moved], growth: float, crew: Crew = ALONE) -> list[Movers]:
+    """An interval's movers, and up to `growth` times as many more where they are sparse.
+
+    Tasks without a surface are left as they are.
+    growth: movers to add, as a share of those there are.
+    crew:   who shares the work.
+
+    The added movers of a task follow its own. Deterministic.
+    """
+    known = [task.surface for task in tasks if task.surface is not None]
+    density = _density(np.concatenate(known), growth) if known else 0.0
+
+    def add(group: Sequence[Moved]) -> list[Added | None]:
+        return [
+            None
+            if task.surface is None
+            else _added(task, np.maximum(density * task.surface - 1, 0))
+            for task in group
+        ]
+
+    found = crew.map(add, in_groups(tasks, lambda task: len(task.movers), GROUPS), fewest=FEWEST)
+    added = [more for group in found for more in group]
+    return [
+        task.movers if more is None else _filled(task.movers, *more)
+        for task, more in zip(tasks, added, strict=True)
+    ]
+
+
+def half_way(curve: Sequence[NDArray[np.floating]]) -> NDArray[np.floating]:
+    """(N, 3) positions at the middle of Bézier curves."""
+    weights = bernstein(len(curve) - 1, 0.5)
+    return np.tensordot(weights, np.stack(curve), axes=1)
+
+
+def _density(surface: NDArray[np.floating], growth: float) -> float:
+    """Movers per surface at which filling up to it adds `growth` times as many.
+
+    At most what the twentieth densest has: then all are even.
+    """
+    descending = np.sort(surface)[::-1].astype(float)
+    held = np.cumsum(descending)
+    if not held[-1] > 0:
+        return 0.0
+    # If the first n are filled up, `density * held[n - 1] - n` movers are added.
+    candidates = (growth * len(surface) + np.arange(1, len(surface) + 1)) / held
+    # The first is always filled, though (1 / 49) * 49 is less than 1.
+    filled = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
+    return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
+
+
+def _added(task: Moved, wanted: NDArray[np.floating]) -> Added | None:
+    """About `wanted` movers more of each, a little apart from it half-way; None where none are."""
+    middle = half_way(task.movers.curve)
+    own = _spread_out(middle, wanted)
+    if len(task.movers) <= NEIGHBORS or not len(own):
+        return None
+    # Half-way the ends keep a weight of 2 / 2 ** degree.
+    inner = max(2, len(task.movers.curve) - 1) - 1
+    return own, _aside(task, middle, own) / (1 - 2.0**-inner)
+
+
+def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) -> Movers:
+    """The movers, and `own` of them once more with their inner control points shifted."""
+    start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
+    colors, target = movers.start_colors, movers.end_colors
+    return replace(
+        movers,
+        curve=(
+            np.concatenate([start, start.take(own, axis=0)]),
+            *(np.concatenate([points, points.take(own, axis=0) + shift]) for points in control),
+            np.concatenate([end, end.take(own, axis=0)]),
+        ),
+        tracks=np.concatenate([movers.tracks, movers.tracks[own]]),
+        start_colors=None if colors is None else np.concatenate([colors, colors.take(own, axis=0)]),
+        end_colors=None if target is None else np.concatenate([target, target.take(own, axis=0)]),
+    )
+
+
+def _aside(
+    task: Moved, middle: NDArray[np.floating], own: NDArray[np.intp]
+) -> NDArray[np.floating]:
+    """(n, 3) how far the additions are from their movers half-way.
+
+    Movers from one point spread out, movers to one point draw together: an addition keeps that
+    order where it goes on from the others through its mover, no farther than the gap to those from
+    the next point: beyond a tip there are none. A mover that shares no point has it on the way to a
+    neighbour.
+    """
+    from scipy.spatial import cKDTree
+
+    leaving = middle - _mean_of_twins(task.start_points, middle)
+    if task.reach is not None:
+        far, room = np.sqrt((leaving**2).sum(axis=1)), ROOM * task.reach
+        leaving *= np.divide(room, far, out=np.ones_like(far), where=far > room)[:, None]
+    shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
+    turn = np.arange(len(own)) - np.searchsorted(own, own)
+    shift = 2 * shared.take(own, axis=0)
+    lonely = ~shift.any(axis=1)
+    if lonely.any():
+        ranks = np.arange(2, min(int(turn[lonely].max()), NEIGHBORS - 1) + 3)
+        tree = cKDTree(middle, balanced_tree=False)
+        nearest = tree.query(middle[own[lonely]], k=ranks)[1]
+        partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
+        # A third of the way: the neighbour's own addition may come as far towards this one.
+        shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
+    return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
+
+
+def _mean_of_twins(
+    ends: NDArray[np.intp] | None, values: NDArray[np.floating]
+) -> NDArray[np.floating]:
+    """(N, 3) each mover's mean of `values` over all movers that have the same end."""
+    from baker.geometry.twins import mean_of_twins
+
+    assert ends is not None  # what has a surface moves from points to points
+    return mean_of_twins(ends, np.argsort(ends, kind="stable"), values)
+
+
+def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
+    """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
+    order = along_curve(points)
+    reached = np.cumsum(wanted[order])
+    steps = np.arange(0.5, reached[-1], 1.0) if len(order) else np.empty(0)
+    return np.sort(order[np.searchsorted(reached, steps)])

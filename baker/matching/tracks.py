@@ -1,0 +1,104 @@
+"""Organs through the whole series: the matches of successive intervals chained into tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from baker.matching.match import Match
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+
+@dataclass(frozen=True)
+class Organ:
+    """One organ through the series.
+
+    label:  what the scan in which it first appears calls it, None where it has no name.
+    parent: the organ it grows from, as an index into the organs; None for the root.
+    first, last: the scans, by number, that hold it first and last.
+    """
+
+    label: int | None
+    parent: int | None
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class IntervalOrgans:
+    """Which organ each segment of an interval's two hierarchies is.
+
+    bearers: what organs of the second grew from when they were seen first, as the clip's tracks
+             tell.
+    """
+
+    first: dict[int, int]
+    second: dict[int, int]
+    bearers: dict[int, int] = field(default_factory=dict)
+
+
+def follow_organs(
+    matches: Sequence[Match], consistent: bool
+) -> tuple[list[Organ], list[IntervalOrgans]]:
+    """Chain the matches of successive intervals, organs by first appearance, the root first.
+
+    consistent: labels name organs, so one that was lost and comes back is the same organ again.
+
+    Where matching merged segments of a scan for the interval that it starts, the merged segment
+    goes on as the organ that its largest part was.
+    """
+    organs: list[Organ] = []
+    known: dict[int | None, int] | None = {} if consistent else None
+    intervals: list[IntervalOrgans] = []
+    for k, match in enumerate(matches):
+        if k == 0:
+            first = _name(match.first, {}, 0, organs, known)
+        else:
+            first = _carried(matches[k - 1].second, intervals[-1].second, match.first)
+        kept = {b: first[a] for a, b in match.pairs}
+        second = _name(match.second, kept, k + 1, organs, known)
+        intervals.append(IntervalOrgans(first, second))
+    return organs, [replace(named, bearers=_bearers(named, organs)) for named in intervals]
+
+
+def _bearers(named: IntervalOrgans, organs: Sequence[Organ]) -> dict[int, int]:
+    parents = ((organ, organs[organ].parent) for organ in named.second.values())
+    return {organ: parent for organ, parent in parents if parent is not None}
+
+
+def _name(
+    hierarchy: Hierarchy,
+    kept: dict[int, int],
+    scan: int,
+    organs: list[Organ],
+    known: dict[int | None, int] | None,
+) -> dict[int, int]:
+    """The organ of each segment: kept as it is, known by a label that names organs, or new."""
+    named = dict(kept)
+    for segment in hierarchy.from_the_root():
+        label = hierarchy.labels[segment]
+        if segment not in named and known is not None and label in known:
+            named[segment] = known[label]
+        if segment not in named:
+            named[segment] = len(organs)
+            organs.append(Organ(label, named.get(hierarchy.parents[segment]), scan, scan))
+        if known is not None:
+            known[label] = named[segment]
+        organs[named[segment]] = replace(organs[named[segment]], last=scan)
+    return named
+
+
+def _carried(before: Hierarchy, organs: dict[int, int], after: Hierarchy) -> dict[int, int]:
+    """Organs of a scan's segments after merging: that of the largest segment merged into each."""
+    count = sum(len(members) for members in before.segments)
+    home = np.full(count, NO_PARENT)
+    for segment, members in enumerate(after.segments):
+        home[members] = segment
+    empty_home = next((s for s, m in enumerate(after.segments) if not len(m)), NO_PARENT)
+    carried: dict[int, int] = {}
+    for segment in sorted(organs, key=lambda s: len(before.segments[s])):
+        members = before.segments[segment]
+        carried[int(home[members[0]]) if len(members) else empty_home] = organs[segment]
+    return carried

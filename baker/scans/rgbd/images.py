@@ -1,0 +1,226 @@
+"""Which images belong together, when they were taken, and what their pixels mean."""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from baker.scans.rgbd.camera import Camera, Patterns
+from baker.scans.times import (
+    Entry,
+    FoundScans,
+    Moment,
+    Schedule,
+    natural_key,
+    schedule_scans,
+)
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
+MOST_PIXELS = 100_000_000
+MOST_PACKED = 8 * 1032  # pixels to a byte of PNG: DEFLATE packs 1032 bytes into one
+
+MOST_LABELS = 256
+"""More distinct colours than this are no labels, but a smoothed or lossy picture of them."""
+
+_SLOT = re.compile(r"(?:(?P<plant>\d{1,3})[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The images of one moment; label and mask are None where there is none.
+
+    name: what the star of the patterns stands for.
+    """
+
+    name: str
+    color: Path
+    depth: Path
+    label: Path | None
+    mask: Path | None
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        images = (self.color, self.depth, self.label, self.mask)
+        return tuple(path for path in images if path is not None)
+
+
+def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
+    """The frames in `folder`, one for each colour image, in the natural order of their names.
+
+    Raises InputError: fewer than two frames, a frame without depth, labels for some frames only.
+    """
+    colors = _by_name(folder, patterns.color)
+    depths = _by_name(folder, patterns.depth)
+    labels = _by_name(folder, patterns.label)
+    masks = _by_name(folder, patterns.mask)
+    if not colors:
+        raise InputError(f"'{folder}' holds no colour images '{patterns.color}'.")
+    if len(colors) == 1:
+        raise InputError(
+            f"'{folder}' holds only one colour image, '{patterns.color}'; growth needs at least "
+            "two."
+        )
+    names = sorted(colors, key=natural_key)
+    for name in names:
+        for what, found, pattern, all_or_none in (
+            ("depth", depths, patterns.depth, False),
+            ("label", labels, patterns.label, True),
+        ):
+            if name not in found and (found or not all_or_none):
+                raise InputError(
+                    f"'{colors[name]}' has no {what} image; '{pattern.replace('*', name)}' is "
+                    "missing."
+                )
+    return tuple(
+        Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
+    )
+
+
+def schedule_frames(
+    frames: Sequence[Frame], per_day: int, times_file: Path | None = None
+) -> Schedule:
+    """Time and order the frames, by a times file, by day and number of the day, or as scans are.
+
+    Names of two numbers are day and number of the image in that day (000_05), of three also the
+    plant's before (00_000_05); the numbers of a day start with 0, and `per_day` make a day.
+
+    Raises InputError: several plants, a number that is `per_day` or more, two frames at one time.
+    """
+    slots = [_SLOT.fullmatch(frame.name) for frame in frames]
+    found = FoundScans(tuple(frame.color for frame in frames), from_folder=True)
+    known = [slot for slot in slots if slot is not None]
+    if times_file is not None or len(known) < len(frames):
+        return schedule_scans(found, times_file)
+
+    plants = sorted({slot["plant"] for slot in known if slot["plant"] is not None})
+    if len(plants) > 1:
+        raise InputError(
+            f"'{frames[0].color.parent}' holds images of {len(plants)} plants; choose one with "
+            f'patterns such as color = "rgb_{plants[0]}_*.png" under [images] in the camera\'s '
+            "file."
+        )
+    entries = []
+    for frame, slot in zip(frames, known, strict=True):
+        if int(slot["slot"]) >= per_day:
+            raise InputError(
+                f"'{frame.color}' is number {int(slot['slot'])} of its day, but a day has "
+                f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
+                "where the number is the hour)."
+            )
+        time = int(slot["day"]) + int(slot["slot"]) / per_day
+        entries.append(Entry(frame.color, frame.color.name, Moment(time, f"day {time:.2f}")))
+    entries.sort(key=lambda entry: entry.moment.time)
+    _require_distinct(entries)
+    first, last = entries[0].moment.date, entries[-1].moment.date
+    rule = f"times from day and number in the names, {per_day} images a day: {first} to {last}."
+    return Schedule(tuple(entries), rule, "days")
+
+
+def read_color(path: Path) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 sRGB. InputError if it can't be read, as of all functions below."""
+    return np.asarray(_open(path).convert("RGB"))
+
+
+def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
+    """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
+    image = _open(path)
+    if not image.mode.startswith("I"):
+        raise InputError(
+            f"'{path}' is no depth image: it must have one channel of 16 bits a pixel, not "
+            f"the kind '{image.mode}' (8 bits a channel)."
+            if image.mode in ("1", "L", "LA", "P", "RGB", "RGBA")
+            else f"'{path}' is no depth image: one channel of 16-bit whole numbers is needed."
+        )
+    return np.maximum(np.asarray(image).astype(np.float64), 0) * camera.depth_unit
+
+
+def read_labels(path: Path) -> NDArray[np.int64]:
+    """(H, W) int64: the number of a grey or palette pixel, 0xRRGGBB of a coloured one.
+
+    Transparent pixels are 0. Raises InputError also for more than `MOST_LABELS` colours.
+    """
+    image = _open(path)
+    if image.mode in ("1", "L", "P") or image.mode.startswith("I"):
+        return np.asarray(image).astype(np.int64)
+    pixels = np.asarray(image.convert("RGBA")).astype(np.int64)
+    red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
+    labels = np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
+    distinct = len(np.unique(labels))
+    if distinct > MOST_LABELS:
+        raise InputError(
+            f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
+            "each organ, saved without loss and without smoothing."
+        )
+    return labels
+
+
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """(H, W) bool, True where a channel (other than opacity) is not 0."""
+    image = _open(path)
+    if image.mode.startswith("I"):
+        return np.asarray(image) != 0
+    pixels = np.asarray(image.convert("RGBA"))
+    return (pixels[..., :3] != 0).any(axis=-1) & (pixels[..., 3] > 0)
+
+
+def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
+    before, _, after = Path(pattern).name.partition("*")
+    parent = folder / Path(pattern).parent
+    if not parent.is_dir():
+        return {}
+    fits = re.compile(f"{re.escape(before)}(?P<name>.+){re.escape(after)}")
+    found = ((fits.fullmatch(path.name), path) for path in parent.iterdir())
+    return {match["name"]: path for match, path in found if match and path.is_file()}
+
+
+def _require_distinct(entries: Sequence[Entry]) -> None:
+    for before, after in pairwise(entries):
+        if before.moment.time == after.moment.time:
+            raise InputError(
+                f"'{before.name}' and '{after.name}' have the same time, {after.moment.date}; one "
+                "moment can have one image only."
+            )
+
+
+def _open(path: Path) -> Image:
+    """Decoded as a whole; only formats that scanners write, for others may run other programs."""
+    from PIL import Image, UnidentifiedImageError
+
+    quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
+    try:
+        # From memory, where a part that says it is a gigabyte makes no room for one.
+        content = io.BytesIO(path.read_bytes())
+        with quiet, Image.open(content, formats=FORMATS) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise Image.DecompressionBombError
+            room = len(content.getbuffer())
+            if image.format == "PNG" and image.width * image.height > MOST_PACKED * room:
+                raise OSError(f"its {room} bytes can't hold so many pixels")
+            image.load()
+            return image
+    except Image.DecompressionBombError:
+        raise InputError(
+            f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can be "
+            "read."
+        ) from None
+    except UnidentifiedImageError:
+        raise InputError(
+            f"'{path}' can't be read as an image: it is none of {', '.join(FORMATS)}, or damaged."
+        ) from None
+    except (OSError, SyntaxError, ValueError, EOFError, struct.error) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error

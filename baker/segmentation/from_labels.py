@@ -1,0 +1,151 @@
+"""A hierarchy on a given segmentation, by successive nearest neighbour searches (section 3.2.1).
+
+Where the paper is silent: the threshold is three times the median spacing, the nearest gap is
+bridged first, a segment never reached joins at its smallest gap, and where the root segment is far
+from all others (ten spacings) no label is the stem: all hang under a virtual, empty root.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry.contacts import Borders, Gaps, contacts
+from baker.geometry.spacing import lowest_point, point_spacing
+from baker.geometry.up_axis import Vertical
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
+
+ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
+
+
+def hierarchy_from_labels(
+    points: NDArray[np.floating],
+    labels: NDArray[np.integer],
+    root_label: int,
+    spacing: float | None = None,
+    workers: int = 1,
+    touching: Gaps | None = None,
+    agreed: Gaps | None = None,
+) -> Hierarchy:
+    """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
+
+    spacing:  the cloud's point spacing, where it is known; workers: threads.
+    touching: the scan's `touching_segments`, where they are known.
+    agreed:   `agreed_gaps` of `parents`: these decide who grows from whom, not this scan's.
+    """
+    names, segments = split_by_label(labels)
+    spacing = point_spacing(points) if spacing is None else spacing
+    if touching is None:
+        touching = touching_segments(points, labels, spacing, workers)
+    first = names.index(root_label)
+    others = set(range(len(segments))) - {first}
+    if len(others) > 1 and not any(root_label in pair for pair in touching):
+        gap, *_ = _smallest_gap(points, segments, {first}, others)
+        if gap > ALONE * spacing:
+            return under_virtual_root(labels)
+    number = {name: index for index, name in enumerate(names)}
+    gaps = {
+        (number[a], number[b]): gap
+        for (a, b), gap in (agreed or touching).items()
+        if a in number and b in number
+    }
+    parents, notes = _grow_from(first, points, segments, gaps, names)
+    return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
+
+
+def touching_segments(
+    points: NDArray[np.floating],
+    labels: NDArray[np.integer],
+    spacing: float,
+    workers: int = 1,
+) -> Gaps:
+    """By their labels, how far apart segments of an (N, 3) cloud are that touch each other."""
+    return contacts(Borders.of(points, labels, spacing, workers))
+
+
+def root_point(
+    points: NDArray[np.floating],
+    vertical: Vertical,
+    root: NDArray[np.floating] | None = None,
+    reach: NDArray[np.floating] | None = None,
+) -> int:
+    """Index of the point where the plant leaves the ground: the lowest one, outliers aside.
+
+    root:  a position (3,) given by the user; then the point nearest to it.
+    reach: as in the cloud's `Surroundings`, where these are known.
+    """
+    if root is not None:
+        return int(np.argmin(((points - root) ** 2).sum(axis=1)))
+    return lowest_point(points, vertical.height(points), reach)
+
+
+def _grow_from(
+    first: int,
+    points: NDArray[np.floating],
+    segments: Sequence[NDArray[np.intp]],
+    gaps: Gaps,
+    names: Sequence[int],
+) -> tuple[list[int], list[str]]:
+    """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
+    adjacent: list[list[tuple[float, int]]] = [[] for _ in segments]
+    for (child, bearer), gap in gaps.items():
+        adjacent[bearer].append((gap, child))
+    parents, notes = [NO_PARENT] * len(segments), []
+    reached, unreached = {first}, set(range(len(segments))) - {first}
+    heap = [(gap, child, first) for gap, child in adjacent[first]]
+    heapq.heapify(heap)
+    while unreached:
+        if not heap:
+            gap, child, parent = _smallest_gap(points, segments, reached, unreached)
+            notes.append(
+                f"segment {names[child]} touches no other one; it was hung on segment "
+                f"{names[parent]} across a gap of {gap:.3g}"
+            )
+        else:
+            gap, child, parent = heapq.heappop(heap)
+            if child in reached:
+                continue
+        parents[child] = parent
+        reached.add(child)
+        unreached.remove(child)
+        for gap, other in adjacent[child]:
+            if other in unreached:
+                heapq.heappush(heap, (gap, other, child))
+    return parents, notes
+
+
+def _smallest_gap(
+    points: NDArray[np.floating],
+    segments: Sequence[NDArray[np.intp]],
+    reached: set[int],
+    unreached: set[int],
+) -> tuple[float, int, int]:
+    """The gap, the unreached segment and the reached segment that are nearest to each other."""
+    from scipy.spatial import cKDTree
+
+    def gather(which: set[int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        ids = sorted(which)
+        owner = np.repeat(ids, [len(segments[i]) for i in ids])
+        return np.concatenate([segments[i] for i in ids]), owner
+
+    near, near_owner = gather(reached)
+    far, far_owner = gather(unreached)
+    distances, neighbors = cKDTree(points[near]).query(points[far])
+    best = int(np.argmin(distances))
+    return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])
+
+
+def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:
+    """All labelled segments as children of a virtual, empty root (the paper's Figure 5)."""
+    names, segments = split_by_label(labels)
+    virtual = len(segments)
+    return Hierarchy(
+        segments=(*segments, np.empty(0, np.intp)),
+        labels=(*names, None),
+        parents=(*[virtual] * virtual, NO_PARENT),
+        root=virtual,
+        notes=("no segment is the others' stem; all hang under a virtual, empty root",),
+    )

@@ -1,0 +1,98 @@
+"""Segments and hierarchy at once, for thin structures without labels (paper section 3.2.2).
+
+The cloud's minimum spanning tree is walked from the root: where more than one branch goes on for
+longer than a threshold, the tree forks, and each of those branches begins a segment of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry.graph import RootedTree, spanning_tree
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+SHARE = 0.18  # default threshold c, as a share of the root's longest path
+
+
+@dataclass(frozen=True)
+class Forks:
+    """How the tree was cut.
+
+    threshold: c, in edges; longest: the root's longest path m_root, in edges.
+    """
+
+    hierarchy: Hierarchy
+    threshold: int
+    longest: int
+
+
+def segment_thin(
+    points: NDArray[np.floating], root: int, neighbors: int = 15, threshold: int | None = None
+) -> Forks:
+    """Segment an (N, 3) cloud at its forks, from the point `root` on.
+
+    threshold: c, the number of edges from which on a branch counts; by default 18 % of the longest
+               path from the root.
+    """
+    tree = spanning_tree(points, root, neighbors)
+    longest = longest_paths(tree)
+    c = round(SHARE * int(longest[root])) if threshold is None else threshold
+    starts = _segment_starts(tree, longest, c)
+    hierarchy = _hierarchy(tree, starts)
+    return Forks(hierarchy, c, int(longest[root]))
+
+
+def longest_paths(tree: RootedTree) -> NDArray[np.intp]:
+    """(N,) m_v: edges on the longest path from each point down to a leaf of its subtree.
+
+    Level by level from the tips, so that no path is too long for it.
+    """
+    longest = np.zeros(len(tree.order), np.intp)
+    for level in reversed(_levels(tree)[1:]):
+        np.maximum.at(longest, tree.parent[level], longest[level] + 1)
+    return longest
+
+
+def _levels(tree: RootedTree) -> list[NDArray[np.intp]]:
+    """The points at 0, 1, 2, … edges from the root; breadth first order is sorted by that."""
+    rank = np.empty(len(tree.order), np.intp)
+    rank[tree.order] = np.arange(len(tree.order))
+    parent_rank = rank[tree.parent[tree.order[1:]]]
+    levels, begin, end = [], 0, 1
+    while begin < end:
+        levels.append(tree.order[begin:end])
+        begin, end = end, 1 + int(np.searchsorted(parent_rank, end))
+    return levels
+
+
+def _segment_starts(
+    tree: RootedTree, longest: NDArray[np.intp], threshold: int
+) -> NDArray[np.bool_]:
+    """(N,) whether a point begins a segment: the root, and every long branch at a fork."""
+    child = tree.order[1:]
+    long = child[longest[child] > threshold]
+    branches = np.bincount(tree.parent[long], minlength=len(tree.order))
+    starts = np.zeros(len(tree.order), bool)
+    starts[long[branches[tree.parent[long]] > 1]] = True
+    starts[tree.order[0]] = True
+    return starts
+
+
+def _hierarchy(tree: RootedTree, starts: NDArray[np.bool_]) -> Hierarchy:
+    """Segments numbered from the root on, each point in the segment that began above it last."""
+    heads = tree.order[starts[tree.order]]
+    segment = np.full(len(tree.order), -1)
+    segment[heads] = np.arange(len(heads))
+    for level in _levels(tree)[1:]:
+        unnamed = level[segment[level] < 0]
+        segment[unnamed] = segment[tree.parent[unnamed]]
+    order = np.argsort(segment, kind="stable")
+    members = np.split(order, np.searchsorted(segment[order], np.arange(1, len(heads))))
+    parents = [NO_PARENT, *(int(segment[tree.parent[head]]) for head in heads[1:])]
+    notes: tuple[str, ...] = ()
+    if tree.bridges:
+        notes = (f"{tree.bridges} gaps in the cloud bridged, the widest {tree.widest:.3g}",)
+    return Hierarchy(tuple(members), (None,) * len(heads), tuple(parents), 0, notes)

@@ -1,0 +1,8 @@
+"""`python -m grow`, the same as the command `grow`."""
+
+import sys
+
+from grow.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,204 @@
+"""The command `grow`: scans of a plant that never was, and the truth about it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from gclip.console import run_app
+from gclip.version import VersionOption
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+
+class Kind(StrEnum):
+    maize = "maize"
+    tomato = "tomato"
+    tree = "tree"
+    tree1 = "tree1"
+    tree2 = "tree2"
+    komatsuna = "komatsuna"
+
+
+class Format(StrEnum):
+    ply = "ply"
+    txt = "txt"
+    xyz = "xyz"
+    csv = "csv"
+    pcd = "pcd"
+    las = "las"
+    laz = "laz"
+
+
+@app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+def grow_command(
+    kind: Annotated[
+        Kind,
+        typer.Argument(
+            help="The plant; tree1 and tree2 are bare trees of the sizes in the paper, "
+            "komatsuna is a rosette, seen by a depth camera instead of scanned."
+        ),
+    ],
+    folder: Annotated[Path, typer.Argument(metavar="OUTDIR", help="Where to write the scans.")],
+    scans: Annotated[int | None, typer.Option(help="How many, evenly spread.")] = None,
+    points: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N|FIRST,LAST", help="Points of each scan, or growing with the plant."
+        ),
+    ] = None,
+    days: Annotated[float | None, typer.Option(help="How many days the series spans.")] = None,
+    seed: Annotated[int, typer.Option(help="Another seed, another plant.")] = 0,
+    noise: Annotated[
+        float | None, typer.Option(metavar="MM", help="Standard deviation of the points, mm.")
+    ] = None,
+    unlabelled: Annotated[bool, typer.Option("--unlabelled", help="Leave the labels out.")] = False,
+    colors: Annotated[bool, typer.Option(help="Write the plant's colours.")] = True,
+    suffix: Annotated[Format, typer.Option("--format", help="Format of the scans.")] = Format.ply,
+    truth: Annotated[
+        str | None,
+        typer.Option(
+            metavar="T[,T...]",
+            help="Write the true clouds at these days, and the organs, to OUTDIR/truth.",
+        ),
+    ] = None,
+    shuffle_labels: Annotated[
+        bool, typer.Option("--shuffle-labels", help="Renumber the organs in every scan.")
+    ] = False,
+    pose: Annotated[
+        bool, typer.Option("--pose", help="Turn and shift every scan but the first at random.")
+    ] = False,
+    per_day: Annotated[
+        int | None, typer.Option(metavar="N", help="komatsuna: images a day, 6 unless told.")
+    ] = None,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="komatsuna: pixels, 480x360 unless told.")
+    ] = None,
+    label_shift: Annotated[
+        float | None,
+        typer.Option(metavar="PIXELS", help="komatsuna: how badly labels are misplaced; 0."),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace scans that are in OUTDIR.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing.")] = False,
+    version: VersionOption = False,
+) -> None:
+    """Grow a plant and scan it: labelled, coloured point clouds, and what is true between them.
+
+    Example: grow maize scans --truth 5,6.5 && bake scans -o maize.gclip
+    """
+    for_images: dict[str, object] = {
+        "--per-day": per_day,
+        "--size": size,
+        "--label-shift": label_shift,
+    }
+    for_scans: dict[str, object] = {
+        "--scans": scans,
+        "--points": points,
+        "--no-colors": not colors,
+        "--format": suffix is not Format.ply,
+        "--truth": truth,
+        "--shuffle-labels": shuffle_labels,
+        "--pose": pose,
+    }
+    _refuse(kind, for_scans if kind is Kind.komatsuna else for_images)
+
+    def tell(name: str, count: int) -> None:
+        if not quiet:
+            what = "labelled pixels" if kind is Kind.komatsuna else "points"
+            print(f"{name}  {count:,} {what}", flush=True)
+
+    if kind is Kind.komatsuna:
+        from grow.faults import Faults
+        from grow.images import ImagePlan, write_images
+
+        faults = Faults(**_given(noise=noise, labels=label_shift))
+        series = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
+        images = ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **series)
+        write_images(images, folder, force, tell)
+        return
+
+    from grow.series import Plan, write_series
+
+    plan = Plan(
+        kind=kind.value,
+        seed=seed,
+        scans=scans,
+        days=days,
+        points=_points(points),
+        noise=noise,
+        labels=not unlabelled,
+        colors=colors,
+        suffix=suffix.value,
+        truth=() if truth is None else _numbers("--truth", truth),
+        shuffle=shuffle_labels,
+        pose=pose,
+    )
+    write_series(plan, folder, force, tell)
+
+
+def _refuse(kind: Kind, options: dict[str, object]) -> None:
+    """Raise InputError for options that were given, but mean nothing for this plant."""
+    from baker.errors import InputError
+
+    for name, value in options.items():
+        if value is not None and value is not False:
+            raise InputError(f"{name} means nothing for {kind.value}; see grow --help.")
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """The values that were given; what is None stays as usual."""
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _whole_days(days: float | None) -> int | None:
+    from baker.errors import InputError
+
+    if days is not None and not days.is_integer():
+        raise InputError(f"--days {days:g}: komatsuna takes whole days.")
+    return None if days is None else int(days)
+
+
+def _size(text: str | None) -> tuple[int, int] | None:
+    from baker.errors import InputError
+
+    if text is None:
+        return None
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {text}: width and height are needed, as 480x360.")
+    return int(width), int(height)
+
+
+def _points(text: str | None) -> tuple[int, int] | None:
+    from baker.errors import InputError
+
+    if text is None:
+        return None
+    numbers = _numbers("--points", text)
+    if len(numbers) > 2 or any(number != int(number) for number in numbers):
+        raise InputError(f"--points {text}: give one whole number, or two, as 1700,5000.")
+    return int(numbers[0]), int(numbers[-1])
+
+
+def _numbers(option: str, text: str) -> tuple[float, ...]:
+    from math import isfinite
+
+    from baker.errors import InputError
+
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if not numbers or not all(isfinite(number) for number in numbers):
+        raise InputError(f"{option} {text}: numbers separated by commas are needed, as 5,6.5.")
+    return numbers
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `grow` with `argv` (the process's own by default); returns the exit code."""
+    return run_app(app, "grow", argv)

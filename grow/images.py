@@ -1,0 +1,141 @@
+"""A series of colour, depth and label images of a rosette, as the Komatsuna data has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from grow.faults import Faults, misplace_labels, spoil_depth
+from grow.model import Plant
+from grow.output import LARGEST_NOISE, TRUTH, whole_series
+from grow.picture import View, take_picture
+
+UNIT = 0.125  # mm of one count of depth
+LARGEST = 4096  # pixels along a side
+
+
+@dataclass(frozen=True)
+class ImagePlan:
+    """days x per_day images of (width, height) pixels; labels: whether to write label images."""
+
+    days: int = 10
+    per_day: int = 6
+    size: tuple[int, int] = (480, 360)
+    seed: int = 0
+    labels: bool = True
+    faults: Faults = field(default_factory=Faults)
+
+
+def rosette(seed: int) -> Plant:
+    """The plant in the images; its leaf of label n is the images' label n."""
+    from grow import komatsuna
+
+    if seed < 0:
+        raise InputError(f"the seed is {seed}; it must be 0 or more.")
+    return Plant("komatsuna", seed, komatsuna.grow(np.random.default_rng([seed, *b"komatsuna"])))
+
+
+def write_images(
+    plan: ImagePlan,
+    folder: Path,
+    force: bool = False,
+    wrote: Callable[[str, int], None] = lambda name, pixels: None,
+) -> None:
+    """Write camera.toml, rgb_00_DDD_SS.png, depth_… (16 bits) and label_… to `folder`.
+
+    DDD is the day, SS the number of the image in that day. `folder`/truth holds true depth and
+    labels under the same names.
+
+    wrote: called with each frame's name and its number of labelled pixels.
+    Raises InputError for a plan that can't be, or a folder that can't be written or holds images.
+    """
+    plant = rosette(plan.seed)
+    _check(plan, plant)
+    with whole_series(folder, _is_image, force) as draft:
+        _write(plan, plant, draft, wrote)
+
+
+def _write(plan: ImagePlan, plant: Plant, folder: Path, wrote: Callable[[str, int], None]) -> None:
+    view = View.over(plan.size)
+    truth = folder / TRUTH
+    truth.mkdir()
+    (folder / "camera.toml").write_text(_camera(view, plan))
+    for day in range(plan.days):
+        for slot in range(plan.per_day):
+            rng = np.random.default_rng([plan.seed, day, slot])
+            picture = take_picture(plant, day + slot / plan.per_day, view, rng)
+            measured = spoil_depth(picture.depth, plan.faults, rng)
+            label = misplace_labels(picture.label, plan.faults, rng)
+            name = f"00_{day:03}_{slot:02}.png"
+            _save(picture.color, folder / f"rgb_{name}")
+            _save(_counts(measured), folder / f"depth_{name}")
+            _save(_counts(picture.depth), truth / f"depth_{name}")
+            _save_labels(picture.label, truth / f"label_{name}")
+            if plan.labels:
+                _save_labels(label, folder / f"label_{name}")
+            wrote(f"rgb_{name}", int((label > 0).sum()))
+
+
+def _camera(view: View, plan: ImagePlan) -> str:
+    return f"""\
+fx = {view.focal:.4f}
+fy = {view.focal:.4f}
+cx = {view.cx:.4f}
+cy = {view.cy:.4f}
+width = {view.width}
+height = {view.height}
+depth_unit = "{UNIT} mm"
+per_day = {plan.per_day}
+"""
+
+
+def _counts(depth: NDArray[np.float64]) -> NDArray[np.uint16]:
+    return np.clip(np.rint(depth / UNIT), 0, 65535).astype(np.uint16)
+
+
+def _save(image: NDArray, path: Path) -> None:
+    from PIL import Image
+
+    Image.fromarray(image).save(path, compress_level=3)
+
+
+def _save_labels(label: NDArray[np.int64], path: Path) -> None:
+    """Numbers to read, in colours to look at."""
+    from PIL import Image
+
+    from baker.interpolation.palette import organ_colors
+
+    image = Image.fromarray(label.astype(np.uint8))
+    colors = [(0, 0, 0), *organ_colors(int(label.max()) + 1)[1:]]
+    image.putpalette([channel for color in colors for channel in color[:3]])
+    image.save(path)
+
+
+def _check(plan: ImagePlan, plant: Plant) -> None:
+    most = int(plant.days[1])
+    if not 1 <= plan.days <= most:
+        raise InputError(f"{plan.days} days of images: this plant grows for 1 to {most} days.")
+    if not 1 <= plan.per_day <= 100:
+        raise InputError(f"{plan.per_day} images a day: 1 to 100 are possible.")
+    if plan.days * plan.per_day < 2:
+        raise InputError("one image is no series; at least 2 are needed.")
+    if not all(32 <= side <= LARGEST for side in plan.size):
+        raise InputError(
+            f"images of {plan.size[0]}x{plan.size[1]} pixels: each side must have 32 to {LARGEST}."
+        )
+    if not 0 <= plan.faults.noise <= LARGEST_NOISE:
+        noise = plan.faults.noise
+        raise InputError(f"the noise is {noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
+    if not 0 <= plan.faults.labels < 100:
+        raise InputError(
+            f"labels misplaced by {plan.faults.labels:g} pixels: 0 to 100 are possible."
+        )
+
+
+def _is_image(path: Path) -> bool:
+    return path.suffix.lower() == ".png" or path.name == "camera.toml"

@@ -1,0 +1,209 @@
+"""A plant as a function of time: clouds, organs, and the track of every point of its tissue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from grow import KINDS
+from grow.color import shade
+from grow.pose import Body, Pose
+from grow.species import Species
+from grow.surface import Material, areas, positions, sample
+
+SMALLEST = 8  # points; no scan shows an organ with fewer
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """What a scanner sees of a plant at one moment.
+
+    points:   (N, 3) float32, mm, z up, the stem's base at the origin.
+    labels:   (N,) int64, the organ of each point, the same organ the same label at every time.
+    colors:   (N, 3) uint8 sRGB, or None.
+    material: the tissue under each point, before noise.
+    """
+
+    points: NDArray[np.float32]
+    labels: NDArray[np.int64]
+    colors: NDArray[np.uint8] | None
+    material: Material
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class Organ:
+    """One organ at one moment, mm and mm².
+
+    parent:    the label of the organ that bears it, -1 for the stem or trunk.
+    length:    along the main axis, from the base to the tip: of a leaf with a stalk along that and
+               on through the blade at its end, the leaflets beside it left out.
+    area:      of all surfaces, each counted once.
+    reach:     from the base along its axes to the farthest tip of all, leaflets and leaves too.
+    base, tip: ends of the main axis; the base lies on the parent's surface.
+    """
+
+    label: int
+    kind: str
+    parent: int
+    birth: float
+    length: float
+    area: float
+    base: tuple[float, float, float]
+    tip: tuple[float, float, float]
+    reach: float
+
+
+class Plant:
+    """A plant whose every point is known at every time.
+
+    days:           first and last day at which the plant is meant to be seen; other days work.
+    default_days:   the days of the usual series of scans.
+    default_noise:  the usual noise, mm.
+    """
+
+    def __init__(self, kind: str, seed: int, species: Species) -> None:
+        self.kind = kind
+        self.seed = seed
+        self.days = species.days
+        self.default_days = species.scan_days
+        self.default_noise = species.noise
+        self._scan_points = species.scan_points
+        self._body = Body(species.parts)
+
+    def cloud(
+        self,
+        day: float,
+        points: int | None = None,
+        seed: int = 0,
+        noise: float | None = None,
+        colors: bool = True,
+    ) -> Cloud:
+        """Scan the plant: exactly `points` points, evenly by area, with Gaussian noise.
+
+        points: default: as in the usual series, by the surface there is at `day`.
+        seed:   of this scan; clouds of different seeds or days share nothing but the plant.
+        noise:  standard deviation in mm, default `default_noise`.
+        """
+        count = self.default_points(day) if points is None else points
+        pose = self._body.pose(day)
+        rng = np.random.default_rng([self.seed, seed, _bits(day)])
+        material = sample(self._seen(day, count), count, rng)
+        exact = positions(self._body, pose, material)
+        deviation = self.default_noise if noise is None else noise
+        noisy = exact + rng.normal(0, 1, exact.shape) * deviation
+        paint = shade(self._body, pose, material, rng) if colors else None
+        return Cloud(noisy.astype(np.float32), self.label_of(material), paint, material)
+
+    def track(self, material: Material, day: float) -> NDArray[np.float64]:
+        """Where tissue is at `day`, (N, 3) mm; unborn tissue is where its organ will be born."""
+        return positions(self._body, self._body.pose(day), material)
+
+    def label_of(self, material: Material) -> NDArray[np.int64]:
+        """The organ of each point of tissue, (N,)."""
+        return self._body.label[material.part]
+
+    def born(self, material: Material, day: float) -> NDArray[np.bool_]:
+        """Whether each point's part has been born by `day`, (N,)."""
+        return self._body.column("birth")[material.part] < day
+
+    @property
+    def labels(self) -> NDArray[np.int64]:
+        """Labels of all organs there will ever be, 0, 1, 2, ..."""
+        return np.unique(self._body.label)
+
+    def organs(self, day: float) -> list[Organ]:
+        """The organs born before `day`, in the order of their labels."""
+        body, pose = self._body, self._body.pose(day)
+        area = np.bincount(body.label, areas(body, pose).sum((1, 2)))
+        main = np.unique(body.label, return_index=True)[1]
+        axes = [self._main_axis(index) for index in main.tolist()]
+        return [
+            Organ(
+                label,
+                body.parts[first].kind,
+                int(body.label[body.parent[first]]) if body.parent[first] >= 0 else -1,
+                body.parts[first].birth,
+                float(pose.length[[first, *others]].sum()),
+                float(area[label]),
+                tuple(pose.axis[first, 0].tolist()),
+                tuple(pose.axis[[first, *others][-1], -1].tolist()),
+                self._reach(label, pose),
+            )
+            for label, (first, *others) in enumerate(axes)
+            if body.parts[first].birth < day
+        ]
+
+    def _reach(self, label: int, pose: Pose) -> float:
+        """From an organ's base along its axes to its farthest tip, mm."""
+        body, begin, farthest = self._body, dict[int, float](), 0.0
+        for part in np.flatnonzero(body.label == label).tolist():
+            parent, passed = int(body.parent[part]), 0.0
+            if parent in begin:
+                steps = np.linalg.norm(np.diff(pose.axis[parent], axis=0), axis=1).cumsum()
+                along = np.linspace(0.0, 1.0, len(steps) + 1)
+                passed = begin[parent] + float(np.interp(body.at[part], along, np.r_[0.0, steps]))
+            begin[part] = passed
+            farthest = max(farthest, passed + float(pose.length[part]))
+        return farthest
+
+    def _main_axis(self, first: int) -> list[int]:
+        """An organ's parts from its base to its tip, each at the end of the one before."""
+        chain, parts = [first], self._body.parts
+        while True:
+            after = [
+                index
+                for index, part in enumerate(parts)
+                if part.parent == chain[-1] and part.at == 1.0 and part.label == parts[first].label
+            ]
+            if not after:
+                return chain
+            chain.append(after[0])
+
+    def default_points(self, day: float) -> int:
+        """Points of the usual scan at `day`: first and last as given, between them by surface."""
+        few, many = self._scan_points
+        first, last = self._default_areas
+        return max(round(few + (many - few) * (self.area(day) - first) / (last - first)), 1)
+
+    @cached_property
+    def _default_areas(self) -> tuple[float, float]:
+        return self.area(self.default_days[0]), self.area(self.default_days[-1])
+
+    def area(self, day: float) -> float:
+        """The whole surface at `day`, mm²; it never shrinks."""
+        return float(self._area(day).sum())
+
+    def _seen(self, day: float, count: int) -> NDArray[np.float64]:
+        """Areas, less those of organs too small yet to show a handful among `count` points."""
+        area = self._area(day)
+        of_organ = np.bincount(self._body.label, area.sum((1, 2)))
+        seen = of_organ * count >= SMALLEST * of_organ.sum()
+        seen[np.argmax(of_organ)] = True
+        return area * seen[self._body.label][:, None, None]
+
+    def _area(self, day: float) -> NDArray[np.float64]:
+        return areas(self._body, self._body.pose(day))
+
+
+def grow_plant(kind: str, seed: int) -> Plant:
+    """See `grow.plant`."""
+    if kind not in KINDS:
+        raise InputError(f"unknown plant {kind!r}: choose one of {', '.join(KINDS)}.")
+    if seed < 0:
+        raise InputError(f"the seed is {seed}; it must be 0 or more.")
+    module = import_module(f"grow.{kind.rstrip('12')}")
+    rng = np.random.default_rng([seed, *kind.encode()])
+    species: Species = module.grow(rng) if kind[-1] not in "12" else getattr(module, kind)(rng)
+    return Plant(kind, seed, species)
+
+
+def _bits(day: float) -> int:
+    return int(np.float64(day + 0.0).view(np.uint64))

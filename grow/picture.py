@@ -1,0 +1,113 @@
+"""A plant as a camera straight above it sees it: colour, depth and organ of every pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grow.color import shade
+from grow.model import Plant
+from grow.surface import Material, positions
+
+ROWS, COLUMNS = 97, 33  # of the grid on every part between which is interpolated
+DENSITY = 1.7  # surface samples per pixel, along and across
+SOIL = np.array([92.0, 72.0, 55.0])
+
+
+@dataclass(frozen=True)
+class View:
+    """A pinhole camera over the plant, looking down; pixels, and mm above the ground."""
+
+    width: int
+    height: int
+    focal: float
+    cx: float
+    cy: float
+    distance: float
+
+    @staticmethod
+    def over(size: tuple[int, int], across: float = 215.0, distance: float = 500.0) -> View:
+        """Shows `across` mm of the ground along the picture's shorter side, not quite centred."""
+        width, height = size
+        focal = min(size) * distance / across
+        return View(width, height, focal, 0.507 * width - 0.5, 0.495 * height - 0.5, distance)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """color: (H, W, 3) uint8; depth: (H, W) float64 mm; label: (H, W) int64, 0 is no leaf."""
+
+    color: NDArray[np.uint8]
+    depth: NDArray[np.float64]
+    label: NDArray[np.int64]
+
+
+def take_picture(plant: Plant, day: float, view: View, rng: np.random.Generator) -> Picture:
+    """The plant on flat soil at z = 0, hidden surfaces hidden.
+
+    rng: of the grain in the colours; depth and labels don't depend on it.
+    """
+    size = view.height * view.width
+    color = SOIL * (1 + 0.12 * rng.standard_normal(size))[:, None]
+    depth = np.full(size, view.distance)
+    label = np.zeros(size, np.int64)
+
+    samples = _surface(plant, day, view)
+    u, v = (np.rint(samples[:, axis]).astype(np.intp) for axis in (0, 1))
+    seen = (u >= 0) & (u < view.width) & (v >= 0) & (v < view.height)
+    samples, pixel = samples[seen], (v * view.width + u)[seen]
+    # Of equal indices the last one is kept: the nearest to the camera.
+    far_first = np.argsort(-samples[:, 2], kind="stable")
+    samples, pixel = samples[far_first], pixel[far_first]
+    depth[pixel] = samples[:, 2]
+    label[pixel] = samples[:, 6].astype(np.int64)
+    color[pixel] = samples[:, 3:6]
+
+    grain = rng.normal(0, 3, (size, 1))
+    grainy = np.clip(color + grain, 0, 255).astype(np.uint8)
+    shape = (view.height, view.width)
+    return Picture(grainy.reshape(*shape, 3), depth.reshape(shape), label.reshape(shape))
+
+
+def _surface(plant: Plant, day: float, view: View) -> NDArray[np.float64]:
+    """Samples (S, 7) of all surfaces, closer than pixels: u, v, depth, red, green, blue, label."""
+    body = plant._body
+    pose = body.pose(day)
+    along, across = np.meshgrid(np.linspace(0, 1, ROWS), np.linspace(-1, 1, COLUMNS), indexing="ij")
+    parts = np.flatnonzero(body.column("birth") < day)
+    part = np.repeat(parts, along.size)
+    material = Material(
+        part, np.tile(along.ravel(), len(parts)), np.tile(across.ravel(), len(parts))
+    )
+
+    x, y, z = positions(body, pose, material).T
+    depth = view.distance - z
+    u = view.cx + view.focal * x / depth
+    v = view.cy - view.focal * y / depth
+    paint = shade(body, pose, material, np.random.default_rng(0))
+    columns = np.column_stack([u, v, depth, paint, plant.label_of(material)])
+    return np.concatenate([_refine(grid) for grid in columns.reshape(len(parts), ROWS, COLUMNS, 7)])
+
+
+def _refine(grid: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A grid (ROWS, COLUMNS, C) of one part as samples (S, C) that leave no pixel between them."""
+    steps = [
+        int(np.ceil(DENSITY * np.hypot(*np.diff(grid[..., :2], axis=axis).T).sum(1 - axis).max()))
+        for axis in (0, 1)
+    ]
+    rows, columns = (_interpolation(n, max(m, 1)) for n, m in zip(grid.shape, steps, strict=False))
+    fine = np.tensordot(rows, grid, (1, 0))
+    return np.einsum("cb,rbk->rck", columns, fine, optimize=True).reshape(-1, grid.shape[2])
+
+
+def _interpolation(count: int, steps: int) -> NDArray[np.float64]:
+    """The matrix (steps + 1, count) that interpolates linearly between `count` values."""
+    place = np.linspace(0, count - 1, steps + 1)
+    node = np.minimum(place.astype(np.intp), count - 2)
+    matrix = np.zeros((steps + 1, count))
+    each = np.arange(steps + 1)
+    matrix[each, node] = 1 - (place - node)
+    matrix[each, node + 1] = place - node
+    return matrix

@@ -1,0 +1,219 @@
+"""A series of scans of one plant, with its truth, in a folder: all of it, or nothing."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from grow import plant
+from grow.formats import WRITERS, record
+from grow.model import Plant
+from grow.output import LARGEST_NOISE, TRUTH, whole_series
+
+MOST_SCANS = 10_000
+MOST_POINTS = 1_000_000_000  # of a scan
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to write; None means as usual for the plant.
+
+    days:     how many days the series spans.
+    points:   of the first and of the last scan; those between follow the surface.
+    noise:    standard deviation, mm.
+    truth:    days at which to write the true cloud: no noise, true labels, the plant's own frame.
+    shuffle:  renumber the organs at random in every scan.
+    pose:     turn and shift every scan but the first at random.
+    """
+
+    kind: str
+    seed: int = 0
+    scans: int | None = None
+    days: float | None = None
+    points: tuple[int, int] | None = None
+    noise: float | None = None
+    labels: bool = True
+    colors: bool = True
+    suffix: str = "ply"
+    truth: tuple[float, ...] = ()
+    shuffle: bool = False
+    pose: bool = False
+
+
+def write_series(
+    plan: Plan,
+    folder: Path,
+    force: bool = False,
+    wrote: Callable[[str, int], None] = lambda name, points: None,
+) -> None:
+    """Write the scans to `folder` and what is true of them to `folder`/truth.
+
+    force:  replace the scans and the truth that are there.
+    wrote:  called with each file's name and points.
+    Raises InputError for a plan that can't be, or a folder that can't be written or holds scans.
+    """
+    _check(plan)
+    subject = plant(plan.kind, plan.seed)
+    days = scan_days(subject, plan)
+    for day in plan.truth:
+        _require_in_life(subject, day)
+    with whole_series(folder, lambda path: path.suffix[1:].lower() in WRITERS, force) as draft:
+        _write(plan, subject, days, draft, wrote)
+
+
+def scan_days(subject: Plant, plan: Plan) -> list[float]:
+    """When the scans are taken: as usual for the plant, or evenly spread; as written in names."""
+    if plan.scans is None and plan.days is None:
+        return list(subject.default_days)
+    first, usual_last = subject.default_days[0], subject.default_days[-1]
+    last = usual_last if plan.days is None else first + plan.days
+    _require_in_life(subject, last)
+    count = len(subject.default_days) if plan.scans is None else plan.scans
+    days = [round(float(day), 3) for day in np.linspace(first, last, count)]
+    if len(set(days)) < count:
+        raise InputError(f"{count} scans in {last - first:g} days are closer than 0.001 days.")
+    return days
+
+
+def day_names(days: Sequence[float]) -> list[str]:
+    """Names such as day05 or day05.25, from which the times can be read back exactly."""
+    decimals = max(len(f"{day:.3f}".rstrip("0").partition(".")[2]) for day in days)
+    digits = max(len(str(int(day))) for day in days)
+    width = max(digits, 2) + (decimals + 1 if decimals else 0)
+    return [f"day{day:0{width}.{decimals}f}" for day in days]
+
+
+def _check(plan: Plan) -> None:
+    if plan.scans is not None and plan.scans < 2:
+        raise InputError(f"{plan.scans} scans are no series; at least 2 are needed.")
+    if plan.scans is not None and plan.scans > MOST_SCANS:
+        raise InputError(f"{plan.scans} scans are too many; at most {MOST_SCANS} are grown.")
+    if plan.days is not None and not 0 < plan.days < np.inf:
+        raise InputError(f"a series can't span {plan.days:g} days; give a number above 0.")
+    if plan.points is not None and min(plan.points) < 10:
+        raise InputError(f"{min(plan.points)} points show no plant; at least 10 are needed.")
+    if plan.points is not None and max(plan.points) > MOST_POINTS:
+        raise InputError(
+            f"{max(plan.points)} points are too many; at most {MOST_POINTS} are grown."
+        )
+    if plan.noise is not None and not 0 <= plan.noise <= LARGEST_NOISE:
+        raise InputError(f"the noise is {plan.noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
+    if plan.shuffle and not plan.labels:
+        raise InputError("labels can't be both shuffled and left out.")
+    if plan.suffix not in WRITERS:
+        raise InputError(f"unknown format '{plan.suffix}': choose one of {', '.join(WRITERS)}.")
+
+
+def _require_in_life(subject: Plant, day: float) -> None:
+    first, last = subject.days
+    if not first <= day <= last:
+        raise InputError(
+            f"day {day:g} is outside the life of this {subject.kind}, days {first:g} to {last:g}."
+        )
+
+
+def _write(
+    plan: Plan,
+    subject: Plant,
+    days: Sequence[float],
+    folder: Path,
+    wrote: Callable[[str, int], None],
+) -> None:
+    rng = np.random.default_rng([plan.seed, 1])
+    names = [f"{name}.{plan.suffix}" for name in day_names(days)]
+    numbers = [np.arange(len(subject.labels)) for _ in days]
+    if plan.shuffle:
+        numbers = [rng.permutation(number) for number in numbers]
+    yaws, shifts = np.zeros(len(days)), np.zeros((len(days), 3))
+    if plan.pose:
+        yaws[1:] = rng.uniform(-np.pi, np.pi, len(days) - 1)
+        shifts[1:] = rng.normal(0, 1, (len(days) - 1, 3)) * (150, 150, 20)
+
+    for day, name, number, yaw, shift in zip(days, names, numbers, yaws, shifts, strict=True):
+        count = _points_at(subject, plan, days, day)
+        cloud = subject.cloud(day, count, plan.seed, plan.noise, plan.colors)
+        placed = (cloud.points @ _turn(yaw).T + shift).astype(np.float32)
+        labels = number[cloud.labels] if plan.labels else None
+        _write_cloud(plan, folder / name, placed, labels, cloud.colors)
+        wrote(name, len(cloud))
+
+    if plan.truth or plan.shuffle or plan.pose:
+        truth = folder / TRUTH
+        truth.mkdir()
+        _write_organs(truth / "organs.csv", subject, days, names, numbers)
+        if plan.pose:
+            rows = [
+                (name, f"{np.degrees(yaw):.6f}", *(f"{value:.4f}" for value in shift))
+                for name, yaw, shift in zip(names, yaws, shifts, strict=True)
+            ]
+            _write_rows(truth / "poses.csv", ("scan", "yaw_degrees", "x", "y", "z"), rows)
+        for day in sorted({round(day, 3) for day in plan.truth}):
+            count = _points_at(subject, plan, days, day)
+            cloud = subject.cloud(day, count, plan.seed + 1, 0.0, plan.colors)
+            path = truth / f"truth_{day_names([day])[0]}.{plan.suffix}"
+            _write_cloud(plan, path, cloud.points, cloud.labels, cloud.colors)
+            wrote(f"{TRUTH}/{path.name}", len(cloud))
+
+
+def _points_at(subject: Plant, plan: Plan, days: Sequence[float], day: float) -> int:
+    """Points of a cloud at `day`."""
+    if plan.points is None:
+        return subject.default_points(day)
+    few, many = plan.points
+    first, last = subject.area(days[0]), subject.area(days[-1])
+    return max(round(few + (many - few) * (subject.area(day) - first) / (last - first)), 10)
+
+
+def _turn(yaw: float) -> NDArray[np.float64]:
+    """Rotation by `yaw` about z, for column vectors."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _write_cloud(
+    plan: Plan,
+    path: Path,
+    points: NDArray[np.float32],
+    labels: NDArray[np.int64] | None,
+    colors: NDArray[np.uint8] | None,
+) -> None:
+    WRITERS[plan.suffix](path, record(points, labels, colors))
+
+
+def _write_organs(
+    path: Path,
+    subject: Plant,
+    days: Sequence[float],
+    names: Sequence[str],
+    numbers: Sequence[NDArray[np.intp]],
+) -> None:
+    """Which organ each scan's label stands for, and what is true of it in the plant's frame."""
+    head = "scan day label organ kind parent birth length area base_x base_y base_z tip_x tip_y"
+    rows = [
+        (
+            name,
+            f"{day:g}",
+            number[organ.label],
+            organ.label,
+            organ.kind,
+            organ.parent,
+            *(f"{v:.4f}" for v in (organ.birth, organ.length, organ.area, *organ.base)),
+            *(f"{v:.4f}" for v in (*organ.tip, organ.reach)),
+        )
+        for day, name, number in zip(days, names, numbers, strict=True)
+        for organ in subject.organs(day)
+    ]
+    _write_rows(path, (*head.split(), "tip_z", "reach"), rows)
+
+
+def _write_rows(path: Path, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows)

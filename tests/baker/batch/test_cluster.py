@@ -1,0 +1,200 @@
+"""`--cluster`: a real scheduler and two worker processes, one of which is killed in the middle."""
+
+import concurrent.futures
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from baker.batch import cluster as cluster_module
+from baker.batch.work import Job, bake_plant
+from baker.cli import main
+from baker.errors import InputError
+from baker.options import Options
+from tests.baker.batch.conftest import write_greenhouse
+
+distributed = pytest.importorskip("distributed")
+
+PLANTS = [f"p{k:02d}" for k in range(10)]
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """address: of its scheduler; workers: two processes; scheduler: another."""
+
+    address: str
+    scheduler: subprocess.Popen
+    workers: list[subprocess.Popen]
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory) -> Iterator[Cluster]:
+    folder = tmp_path_factory.mktemp("cluster")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+
+    def start(kind: str, *arguments: str) -> subprocess.Popen:
+        module = f"distributed.cli.dask_{kind}"
+        return subprocess.Popen(
+            [sys.executable, "-m", module, *arguments, "--no-dashboard"],
+            cwd=folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"},
+        )
+
+    scheduler = start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+    common = ("--nthreads", "1", "--no-nanny", "--local-directory", str(folder))
+    workers = [start("worker", address, *common) for _ in range(2)]
+    try:
+        with distributed.Client(address, timeout=60, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+        yield Cluster(address, scheduler, workers)
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory) -> Path:
+    return write_greenhouse(tmp_path_factory.mktemp("plants") / "house", PLANTS, days=3)
+
+
+@pytest.fixture(scope="module")
+def clips(house, tmp_path_factory) -> dict[str, bytes]:
+    """What each plant alone bakes to, here."""
+    folder = tmp_path_factory.mktemp("alone")
+    options = Options(align="none", workers=1)
+    jobs = [Job(p, house / p, folder / f"{p}.gclip", options) for p in PLANTS]
+    assert all(bake_plant(job).state == "baked" for job in jobs)
+    return {job.clip.name: job.clip.read_bytes() for job in jobs}
+
+
+def bake(inputs: Path, output: str, address: str, *more: str) -> int:
+    return main([str(inputs), "-o", output, "--align", "none", "--cluster", address, *more])
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def task_kinds(cluster: Cluster) -> set[str]:
+    """What the scheduler has ever had as tasks."""
+    with distributed.Client(cluster.address, set_as_default=False) as client:
+        return client.run_on_scheduler(lambda dask_scheduler: set(dask_scheduler.task_prefixes))
+
+
+def test_few_plants_share_out_their_intervals(cluster, house, clips, tmp_path):
+    assert "solve_interval" not in task_kinds(cluster)
+    assert bake(house / "p03", f"{tmp_path}/", cluster.address, "-q") == 0
+    assert files(tmp_path) == {"p03.gclip": clips["p03.gclip"]}
+    assert "solve_interval" in task_kinds(cluster)
+
+
+def test_one_plants_clip_is_the_same_too(cluster, house, clips, tmp_path):
+    out = tmp_path / "plant.gclip"
+    assert bake(house / "p04", str(out), cluster.address, "-q") == 0
+    assert out.read_bytes() == clips["p04.gclip"]
+
+
+def test_a_worker_of_another_version_is_told(cluster, house, tmp_path, capsys, monkeypatch):
+    ours = cluster_module._software() | {"numpy": "0.9"}
+    monkeypatch.setattr(cluster_module, "_software", lambda: ours)
+    assert bake(house, f"{tmp_path}/", cluster.address) == 2
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "tcp://127.0.0.1:" in told
+    assert "here it is 0.9" in told
+    assert not files(tmp_path)
+
+
+def test_ctrl_c_stops_the_cluster_too(cluster, house, tmp_path):
+    words = [house, "-o", f"{tmp_path}/", "--align", "none", "--cluster", cluster.address]
+    command = [sys.executable, "-m", "baker", *map(str, words)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    process.stderr.readline()  # the first plant is done
+    process.send_signal(signal.SIGINT)
+    rest = process.stderr.read()
+    assert process.wait(timeout=30) == 130
+    assert rest.strip().splitlines()[-1].startswith("bake: stopped")
+    assert "Traceback" not in rest
+    with distributed.Client(cluster.address, set_as_default=False) as client:
+        tasks = client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks))
+    assert tasks == 0
+
+
+def test_a_worker_killed_in_the_middle_loses_nothing(cluster, house, clips, tmp_path, capsys):
+    over = threading.Event()
+
+    def kill() -> None:
+        while not any(tmp_path.glob("*.gclip")) and not over.wait(0.005):
+            pass
+        cluster.workers[0].kill()
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        assert bake(house, f"{tmp_path}/", cluster.address) == 0, capsys.readouterr().err
+    finally:
+        over.set()
+        killer.join()
+    assert cluster.workers[0].wait() == -signal.SIGKILL
+    # A clip that the killed worker had just written stands, and is told as unchanged.
+    told = capsys.readouterr().err
+    assert "\n10 plants: " in told
+    assert "failed" not in told
+    assert files(tmp_path) == clips
+
+
+def test_nobody_there_is_told_soon(house, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cluster_module, "PATIENCE", 0.5)
+    with socket.socket() as silent:  # bound, never listening
+        silent.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{silent.getsockname()[1]}"
+        assert bake(house, f"{tmp_path}/", address) == 2
+    assert f"{address}: no scheduler answers" in capsys.readouterr().err
+    assert bake(house, f"{tmp_path}/", "local:none") == 2
+    assert "local:2" in capsys.readouterr().err
+
+
+def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert bake(house, f"{tmp_path}/", "127.0.0.1:1") == 2
+    assert 'pip install "plant-growth-clips[cluster]"' in capsys.readouterr().err
+
+
+def test_folders_that_a_worker_does_not_see_are_told(tmp_path):
+    need = cluster_module.Need(cluster_module._software(), (tmp_path, tmp_path / "elsewhere"))
+    assert "elsewhere" in need.missing()
+    assert not cluster_module.Need(cluster_module._software(), (tmp_path,)).missing()
+
+
+def test_what_ends_a_task_is_told_in_a_sentence(tmp_path):
+    job = Job("p", tmp_path, tmp_path / "p.gclip", Options())
+
+    class Ended:
+        def __init__(self, error: Exception) -> None:
+            self.error = error
+
+        def result(self) -> None:
+            raise self.error
+
+    died = distributed.KilledWorker("task", None, 3)
+    outcome = cluster_module._outcome(Ended(died), job, "there")
+    assert (outcome.name, outcome.state, outcome.code) == ("p", "failed", 2)
+    assert "died 4 times" in outcome.error
+    for error, words in (
+        (concurrent.futures.CancelledError(), "there: the scheduler is gone"),
+        (ModuleNotFoundError("No module named 'baker'"), "lacks the program"),
+    ):
+        with pytest.raises(InputError, match=words):
+            cluster_module._outcome(Ended(error), job, "there")

@@ -1,0 +1,174 @@
+"""Organs stay attached between the scans."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from baker.geometry.workers import Crew
+from baker.interpolation import attached
+from baker.interpolation.movers import Moved
+from baker.matching import IntervalOrgans, Match
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from gclip.clip import Motion
+from gclip.evaluate import bernstein
+from gclip.pack import Movers
+
+COUNT = 200
+
+
+def at(moved: Moved, u: float) -> np.ndarray:
+    curve = moved.movers.curve
+    return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
+
+
+def tasks_of(
+    leaf: tuple[np.ndarray, ...], stem: tuple[np.ndarray, ...] | None = None, born: bool = False
+) -> tuple[list[Moved], Match, IntervalOrgans]:
+    """A stem that stands at x = 0 or moves as given, and a leaf, on the given paths."""
+    upright = np.column_stack([np.zeros((COUNT, 2)), np.linspace(0, 50, COUNT)])
+    first, second = np.arange(COUNT), np.arange(COUNT, 2 * COUNT)
+    hierarchy = Hierarchy((first, second), (0, 1), (NO_PARENT, 0), 0)
+    moved = [
+        Moved(
+            Movers(Motion.MOVE, tuple(p.astype(np.float32) for p in curve), np.full(COUNT, organ)),
+            None,
+            np.ones(COUNT),
+            members,
+            members,
+            born=bool(organ) and born,
+        )
+        for organ, members, curve in ((0, first, stem or (upright, upright)), (1, second, leaf))
+    ]
+    match = Match(hierarchy, hierarchy, ((0, 0), (1, 1)), (), ())
+    return moved, match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
+
+
+def widening(moved: list[Moved]) -> float:
+    """How far the leaf parts from the stem beyond the larger gap at the scans, at 50 instants."""
+    gaps = [cKDTree(at(moved[0], u)).query(at(moved[1], u))[0].min() for u in np.linspace(0, 1, 52)]
+    return float(max(gaps) - max(gaps[0], gaps[-1]))
+
+
+def blade() -> np.ndarray:
+    along = np.linspace(0.5, 40, COUNT)
+    return np.column_stack([along, 0 * along, 25 + 0 * along])
+
+
+def test_a_base_that_would_leave_its_stem_stays() -> None:
+    leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
+    solved, match, organs = tasks_of(leaf)
+    assert widening(solved) > 5
+    after = attached(solved, match, organs, 1.0)
+    assert widening(after) < 1.0
+    assert len(after[1].movers) == COUNT  # drawn to its stem, which needs no mover to span a gap
+    for u in (0.0, 1.0):
+        np.testing.assert_array_equal(
+            np.unique(at(after[1], u), axis=0), np.unique(at(solved[1], u), axis=0)
+        )
+
+
+def test_a_gap_that_the_scans_show_is_kept() -> None:
+    """Drawn as near as at the scans, not onto the stem."""
+    away = blade() + np.array([10.0, 0.0, 0.0])
+    solved, match, organs = tasks_of((away, away + np.array([12.0, 0.0, 0.0]), away))
+    after = attached(solved, match, organs, 1.0)
+    gap = cKDTree(at(after[0], 0.5)).query(at(after[1], 0.5))[0].min()
+    assert gap == pytest.approx(10.5, abs=1.0)
+
+
+def swinging() -> tuple[np.ndarray, ...]:
+    """A stem that bends aside and comes back."""
+    upright = np.column_stack([np.zeros((COUNT, 2)), np.linspace(0, 50, COUNT)])
+    return upright, upright + np.array([20.0, 9.0, 0.0]), upright
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("bend", [False, True])
+def test_no_path_parts_an_organ_from_its_stem(degree: int, bend: bool) -> None:
+    aside = np.array([8.0, 0.0, 6.0])
+    leaf = {
+        1: (blade(), blade()[::-1] + aside * [0, 0, 1]),
+        2: (blade(), blade() + aside, blade()),
+        3: (blade(), blade() + 3 * aside, blade() - 2 * aside, blade()),
+    }[degree]
+    solved, match, organs = tasks_of(leaf, swinging())
+    assert widening(solved) > 2
+    after = attached(solved, match, organs, 1.0, bend=bend)
+    assert widening(after) < 1.0
+
+
+def test_straight_paths_stay_straight() -> None:
+    solved, match, organs = tasks_of((blade(), blade()[::-1]))
+    after = attached(solved, match, organs, 1.0, bend=False)
+    assert widening(after) < 1.0
+    assert all(len(moved.movers.curve) == 2 for moved in after)
+
+
+def test_what_is_born_unfolds_from_its_stem() -> None:
+    bud = np.tile([0.0, 0.0, 25.0], (COUNT, 1))
+    solved, match, organs = tasks_of((bud, (bud + blade()) / 2, blade()), swinging(), born=True)
+    assert widening(solved) > 3
+    after = attached(solved, match, organs, 1.0)
+    assert widening(after) < 1.0
+
+
+def test_an_organ_stays_on_what_bore_it_first() -> None:
+    """The tracks of a clip tell of one bearer, though a later scan may show another one."""
+    leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
+    solved, match, organs = tasks_of(leaf)
+    lone = replace(match.second, parents=(NO_PARENT, NO_PARENT))
+    match = replace(match, second=lone)
+    apart = attached(solved, match, organs, 1.0)
+    assert widening(apart) > 5
+    after = attached(solved, match, replace(organs, bearers={1: 0}), 1.0)
+    assert widening(after) < 1.0
+
+
+def test_the_tip_hardly_follows() -> None:
+    leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
+    solved, match, organs = tasks_of(leaf)
+    after = attached(solved, match, organs, 1.0)
+    moved = np.linalg.norm(at(after[1], 0.5)[:COUNT] - at(solved[1], 0.5), axis=1)
+    assert moved[0] > 4
+    assert moved[-1] < 0.01
+
+
+def test_what_is_attached_is_left_alone() -> None:
+    solved, match, organs = tasks_of((blade(), blade()))
+    after = attached(solved, match, organs, 1.0)
+    assert after[1] is solved[1]
+
+
+class Backwards:
+    """A pool that does the last item first."""
+
+    def map(self, function, items):
+        return [function(item) for item in reversed(items)][::-1]
+
+
+def test_who_is_asked_first_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A branch that leaves its stem half-way, and on it a row of leaves that leave the branch.
+    monkeypatch.setattr("baker.interpolation.attach.FEWEST", 2)
+    stem, branch = tasks_of((blade(), blade() + np.array([0.0, 6.0, 0.0]), blade()))[0]
+    moved, count = [stem, branch], 6
+    for k in range(count):
+        leaf = 0.3 * blade() + [5.0 * k, 0.0, 17.0]
+        curve = tuple(p.astype(np.float32) for p in (leaf, leaf + np.array([0.0, -5.0, 0.0]), leaf))
+        tracks = np.full(COUNT, k + 2)
+        moved.append(replace(branch, movers=replace(branch.movers, curve=curve, tracks=tracks)))
+    segments = tuple(np.arange(k * COUNT, (k + 1) * COUNT) for k in range(count + 2))
+    parents = (NO_PARENT, 0, *[1] * count)
+    hierarchy = Hierarchy(segments, tuple(range(count + 2)), parents, 0)
+    names = {k: k for k in range(count + 2)}
+    match = Match(hierarchy, hierarchy, tuple(names.items()), (), ())
+    plant = (match, IntervalOrgans(names, names), 1.0)
+    alone = attached(moved, *plant)
+    shared = attached(moved, *plant, crew=Crew(2, Backwards()))
+    for before, one, other in zip(moved[2:], alone[2:], shared[2:], strict=True):
+        assert not np.array_equal(before.movers.curve[1], one.movers.curve[1][:COUNT])
+        for ours, theirs in zip(one.movers.curve, other.movers.curve, strict=True):
+            np.testing.assert_array_equal(ours, theirs)

@@ -1,0 +1,86 @@
+"""New organs unfold from where they attach, later where they grow fast."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from baker import Options, bake
+from baker.interpolation.births import EVEN, LATE, Birth
+from baker.interpolation.growth_rate import Pace
+from gclip.evaluate import bernstein
+
+FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
+
+
+def write(folder, lengths, days=(0, 1, 2), points=1000):
+    """A stem, and from the second scan on a leaf of these lengths."""
+    rng = np.random.default_rng(0)
+    stem = rng.random((600, 3)) * [0.2, 0.2, 10]
+    for day, length in zip(days, lengths, strict=True):
+        leaf = rng.random((points if length else 0, 3)) * [length, 0.5, 0.1] + [0.2, 0, 8]
+        table = np.c_[np.concatenate([stem, leaf]), np.repeat([0, 1], [600, len(leaf)])]
+        np.savetxt(folder / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
+    return bake([folder], Options(**FIXED))
+
+
+def reach(clip, day):
+    frame = clip.at(day)
+    return np.quantile(frame.local[frame.tracks == 1][:, 0], 0.99) - 0.2
+
+
+def test_half_way_an_organ_has_the_size_that_its_birth_says():
+    rng = np.random.default_rng(1)
+    base, end = np.array([1.0, 2, 3]), rng.random((50, 3)) + 5
+    bud = np.tile(np.float32([1, 2, 2.8]), (50, 1))
+    for size in (LATE, 0.4, EVEN):
+        control = Birth(base, size).control(bud, end)
+        middle = np.tensordot(bernstein(2, 0.5), np.stack([bud, control, end]), axes=1)
+        assert middle - (bud + base) / 2 == pytest.approx(size * (end - base), abs=1e-5)
+
+
+def test_a_base_goes_at_the_pace_of_what_bears_it():
+    base, bud = np.array([1.0, 2, 3]), np.float32([[1, 2, 1]])
+    control = Birth(base, 0.5, Pace(np.array([0.0, 0, 2]), 0.1, 0.0)).control(bud, base[None])
+    middle = np.tensordot(bernstein(2, 0.5), np.stack([bud, control, base[None]]), axes=1)
+    assert middle == pytest.approx(bud + 0.6 * (base - bud), abs=1e-6)
+
+
+def test_an_organ_that_grows_fast_comes_late(tmp_path):
+    slow = write(tmp_path, (0, 4, 4.5))
+    assert reach(slow, 0.5) == pytest.approx(EVEN * 4, rel=0.1)
+    fast = write(tmp_path, (0, 4, 14))
+    assert reach(fast, 0.5) == pytest.approx(LATE * 4, rel=0.15)
+    assert reach(fast, 0.5) < 0.95 * reach(slow, 0.5)
+
+
+def test_what_is_small_may_have_been_there_unseen(tmp_path):
+    """A scan shows nothing of a few points: if they hardly grow they were there before."""
+    few = reach(write(tmp_path, (0, 4, 4.4), points=12), 0.5)
+    assert 0.65 * 4 < few < 0.75 * 4
+    growing = reach(write(tmp_path, (0, 4, 14), points=12), 0.5)
+    assert growing < 0.5 * 4
+
+
+def test_growth_is_told_by_the_day(tmp_path):
+    """As much growth in more days is slow, whatever the unit of time."""
+    fast = reach(write(tmp_path, (0, 4, 14), (0, 1, 2)), 0.5)
+    for days in (0, 1, 5), (0, 3, 15):
+        folder = tmp_path / str(days[-1])
+        folder.mkdir()
+        slow = reach(write(folder, (0, 4, 14), days), days[1] / 2)
+        assert slow == pytest.approx(EVEN * 4, rel=0.1)
+        assert fast < 0.95 * slow
+
+
+def test_it_never_goes_back(tmp_path):
+    clip = write(tmp_path, (0, 4, 14))
+    lengths = [reach(clip, day) for day in np.linspace(0.01, 2, 40)]
+    assert np.diff(lengths).min() > -0.01
+
+
+def test_straight_paths_stay_straight(tmp_path):
+    write(tmp_path, (0, 4, 14))
+    clip = bake([tmp_path], Options(paths="straight", **FIXED))
+    assert {interval.degree for interval in clip.intervals} == {1}
+    assert reach(clip, 0.5) == pytest.approx(2, rel=0.1)

@@ -1,0 +1,70 @@
+"""Consistent labels: pairs, births, losses, and organs through the series."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from baker.matching import follow_organs, match_by_label
+from baker.matching.match import from_pairs
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+
+def hierarchy(parents: dict[int, int | None]) -> Hierarchy:
+    labels = list(parents)
+    return Hierarchy(
+        segments=tuple(np.array([i]) for i in range(len(labels))),
+        labels=tuple(labels),
+        parents=tuple(NO_PARENT if p is None else labels.index(p) for p in parents.values()),
+        root=0,
+    )
+
+
+SEEDLING = hierarchy({0: None, 1: 0, 2: 0})
+GROWN = hierarchy({0: None, 5: 2, 2: 0, 3: 0})  # 1 is lost; 3 and, on 2, 5 are new
+
+
+def test_match_by_label():
+    match = match_by_label(SEEDLING, GROWN)
+    named = [(SEEDLING.labels[a], GROWN.labels[b]) for a, b in match.pairs]
+    assert named == [(0, 0), (2, 2)]
+    assert [GROWN.labels[i] for i in match.births] == [3, 5]  # parents before their children
+    assert [SEEDLING.labels[i] for i in match.losses] == [1]
+
+
+def test_organs_keep_their_number_and_know_their_parent():
+    matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
+    organs, named = follow_organs(matches, consistent=True)
+    by_label = {organ.label: organ for organ in organs}
+    assert len(organs) == 5
+    assert organs[0].label == 0
+    assert (by_label[1].first, by_label[1].last) == (0, 2)  # lost, then back: the same organ
+    assert (by_label[5].first, by_label[5].last) == (1, 1)
+    assert organs[by_label[5].parent].label == 2
+    assert organs[by_label[3].parent].label == 0
+    for k, match in enumerate(matches):
+        for a, b in match.pairs:
+            assert named[k].first[a] == named[k].second[b]
+    assert named[0].second == named[1].first
+
+
+def test_bearers_are_the_organs_that_organs_grow_on():
+    matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
+    organs, named = follow_organs(matches, consistent=True)
+    number = {organ.label: index for index, organ in enumerate(organs)}
+    assert named[0].bearers == {number[5]: number[2], number[2]: number[0], number[3]: number[0]}
+    assert named[1].bearers == {number[1]: number[0], number[2]: number[0]}
+
+
+def test_independent_labels_never_bring_an_organ_back():
+    matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
+    organs, _ = follow_organs(matches, consistent=False)
+    assert sum(organ.label == 1 for organ in organs) == 2
+
+
+def test_a_merged_segment_goes_on_as_its_largest_part():
+    parts = Hierarchy((np.arange(3), np.arange(3, 10)), (0, 1), (NO_PARENT, 0), 0)
+    merged = Hierarchy((np.arange(10),), (0,), (NO_PARENT,), 0)
+    matches = [from_pairs(parts, parts, [(0, 0), (1, 1)]), from_pairs(merged, merged, [(0, 0)])]
+    organs, named = follow_organs(matches, consistent=False)
+    assert organs[named[1].first[0]].label == 1
+    assert named[1].first == named[1].second

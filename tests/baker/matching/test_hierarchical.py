@@ -1,0 +1,166 @@
+"""Matching down the hierarchies (section 3.3.1): merging, children, births, losses."""
+
+import numpy as np
+import pytest
+
+from baker.matching.assignment import assign_by_minima, assign_with_dummies
+from baker.matching.hierarchical import PAPER, GreedyRules, match_greedily
+from baker.matching.lazy import LazyCosts
+from baker.matching.series import match_series
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.transport.wasserstein import least_distance, wasserstein
+
+
+def rms_distance(a, b):
+    """A stand-in for d_w that is exact for clouds that are shifted copies of each other."""
+    from scipy.spatial import cKDTree
+
+    there, back = cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]
+    return float(np.sqrt((there**2).mean() + (back**2).mean()))
+
+
+def rod(start, end):
+    length = np.linalg.norm(np.subtract(end, start))
+    return np.linspace(start, end, max(2, int(20 * length)))
+
+
+def scan(parents, *rods):
+    points = np.concatenate(rods)
+    stops = np.cumsum([len(r) for r in rods])
+    segments = tuple(np.arange(stop - len(r), stop) for r, stop in zip(rods, stops, strict=True))
+    labels = (None,) * len(rods)
+    return points, Hierarchy(segments, labels, tuple(parents), 0)
+
+
+STEM = rod([0, 0, 0], [0, 0, 10])
+LEFT, RIGHT = rod([0, 0, 5], [4, 0, 7]), rod([0, 0, 5], [-4, 0, 7])
+LOWER_STEM, UPPER_STEM = rod([0, 0, 0], [0, 0, 5]), rod([0, 0, 5], [0, 0, 10])
+
+
+def matched(first, second, rules):
+    (p, h), (q, g) = first, second
+    return match_greedily((p, q), (h, g), rms_distance, rules)
+
+
+@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
+def test_children_meet_whatever_their_order(rules):
+    first = scan([NO_PARENT, 0, 0], STEM, LEFT, RIGHT)
+    second = scan([NO_PARENT, 0, 0], STEM, RIGHT, LEFT)
+    match = matched(first, second, rules)
+    assert sorted(match.pairs) == [(0, 0), (1, 2), (2, 1)]
+    assert not match.births
+    assert not match.losses
+
+
+@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
+def test_a_stem_cut_at_a_new_fork_is_merged_again(rules):
+    first = scan([NO_PARENT], STEM)
+    second = scan([NO_PARENT, 0, 0], LOWER_STEM, UPPER_STEM, LEFT)
+    match = matched(first, second, rules)
+    assert len(match.second.segments) == 2
+    stem = match.second.segments[match.pairs[0][1]]
+    assert len(stem) == len(LOWER_STEM) + len(UPPER_STEM)
+    assert [len(match.second.segments[b]) for b in match.births] == [len(LEFT)]
+    assert any("merged" in note for note in match.notes)
+
+
+def test_only_the_default_merges_in_the_first_scan():
+    first = scan([NO_PARENT, 0], LOWER_STEM, UPPER_STEM)
+    second = scan([NO_PARENT], STEM)
+    assert len(matched(first, second, GreedyRules()).losses) == 0
+    assert len(matched(first, second, PAPER).losses) == 1
+
+
+@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
+def test_a_subtree_is_born_and_lost_whole(rules):
+    twig = rod([2, 0, 6], [2, 3, 8])
+    bare, full = scan([NO_PARENT], STEM), scan([NO_PARENT, 0, 1], STEM, LEFT, twig)
+    born = matched(bare, full, rules)
+    assert [len(born.second.segments[b]) for b in born.births] == [len(LEFT), len(twig)]
+    lost = matched(full, bare, rules)
+    assert [len(lost.first.segments[b]) for b in lost.losses] == [len(LEFT), len(twig)]
+
+
+def test_birth_and_loss_may_share_an_interval_by_default():
+    first = scan([NO_PARENT, 0], STEM, rod([0, 0, 1], [3, 0, 1]))
+    second = scan([NO_PARENT, 0], STEM, rod([0, 0, 9], [-3, 0, 9]))
+    assert len(matched(first, second, GreedyRules()).births) == 1
+    assert len(matched(first, second, PAPER).births) == 0
+
+
+def test_a_very_deep_hierarchy_is_no_recursion():
+    pieces = [rod([0, 0, z], [0, 0, z + 0.9]) for z in range(1500)]
+    chain = scan([NO_PARENT, *range(1499)], *pieces)
+    match = match_greedily(
+        (chain[0], chain[0]), (chain[1], chain[1]), lambda a, b: abs(len(a) - len(b)), PAPER
+    )
+    assert len(match.pairs) == 1500
+
+
+def lazily(costs):
+    return LazyCosts(np.zeros_like(costs), lambda i, j: float(costs[i, j]))
+
+
+def test_assignment_by_minima_leaves_out_the_farthest():
+    costs = np.array([[1.0, 9.0, 2.0], [8.0, 9.0, 1.0]])
+    assert assign_by_minima(lazily(costs)) == [(0, 0), (1, 2)]
+    assert assign_by_minima(lazily(costs.T)) == [(0, 0), (2, 1)]
+
+
+def rosette(count, turn, seed):
+    """Leaves all around a stem, numbered at random."""
+    random = np.random.default_rng(seed)
+    angles = turn + 2 * np.pi * random.permutation(count) / count
+    leaves = [
+        rod([0, 0, 5], [3 * np.cos(a), 3 * np.sin(a), 6 + a / 9]) + random.normal(0, 0.02, 3)
+        for a in angles
+    ]
+    return scan([NO_PARENT] + [0] * count, STEM, *leaves)
+
+
+@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
+def test_bounds_change_nothing_but_how_many_distances_are_worked_out(rules):
+    (p, h), (q, g) = rosette(30, 0.0, 1), rosette(26, 0.05, 2)
+    asked, told = [], []
+
+    def distance(a, b):
+        asked.append(1)
+        return wasserstein(a, b)
+
+    every = match_greedily((p, q), (h, g), distance, rules)
+    full, asked = len(asked), []
+    few = match_greedily((p, q), (h, g), distance, rules, least_distance, told.append)
+    assert (few.pairs, few.merges) == (every.pairs, every.merges)
+    assert [s.tolist() for s in few.second.segments] == [s.tolist() for s in every.second.segments]
+    assert len(few.pairs) > 20
+    if rules is PAPER:
+        assert len(asked) < full / 4
+    assert told == sorted(told)
+    assert len(told) == len(asked)
+    assert told[-1] >= 1
+
+
+def test_dummies_are_used_where_they_are_cheaper():
+    costs = np.array([[1.0, 50.0], [50.0, 9.0]])
+    price = np.array([4.0, 4.0])
+    assert assign_with_dummies(costs, price, price) == [(0, 0)]
+    assert assign_with_dummies(costs, 2 * price, 2 * price) == [(0, 0), (1, 1)]
+    # However dear it is to stay alone, nobody takes another one's place to.
+    assert len(assign_with_dummies(np.full((2, 2), 5.0), 9 * price, price / 4)) == 2
+    assert assign_with_dummies(np.full((2, 2), 50.0), 9 * price, price) == []
+
+
+@pytest.mark.parametrize("by_label", [False, True])
+def test_progress_goes_up_to_all_segments(by_label):
+    scans = [rosette(count, 0.1 * count, count) for count in (4, 6, 5)]
+    told = []
+    match_series(
+        [points for points, _ in scans],
+        [hierarchy for _, hierarchy in scans],
+        by_label=by_label,
+        rules=PAPER,
+        tell=lambda done, total: told.append((done, total)),
+    )
+    assert (told[0], told[-1]) == ((0, 13), (13, 13))
+    assert told == sorted(told)
+    assert (7, 13) in told

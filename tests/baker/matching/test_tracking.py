@@ -1,0 +1,172 @@
+"""Organs numbered anew in every scan, followed through the whole series."""
+
+import numpy as np
+import pytest
+
+from baker.matching.descriptors import shapes_of
+from baker.matching.score import gains
+from baker.matching.tracking import follow, track_organs
+from grow import plant
+
+
+def whorl(day: int, rng: np.random.Generator):
+    """A stem with arched leaves in two opposite rows; the upper ones are born later, one a day."""
+    organs = [np.linspace([0, 0, 0], [0, 0, 20 + 4 * day], 300)]
+    for leaf in range(2 + day):
+        length = 12.0 * min(day - leaf + 3, 4)
+        along = np.linspace(0, 1, 150)[:, None] * length
+        side = 1.0 if leaf % 2 else -1.0
+        base = np.array([0.1 * side, 0.0, 8.0 + 4 * leaf])
+        organs.append(base + along * [side, 0.2, 1.0] - along**2 * [0, 0, 0.015])
+    labels = np.repeat(np.arange(len(organs)), [len(organ) for organ in organs])
+    points = np.concatenate(organs)
+    return points + rng.normal(0, 0.05, points.shape), labels
+
+
+@pytest.fixture
+def series():
+    rng = np.random.default_rng(5)
+    scans = [whorl(day, rng) for day in range(5)]
+    return [points for points, _ in scans], [labels for _, labels in scans]
+
+
+def shuffled(labels, seed=1):
+    rng = np.random.default_rng(seed)
+    return [rng.permutation(names.max() + 1)[names] for names in labels]
+
+
+def feet(clouds):
+    return [int(np.argmin(cloud[:, 2])) for cloud in clouds]
+
+
+def assert_same_organs(truth, tracks):
+    """One track an organ, one organ a track, over the whole series."""
+    pairs = {
+        (int(organ), int(track))
+        for names, numbers in zip(truth, tracks, strict=True)
+        for organ, track in zip(names, numbers, strict=True)
+    }
+    assert len(pairs) == len({o for o, _ in pairs}) == len({t for _, t in pairs})
+
+
+def test_leaves_of_a_whorl_keep_their_tracks(series):
+    clouds, truth = series
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+
+
+def test_backwards_the_same_organs(series):
+    clouds, truth = (list(reversed(part)) for part in series)
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+
+
+def test_the_up_axis_and_the_unit_do_not_matter(series):
+    clouds, truth = series
+    turned = [cloud[:, [1, 2, 0]] * 0.001 + 7.0 for cloud in clouds]
+    assert_same_organs(truth, track_organs(turned, shuffled(truth), feet(clouds)))
+
+
+@pytest.mark.parametrize("scans", [(2,), (2, 3)])
+def test_an_organ_hidden_in_a_scan_comes_back_as_itself(series, scans):
+    clouds, truth = (list(part) for part in series)
+    for scan in scans:
+        seen = truth[scan] != 1
+        clouds[scan], truth[scan] = clouds[scan][seen], truth[scan][seen]
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+
+
+def test_half_a_leaf_is_still_the_leaf(series):
+    clouds, truth = (list(part) for part in series)
+    reach = np.abs(clouds[2][:, 0])
+    seen = (truth[2] != 2) | (reach < np.median(reach[truth[2] == 2]))
+    clouds[2], truth[2] = clouds[2][seen], truth[2][seen]
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+
+
+def test_numbers_go_by_first_appearance(series):
+    clouds, truth = series
+    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
+    highest = -1
+    for numbers in tracks:
+        assert numbers.dtype == np.int64
+        new = np.unique(numbers[numbers > highest])
+        assert np.array_equal(new, np.arange(highest + 1, highest + 1 + len(new)))
+        highest = max(highest, int(numbers.max()))
+
+
+@pytest.mark.parametrize("kind", ["maize", "tomato"])
+def test_plants_that_grow(kind):
+    subject = plant(kind, 2)
+    days = subject.default_days[::2]
+    scans = [subject.cloud(day, 4000, colors=False) for day in days]
+    clouds, truth = [s.points for s in scans], [s.labels for s in scans]
+    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
+    right, shared = 0, 0
+    for k in range(1, len(days)):
+        for organ in np.intersect1d(truth[k - 1], truth[k]):
+            before = tracks[k - 1][truth[k - 1] == organ][0]
+            right += before == tracks[k][truth[k] == organ][0]
+            shared += 1
+    assert right / shared >= 0.95
+
+
+@pytest.mark.parametrize("labels", [[0], [0, 0], [0, 1], [4, 4, 9, 2]])
+def test_a_handful_of_points(labels):
+    points = np.arange(3.0 * len(labels)).reshape(-1, 3)
+    names = np.array(labels)
+    tracks = track_organs([points, points, points], [names] * 3, [0, 0, 0])
+    assert all(np.array_equal(tracks[0], later) for later in tracks)
+
+
+def test_worth_is_the_same_both_ways(series):
+    clouds, truth = series
+    young, old = (shapes_of(clouds[k], truth[k], 0) for k in (1, 3))
+    there, back = gains(young, old), gains(old, young)
+    assert np.array_equal(there, back.T)
+    assert (there.argmax(axis=1) == np.arange(len(young.labels))).all()
+
+
+def test_only_what_shrinks_is_worth_less_for_it(monkeypatch):
+    stem = np.linspace([0, 0, 0], [0, 0, 30], 200)
+
+    def scan(*lengths):
+        leaves = [np.linspace([0, 0, 15], [length, 0, 15], 100) for length in lengths]
+        return shapes_of(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
+
+    before, after = scan(10.0, 10.0), scan(6.0, 16.0)
+    worth = gains(before, after)
+    monkeypatch.setattr("baker.matching.score.SHRINK", 0.0)
+    lost = (gains(before, after) - worth)[1:, 1:]
+    assert (lost[:, 0] > 0.05).all()
+    assert not lost[:, 1].any()
+
+
+def test_a_path_through_a_later_scan_beats_a_poor_successor():
+    one, two = np.array([[5.0]]), np.array([[0.0, 5.0]])
+    worth = {
+        (0, 1): np.array([[1.0]]),
+        (1, 2): np.array([[-1.0, 4.0]]),
+        (0, 2): np.array([[3.0, -1.0]]),
+    }
+    assert [t.tolist() for t in follow([1, 1, 2], worth)] == [[0], [1], [0, 1]]
+    assert [t.tolist() for t in follow([1, 1, 2], {(0, 1): one, (1, 2): two})] == [[0], [0], [1, 0]]
+
+
+def test_no_match_is_worth_it():
+    never = {(0, 1): np.full((2, 2), -np.inf)}
+    assert [t.tolist() for t in follow([2, 2], never)] == [[0, 1], [2, 3]]
+
+
+def test_births_and_losses_in_one_interval():
+    worth = {(0, 1): np.array([[2.0, -1.0, -1.0], [-1.0, -1.0, -1.0]])}
+    assert [t.tolist() for t in follow([2, 3], worth)] == [[0, 1], [0, 2, 3]]
+
+
+def test_a_known_stem_orders_its_organs_however_they_hang():
+    """Two leaves on a stem, and two on each of those, as where leaves of a whorl touch."""
+    ends = [([0, 0, 0], [0, 0, 10]), ([0, 0, 5], [9, 0, 5]), ([0, 0, 9], [-9, 0, 9])]
+    ends += [([9, 0, 5], [9, y, 7]) for y in (-6, 6)] + [([-9, 0, 9], [-9, y, 9]) for y in (-6, 6)]
+    cloud = np.concatenate([np.linspace(a, b, 50) for a, b in ends])
+    names = np.repeat(np.arange(len(ends)), 50)
+    unsure, sure = (shapes_of(cloud, names, 0, stem) for stem in (False, True))
+    assert not unsure.below.any()
+    assert sure.below[2] > sure.below[1]

@@ -1,0 +1,101 @@
+"""The camera's file: what it may say, and what is said about it when it can't be used."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from baker.errors import InputError
+from baker.scans.rgbd.camera import Camera, Patterns, find_camera, read_camera
+from baker.scans.rgbd.depth_repair import RepairOptions
+
+FULL = """
+fx = 610
+fy = 611.5
+cx = 239.5
+cy = 179.5
+width = 480
+height = 360
+depth_unit = "0.125 mm"
+crop = [80, 60]
+ground = 500
+background = "#0000ff"
+per_day = 24
+[images]
+color = "rgbd_plant/rgb_00_*.png"
+[repair]
+jump = 3.5
+ring = 0
+"""
+
+
+def test_every_field_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "camera.toml"
+    path.write_text(FULL)
+    assert read_camera(path) == Camera(
+        fx=610.0,
+        fy=611.5,
+        cx=239.5,
+        cy=179.5,
+        width=480,
+        height=360,
+        depth_unit=0.125,
+        crop=(80, 60),
+        ground=500.0,
+        background=0x0000FF,
+        per_day=24,
+        images=Patterns(color="rgbd_plant/rgb_00_*.png"),
+        repair=RepairOptions(ring=0, jump=3.5),
+    )
+
+
+def test_four_numbers_are_enough_and_json_will_do(tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(json.dumps({"fx": 1, "fy": 2, "cx": 3, "cy": 4}))
+    assert find_camera(tmp_path) == path
+    assert read_camera(path) == Camera(1.0, 2.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("unit", "millimetres"),
+    [
+        ("0.25", 0.25),
+        ('"m"', 1000),
+        ('"mm"', 1),
+        ('"100 um"', 0.1),
+        ('"1e-4m"', 0.1),
+        ("1e-9", 1e-9),
+    ],
+)
+def test_units_of_depth(tmp_path: Path, unit: str, millimetres: float) -> None:
+    path = tmp_path / "camera.toml"
+    path.write_text(f"fx=1\nfy=1\ncx=1\ncy=1\ndepth_unit = {unit}\n")
+    assert read_camera(path).depth_unit == pytest.approx(millimetres)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("fx = 610", ""), "lacks fx; a camera needs fx, fy, cx and cy"),
+        (("fx = 610", "fx = -1"), "fx is -1, but must be a number above 0"),
+        (("fx = 610", 'fx = "wide"'), "fx is 'wide', but must be a number"),
+        (("fx = 610", "fx = nan"), "fx is nan"),
+        (("fx = 610", "fx ="), "is no sound TOML file"),
+        (("width = 480", "widht = 480"), "unknown field 'widht'; known are fx, fy"),
+        (("ring = 0", "rings = 0"), "unknown field 'repair.rings'; known are ring, band, jump"),
+        (("ring = 0", "ring = 0.5"), "repair.ring is 0.5, but must be a whole number"),
+        (("width = 480", "width = 0"), "width is 0, but must be a whole number, 1 or more"),
+        (("[80, 60]", "[80]"), r"crop is \[80\], but must be two whole numbers"),
+        (('"0.125 mm"', '"1 inch"'), "depth_unit is '1 inch', but must be a number of mm"),
+        (('"0.125 mm"', "0"), "depth_unit is 0, but must be"),
+        (('"#0000ff"', '"blue"'), "background is 'blue', but must be"),
+        (("rgb_00_*", "rgb_00"), r"images.color is .* one \*"),
+        (("rgbd_plant/", "../"), "images.color is .* a path in the folder"),
+    ],
+)
+def test_what_can_not_be_used(tmp_path: Path, change: tuple[str, str], said: str) -> None:
+    path = tmp_path / "camera.toml"
+    assert change[0] in FULL
+    path.write_text(FULL.replace(*change))
+    with pytest.raises(InputError, match=said):
+        read_camera(path)

@@ -1,0 +1,43 @@
+"""The spanning tree finds the true forks of a thin tree (the preset tree1 at its own density)."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from baker.geometry.spacing import point_spacing
+from baker.geometry.up_axis import Vertical
+from baker.segmentation.from_labels import root_point
+from baker.segmentation.from_spanning_tree import segment_thin
+from grow import plant
+
+SHORTEST = 4  # edges: a branch of more is a branch
+
+
+def found_forks(points: np.ndarray, threshold: int) -> np.ndarray:
+    """(F, 3) where segments meet: each segment's point nearest to the one it grows from."""
+    root = root_point(points, Vertical.named("z"))
+    hierarchy = segment_thin(points, root, threshold=threshold).hierarchy
+    forks = []
+    for segment, parent in enumerate(hierarchy.parents):
+        if parent >= 0:
+            own, other = points[hierarchy.segments[segment]], points[hierarchy.segments[parent]]
+            distance, nearest = cKDTree(other).query(own)
+            forks.append(other[nearest[np.argmin(distance)]])
+    return np.array(forks)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_true_forks_are_found(seed):
+    tree = plant("tree1", seed=seed)
+    precise, recalled = [], []
+    for day in tree.default_days:
+        cloud = tree.cloud(day)
+        points = cloud.points.astype(float)
+        near = 6 * point_spacing(points)
+        seen = set(cloud.labels.tolist())
+        truth = [o.base for o in tree.organs(day) if o.parent >= 0 and o.label in seen]
+        forks = found_forks(points, SHORTEST)
+        precise += (cKDTree(truth).query(forks)[0] < near).tolist()
+        recalled += (cKDTree(forks).query(truth)[0] < near).tolist()
+    assert np.mean(precise) >= 0.9
+    assert np.mean(recalled) >= 0.9

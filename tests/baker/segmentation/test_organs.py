@@ -1,0 +1,112 @@
+"""Blades are told from stem and petioles, at any scale, density and turn."""
+
+import numpy as np
+import pytest
+from seedling import seedling, tube
+
+from baker.geometry.up_axis import Vertical
+from baker.segmentation.from_labels import root_point
+from baker.segmentation.organs import segment_organs
+
+UP = Vertical.named("z")
+
+
+def organs(*clouds: np.ndarray) -> list[np.ndarray]:
+    return segment_organs(clouds, [root_point(cloud, UP) for cloud in clouds])
+
+
+def mean_overlap(truth: np.ndarray, found: np.ndarray) -> float:
+    """Mean over the true organs of the best intersection over union."""
+    best = []
+    for label in np.unique(truth):
+        own = truth == label
+        best.append(
+            max((own & (found == n)).sum() / (own | (found == n)).sum() for n in np.unique(found))
+        )
+    return float(np.mean(best))
+
+
+@pytest.mark.parametrize("blades", [1, 2, 3])
+def test_blades_are_told_from_stem_and_petioles(blades):
+    points, truth = seedling(blades)
+    (found,) = organs(points)
+    assert len(np.unique(found)) == blades + 1
+    assert mean_overlap(truth, found) > 0.9
+    stem = truth == 0
+    assert (found[stem] == 0).mean() > 0.9
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_the_unit_does_not_matter(scale):
+    points, truth = seedling()
+    (found,) = organs(points * scale + 7.0 * scale)
+    assert mean_overlap(truth, found) > 0.9
+
+
+@pytest.mark.parametrize("density", [12.0, 200.0])
+def test_the_density_does_not_matter(density):
+    points, truth = seedling(density=density)
+    (found,) = organs(points)
+    assert mean_overlap(truth, found) > 0.85
+
+
+def test_an_uneven_density_does_not_matter():
+    points, truth = seedling(density=100.0)
+    rng = np.random.default_rng(2)
+    share = (points[:, 0] - points[:, 0].min()) / np.ptp(points[:, 0])
+    kept = rng.random(len(points)) < 0.15 + 0.85 * share
+    (found,) = organs(points[kept])
+    assert mean_overlap(truth[kept], found) > 0.85
+
+
+def test_floating_points_do_not_mislead():
+    points, truth = seedling()
+    rng = np.random.default_rng(3)
+    low, high = points.min(axis=0), points.max(axis=0)
+    floating = rng.uniform(low, high, (len(points) // 50, 3))
+    (found,) = organs(np.vstack([points, floating]))
+    assert mean_overlap(truth, found[: len(points)]) > 0.85
+
+
+def test_the_same_cloud_gives_the_same_organs():
+    points, _ = seedling()
+    assert np.array_equal(organs(points)[0], organs(points.copy())[0])
+
+
+def test_a_bare_stem_is_one_organ():
+    rng = np.random.default_rng(0)
+    (found,) = organs(tube([0, 0, 0], [1, 0, 12], 1.0, 40, rng))
+    assert not found.any()
+
+
+def test_a_bare_branch_is_an_organ():
+    rng = np.random.default_rng(0)
+    trunk = tube([0, 0, 0], [0, 0, 20], 1.0, 40, rng)
+    twig = tube([0.4, 0, 8], [8, 0, 12], 0.5, 40, rng)
+    (found,) = organs(np.vstack([trunk, twig]))
+    assert mean_overlap(np.repeat([0, 1], [len(trunk), len(twig)]), found) > 0.9
+
+
+@pytest.mark.parametrize("count", [1, 2, 10])
+def test_a_handful_of_points_is_one_organ(count):
+    (found,) = organs(np.random.default_rng(0).random((count, 3)))
+    assert found.shape == (count,)
+    assert not found.any()
+
+
+def test_points_all_in_one_place():
+    (found,) = organs(np.zeros((50, 3)))
+    assert not found.any()
+
+
+def test_the_next_scan_tells_of_a_leaf_that_is_not_plain_yet():
+    """A leaf half unrolled, too short to be a branch: seen only because it unfolds later."""
+    rng = np.random.default_rng(0)
+    plant, _ = seedling(2)
+    rolled = tube([0, 0, 7.5], [0, 0, 9.4], 1.0, 60, rng) * [1.0, 0.4, 1.0]
+    flat = np.column_stack([rng.uniform(-1.5, 1.5, 800), np.zeros(800), rng.uniform(7.5, 13, 800)])
+    unrolled = flat + rng.normal(0, 0.02, flat.shape)
+    early, late = np.vstack([plant, rolled]), np.vstack([plant, unrolled])
+    alone, told = organs(early)[0], organs(early, late)[0]
+    assert (alone[-len(rolled) :] == 0).mean() > 0.9
+    assert (told[-len(rolled) :] != 0).mean() > 0.5

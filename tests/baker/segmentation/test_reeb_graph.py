@@ -1,0 +1,105 @@
+"""The skeleton: an even sample, its level sets, loops cut and holes closed."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from seedling import seedling, tube
+
+from baker.segmentation.merging import join_touching
+from baker.segmentation.organ_classification import flatness
+from baker.segmentation.reeb_graph import level_tree
+from baker.segmentation.voxel_sampling import even_sample, one_per_cube
+
+
+def sample_of(points: np.ndarray):
+    return even_sample(points, int(np.argmin(points[:, 2])), 10)
+
+
+def test_the_stem_is_measured():
+    for factor in (0.2, 1.0, 30.0):
+        points, _ = seedling(density=60)
+        assert sample_of(points * factor).diameter == pytest.approx(factor, rel=0.25)
+
+
+def test_one_point_a_cube():
+    points = np.random.default_rng(0).random((2000, 3))
+    kept = one_per_cube(points, 0.2)
+    assert len(np.unique(np.floor((points[kept] - points.min(axis=0)) / 0.2), axis=0)) == len(kept)
+    assert len(kept) == len(np.unique(np.floor((points - points.min(axis=0)) / 0.2), axis=0))
+
+
+def test_every_point_of_the_cloud_goes_to_its_nearest():
+    points, _ = seedling()
+    sample = sample_of(points)
+    assert np.array_equal(sample.nearest, cKDTree(sample.points).query(points)[1])
+
+
+def test_distances_never_undercut_the_straight_way():
+    points, _ = seedling()
+    sample = sample_of(points)
+    base = sample.points[np.argmin(sample.distance)]
+    straight = np.linalg.norm(sample.points - base, axis=1)
+    assert (sample.distance >= straight - 1e-9).all()
+
+
+def test_nodes_form_a_tree_and_hold_every_point_once():
+    points, _ = seedling()
+    sample = sample_of(points)
+    tree = level_tree(sample)
+    assert tree.parent[0] == -1
+    assert all(0 <= parent < node for node, parent in enumerate(tree.parent) if node)
+    assert tree.count.sum() == len(sample.points)
+    assert tree.gathered(tree.count)[0] == len(sample.points)
+    for node, children in enumerate(tree.children):
+        assert all(tree.parent[child] == node for child in children)
+
+
+def test_a_hole_in_the_stem_makes_no_branches():
+    rng = np.random.default_rng(0)
+    stem = tube([0, 0, 0], [0, 0, 20], 1.0, 60, rng)
+    hole = (abs(stem[:, 2] - 10) < 0.5) & (stem[:, 0] > 0)
+    tree = level_tree(sample_of(stem[~hole]))
+    assert max(map(len, tree.children)) == 1
+
+
+def test_leaves_that_touch_stay_two():
+    """Two arms that meet at their tips: a loop too long for a hole is cut where they meet."""
+    rng = np.random.default_rng(0)
+    stem = tube([0, 0, 0], [0, 0, 8], 1.0, 60, rng)
+    arms = [tube([0.2 * side, 0, 8], [4 * side, 0, 12], 0.6, 60, rng) for side in (-1, 1)] + [
+        tube([4 * side, 0, 12], [0.05 * side, 0, 16], 0.6, 60, rng) for side in (-1, 1)
+    ]
+    sample = sample_of(np.vstack([stem, *arms]))
+    tree = level_tree(sample)
+    branch = np.zeros(len(tree.parent), int)
+    for node, parent in enumerate(tree.parent):
+        above = tree.reach[node] > 4 and parent >= 0 and len(tree.children[parent]) > 1
+        branch[node] = node if above else branch[max(parent, 0)]
+    high = (sample.points[:, 2] > 10) & (sample.points[:, 2] < 15)
+    left, right = (branch[tree.node][high & (s * sample.points[:, 0] > 0)] for s in (-1, 1))
+    values = np.unique(left)
+    assert len(values) == 1
+    assert values[0] not in right
+
+
+def test_flatness_tells_rod_from_sheet():
+    points, truth = seedling(density=80)
+    sample = sample_of(points)
+    label = truth[cKDTree(points).query(sample.points)[1]]
+    ratio = flatness(sample)
+    assert np.median(ratio[label == 0]) > 0.6
+    assert np.median(ratio[label > 0]) < 0.3
+
+
+def test_strips_of_a_sheet_are_joined_and_leaves_are_not():
+    points, truth = seedling(density=60)
+    sample = sample_of(points)
+    label = truth[cKDTree(points).query(sample.points)[1]]
+    assert np.array_equal(join_touching(sample, label), label)
+    own = np.flatnonzero(label == 1)
+    middle = sample.points[own] - sample.points[own].mean(axis=0)
+    across = np.linalg.svd(middle, full_matrices=False)[2][1]
+    strip = label.copy()
+    strip[own[abs(middle @ across - 0.4) < 0.35]] = 4
+    assert (strip == 4).any()
+    assert not (join_touching(sample, strip) == 4).any()

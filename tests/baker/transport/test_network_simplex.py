@@ -1,0 +1,97 @@
+"""The network simplex: optimal from whatever feasible plan it is given."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.spatial.distance import cdist
+from transport_clouds import leaf
+
+from baker.transport.bisection import couple
+from baker.transport.network_simplex import improve_cells
+from baker.transport.problem import uniform_masses
+
+
+def optimum(start, end, supply, demand, power):
+    n, m = len(start), len(end)
+    rows = np.kron(np.eye(n), np.ones(m))
+    columns = np.kron(np.ones(n), np.eye(m))
+    cost = (cdist(start, end) ** power).ravel()
+    return linprog(cost, A_eq=np.vstack([rows, columns]), b_eq=np.concatenate([supply, demand])).fun
+
+
+def improved(start, end, edges, mass, power=2, first=None, exhaustive=True):
+    first = np.array([0, len(mass)]) if first is None else first
+    alone = [np.arange(len(side), dtype=np.int32)[:, None] for side in (start, end)]
+    return improve_cells(start, end, *alone, edges[0], edges[1], mass, first, power, exhaustive)
+
+
+def cost_of(start, end, rows, columns, mass, power=2):
+    return float(mass @ np.linalg.norm(start[rows] - end[columns], axis=1) ** power)
+
+
+def assert_sums(plan, supply, demand):
+    rows, columns, mass = plan
+    assert (mass > 0).all()
+    np.testing.assert_array_equal(np.bincount(rows, mass, len(supply)), supply)
+    np.testing.assert_array_equal(np.bincount(columns, mass, len(demand)), demand)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize(("n", "m"), [(9, 14), (20, 20), (40, 25)])
+def test_optimal_from_a_plan_without_circles(n, m, power):
+    start, end = leaf(n), leaf(m, 1.4, seed=3)
+    supply, demand = uniform_masses(n, m)
+    plan = improved(start, end, *couple(start, end, supply, demand, 0), power=power)
+    assert_sums(plan, supply, demand)
+    assert cost_of(start, end, *plan, power=power) == pytest.approx(
+        optimum(start, end, supply, demand, power)
+    )
+    assert len(plan[0]) < n + m
+
+
+def test_optimal_from_a_plan_full_of_circles():
+    start, end = leaf(12), leaf(8, 1.4, seed=3)
+    everywhere = tuple(side.ravel() for side in np.indices((12, 8)))
+    mass = np.random.default_rng(0).integers(1, 50, 96)
+    supply, demand = np.bincount(everywhere[0], mass), np.bincount(everywhere[1], mass)
+    plan = improved(start, end, everywhere, mass)
+    assert_sums(plan, supply, demand)
+    assert cost_of(start, end, *plan) == pytest.approx(optimum(start, end, supply, demand, 2))
+
+
+def test_a_plan_in_pieces_is_joined_where_that_is_cheaper():
+    start = np.array([[0.0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]])
+    crossed = np.array([2, 0, 1])
+    rows, columns, _ = improved(start, start + 0.1, (np.arange(3), crossed), np.ones(3, np.int64))
+    np.testing.assert_array_equal(columns[np.argsort(rows)], np.arange(3))
+
+
+def test_many_equal_costs_do_not_run_in_circles():
+    lattice = np.indices((6, 6, 1)).reshape(3, -1).T.astype(float)
+    supply, _ = uniform_masses(36, 36)
+    backwards = (np.arange(36), np.arange(36)[::-1])
+    assert cost_of(lattice, lattice, *improved(lattice, lattice, backwards, supply)) == 0.0
+
+
+def test_cells_do_not_touch_one_another():
+    start, end = leaf(40), leaf(40, 1.4, seed=3)
+    rows, columns = np.arange(40), np.random.default_rng(1).permutation(40)
+    mass = np.full(40, 3)
+    together = improved(start, end, (rows, columns), mass, first=np.array([0, 25, 40]))
+    for span in (slice(0, 25), slice(25, 40)):
+        alone = improved(start, end, (rows[span], columns[span]), mass[span])
+        inside = np.isin(together[0], rows[span])
+        for found, expected in zip(together, alone, strict=True):
+            np.testing.assert_array_equal(found[inside], expected)
+
+
+def test_neighbours_partners_lead_near_the_optimum():
+    from scipy.spatial import cKDTree
+
+    start, end = leaf(150), leaf(210, 1.1, seed=3)
+    supply, demand = uniform_masses(150, 210)
+    edges, mass = couple(start, end, supply, demand, 0)
+    near = [cKDTree(side).query(side, np.arange(2, 8))[1].astype(np.int32) for side in (start, end)]
+    plan = improve_cells(start, end, *near, *edges, mass, np.array([0, len(mass)]), 2, False)
+    assert_sums(plan, supply, demand)
+    assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001

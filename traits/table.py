@@ -1,0 +1,170 @@
+"""Measurements as a table in long format: one value a row, ready for statistics."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, TextIO
+from unicodedata import normalize
+
+from gclip.dates import date_at
+from gclip.text import printable
+from traits.traits import Measurement, measure
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+TRAITS = {"height": 1, "length": 1, "area": 2, "hull": 3}  # power of the length unit
+NAMES = {"hull": "hull_volume"}
+COLUMNS = (
+    *("plant", "level", "track", "organ", "kind", "parent", "born", "lost"),
+    *("trait", "value", "unit", "state", "time", "date", "start", "end", "elapsed", "time_unit"),
+    *("points", "sure", "method", "clip_digest"),
+)
+DIGITS = 7  # that a float32 clip has to tell
+
+
+@dataclass(frozen=True)
+class Namer:
+    """What the rows of one clip have in common: the clip, and what the plant is called."""
+
+    clip: Clip
+    plant: str
+
+    def date_at(self, day: float) -> str:
+        return date_at(self.clip.scans, day)
+
+
+def measure_days(clip: Clip) -> list[float]:
+    """The scans, and the middle between each two."""
+    middles = [(before + after) / 2 for before, after in pairwise(clip.times)]
+    return sorted([*clip.times, *middles])
+
+
+def write_table(
+    file: TextIO,
+    namer: Namer,
+    days: Sequence[float],
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> None:
+    """Measure a clip on some days and write a table in CSV (RFC 4180).
+
+    Values are marked `scan` or `between`; `rate` rows say how fast a trait grew from one scan to
+    the next, with both times and what passed between them. Days that are no scan's give no rates.
+    """
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    found: dict[float, list[Measurement]] = {}
+    about = provenance(namer.clip)
+    for done, day in enumerate(days):
+        progress(done, len(days))
+        found[day] = measure(namer.clip, day)
+        writer.writerows(_safe(row) for row in _values(namer, found[day], about))
+    scans = [time for time in namer.clip.times if time in found]
+    for before, after in pairwise(scans):
+        rates = _rates(namer, found[before], found[after], about)
+        writer.writerows(_safe(row) for row in rates)
+    progress(len(days), len(days))
+
+
+def _values(namer: Namer, found: Iterable[Measurement], about: tuple[str, str]) -> Iterator[list]:
+    clip = namer.clip
+    for one in found:
+        state = "scan" if one.time in clip.times else "between"
+        when = [state, _number(one.time), namer.date_at(one.time), "", "", ""]
+        for trait, power in TRAITS.items():
+            value = getattr(one, trait)
+            if value is not None:
+                what = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
+                yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, trait), *about]
+        if one.angle is not None:
+            what = ["angle", _number(one.angle), "degrees"]
+            yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, "angle"), *about]
+
+
+def _rates(
+    namer: Namer,
+    before: Iterable[Measurement],
+    after: Iterable[Measurement],
+    about: tuple[str, str],
+) -> Iterator[list]:
+    clip, earlier = namer.clip, {one.track: one for one in before}
+    for late in after:
+        early = earlier.get(late.track)
+        if early is None:
+            continue
+        passed = late.time - early.time
+        when = ["rate", "", "", _number(early.time), _number(late.time), _number(passed)]
+        for trait, power in TRAITS.items():
+            first, last = getattr(early, trait), getattr(late, trait)
+            if first is not None and last is not None:
+                unit = f"{_unit(clip, power)}/{clip.time_unit.removesuffix('s')}"
+                what = [f"{NAMES.get(trait, trait)}_growth", _number((last - first) / passed), unit]
+                how = _how(late if trait in early.sure else early, trait)
+                yield [*_who(namer, late), *what, *when, clip.time_unit, *how, *about]
+
+
+def _who(namer: Namer, one: Measurement) -> list:
+    if one.track is None:
+        return [namer.plant, "plant", "", "", "", "", "", ""]
+    track = namer.clip.track_table[one.track]
+    parent = None if track.parent is None else namer.clip.track_table[track.parent]
+    return [
+        namer.plant,
+        "organ",
+        track.id,
+        track.name,
+        track.kind,
+        "" if parent is None else parent.name,
+        namer.date_at(track.born),
+        "" if track.lost is None else namer.date_at(track.lost),
+    ]
+
+
+def _how(one: Measurement, trait: str) -> list:
+    return [one.points, "yes" if trait in one.sure else "no"]
+
+
+def _unit(clip: Clip, power: int) -> str:
+    unit = clip.unit or "unit"
+    return unit if power == 1 else f"{unit}^{power}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.{DIGITS}g}"
+
+
+def provenance(clip: Clip) -> tuple[str, str]:
+    """What measured, and a digest of what the clip says it was made of and how."""
+    from importlib.metadata import version
+
+    made = json.dumps(clip.provenance, sort_keys=True).encode()
+    name = "plant-growth-clips"
+    return f"{name} {version(name)}", f"sha256:{hashlib.sha256(made).hexdigest()}"
+
+
+def _safe(row: list) -> list:
+    """Names come from files: a cell that a spreadsheet would take for a formula becomes text
+    (OWASP, CSV injection). Our own numbers may begin with a minus sign.
+    """
+    return [_text(cell) if isinstance(cell, str) else cell for cell in row]
+
+
+def _text(cell: str) -> str:
+    cell = printable(cell)
+    return f"'{cell}" if _is_formula(cell) else cell
+
+
+def _is_formula(cell: str) -> bool:
+    # Spreadsheets pass over blanks, and take wide forms of characters for the narrow ones.
+    if not normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
+        return False
+    try:
+        float(cell)
+    except ValueError:
+        return True
+    return False
