@@ -33,13 +33,13 @@ from player.export.film import Film
 from player.export.stamp import Stamps
 from player.measures import Measures, home_camera
 from player.offscreen import Offscreen
-from player.renderer import Renderer
 from player.scene import Scene
 from player.show import Shown
 from player.stage import Stage
 from player.style import Style
 from player.suited import suited
 from player.timeline import Timeline
+from tests.player.drawn import drawn
 
 FOLDER = Path(__file__).parent / "pictures"
 SIZE = (240, 160)
@@ -137,14 +137,15 @@ def _drawn(
 
     def draw() -> Picture:
         clip = clip_of(plant)
-        with _screen(SIZE) as (context, screen):
-            renderer = Renderer(context, clip, way=way)
-            if not tiled:
-                renderer._tiled = None
-            camera = Camera.home(clip, SIZE[0] / SIZE[1])
-            renderer.draw(screen, day, camera, style, SIZE, every=every)
-            renderer.release()
-            return _read(screen)
+        camera = Camera.home(clip, SIZE[0] / SIZE[1])
+        with ExitStack() as made:
+            context = headless()
+            made.callback(context.release)
+            pixels = drawn(
+                context, clip, day, camera, SIZE, style,
+                way=way, as_on_a_gpu=not tiled, every=every,
+            )  # fmt: skip
+        return pixels[::-1].astype(np.uint8)
 
     return draw
 

@@ -82,7 +82,7 @@ def test_zooming_keeps_what_is_under_the_cursor(factor: float) -> None:
     matrix = camera.projection(1.5) @ camera.view()
     # A point at the target's depth, under the cursor.
     height = 2.0 * camera.distance * np.tan(camera.field_of_view / 2)
-    point = np.asarray(camera.target) + camera._frame().T @ [right * height, up * height, 0.0]
+    point = np.asarray(camera.target) + camera.view()[:3, :3].T @ [right * height, up * height, 0.0]
     nearer = camera.zoom_at(factor, right, up)
     for seen in (matrix, nearer.projection(1.5) @ nearer.view()):
         x, y, _, w = seen @ [*point, 1.0]
@@ -101,8 +101,8 @@ def test_parallels_stay_parallel_in_the_flat_view() -> None:
         matrix = seen.projection(1.0) @ seen.view()
         widths = []
         for away in (-5.0, 5.0):
-            middle = np.asarray(seen.target) + away * seen._frame()[2]
-            ends = [matrix @ [*(middle + side * seen._frame()[0]), 1.0] for side in (-0.5, 0.5)]
+            middle = np.asarray(seen.target) + away * seen.view()[2, :3]
+            ends = [matrix @ [*(middle + side * seen.view()[0, :3]), 1.0] for side in (-0.5, 0.5)]
             widths.append(ends[1][0] / ends[1][3] - ends[0][0] / ends[0][3])
         shares.append(widths[1] / widths[0])
     assert shares[0] > 1.05

@@ -1,12 +1,9 @@
 """Fewer pixels on slow machines, and the same picture."""
 
-from collections.abc import Iterator
-
 import moderngl
 import numpy as np
 import pytest
 
-from player.context import headless
 from player.detail import BUDGET, FEWEST, LEVELS, PLENTY, Detail, Enlarger, Pace
 
 HUGE = (7680, 4320)
@@ -62,13 +59,6 @@ def test_the_detail_settles_when_the_cost_follows_the_pixels(cost: float) -> Non
         pace.took(cost * BUDGET * pace.detail(HUGE).pixels ** 2)
         seen.append(pace.detail(HUGE))
     assert len(set(seen[100:])) == 1
-
-
-@pytest.fixture(scope="module")
-def context() -> Iterator[moderngl.Context]:
-    context = headless()
-    yield context
-    context.release()
 
 
 @pytest.mark.parametrize("detail", LEVELS)

@@ -75,7 +75,7 @@ def until(tab: Any, what: str) -> None:
     raise AssertionError(f"never became true: {what}")
 
 
-def picture(tab: Any) -> np.ndarray:
+def screenshot(tab: Any) -> np.ndarray:
     from PIL import Image
 
     with Image.open(io.BytesIO(tab.screenshot())) as shot:
@@ -124,14 +124,14 @@ def test_a_page_unpacks_with_a_worker_and_without(opened: Any, make_clip: Any, b
 def test_the_canvas_keeps_its_size_while_less_is_drawn(opened: Any, make_clip: Any) -> None:
     """A canvas of another size waits for all that is being drawn."""
     tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
-    whole = picture(tab)
+    whole = screenshot(tab)
     draw = """() => {
         const { renderer, clock, camera, look } = viewer;
         renderer.draw(clock.day, camera, look, [240, 180], 1, true);
         return [renderer.canvas.width, renderer.canvas.height];
     }"""
     assert tab.evaluate(draw) == [480, 360]
-    small = picture(tab)
+    small = screenshot(tab)
     assert (small != whole).any()
     assert np.abs(small - whole).mean() < 4.0
 
@@ -160,7 +160,7 @@ def test_fingers_turn_and_pinch(opened: Any, make_clip: Any) -> None:
 def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
     assert not tab.is_visible("#scale"), "these colours mean nothing"
-    first = picture(tab)
+    first = screenshot(tab)
     plant = first[100:240, 140:340]
     assert (plant[..., 0] > plant[..., 2] + 60).mean() > 0.05, "the red plant is seen"
 
@@ -173,7 +173,7 @@ def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     assert turned[0] == pytest.approx(yaw - np.pi * 90 / 360)
     assert turned[1] == pytest.approx(pitch + np.pi * 20 / 360)
     tab.wait_for_timeout(400)
-    assert np.abs(picture(tab) - first).mean() > 0.5
+    assert np.abs(screenshot(tab) - first).mean() > 0.5
 
     distance = tab.evaluate("viewer.camera.distance")
     tab.mouse.wheel(0, -200)
@@ -205,7 +205,7 @@ def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     tab.keyboard.press("f")
     tab.keyboard.press("g")
     tab.wait_for_timeout(300)
-    assert picture(tab)[5, 5].min() > 150, "light ground"
+    assert screenshot(tab)[5, 5].min() > 150, "light ground"
     tab.keyboard.press("c")
     assert tab.evaluate("viewer.look.byTrack") is True
 

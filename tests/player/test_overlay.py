@@ -1,6 +1,5 @@
 """What lies over the plant: where it stands (no graphics) and that it is drawn (EGL)."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations, pairwise
 
@@ -14,7 +13,6 @@ from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.camera import Camera
 from player.canvas import BOLD, Canvas
-from player.context import headless
 from player.layout import TIMELINE, Layout, arrange
 from player.overlay import Overlay
 from player.scene import Scene
@@ -82,13 +80,6 @@ def test_short_dates_stand_in_where_the_full_ones_do_not_fit() -> None:
     narrow = arrange((480.0, 500.0), times, dates, ["03-08"] * 4, measure)
     assert [label.text for label in wide.labels] == dates
     assert [label.text for label in narrow.labels] == ["03-08"] * 4
-
-
-@pytest.fixture(scope="module")
-def context() -> Iterator[moderngl.Context]:
-    context = headless()
-    yield context
-    context.release()
 
 
 def small_clip(*dates: str, name: str = "leaf") -> Clip:

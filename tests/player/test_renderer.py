@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import pairwise
 
 import moderngl
 import numpy as np
@@ -13,30 +13,31 @@ import pytest
 
 from gclip.clip import Clip, Motion
 from gclip.color import blend_srgb
-from player.camera import Camera
+from gclip.evaluate import LITTER_FADE
+from gclip.pack import Movers, pack_interval
 from player.context import headless
 from player.renderer import Renderer
 from player.style import Style
+from tests.player.drawn import camera_at, read_pixels
 
 SIZE = (160, 120)
 PLAIN = Style(show_ground=False)
+LOST_AT = 100  # the column right of which nothing is but what the last scan lacks
 DAYS = [0.0, 0.1, 1.0, 1.7, 2.0, 2.2, 2.449, 3.3, 4.99, 5.0]
 
 
 @contextmanager
-def drawing(clip: Clip, supersample: int = 1) -> Iterator:
+def drawing(clip: Clip, supersample: int = 1, pitch: float = 0.1) -> Iterator:
     """A function that draws a picture: (height, width, 3) int."""
     context = headless()
     renderer = Renderer(context, clip, supersample)
     framebuffer = context.simple_framebuffer(SIZE)
-    camera = Camera.fit(clip.bounds, clip.up, SIZE[0] / SIZE[1])
-    camera = replace(camera, yaw=math.radians(-90), pitch=0.1)
+    camera = camera_at(clip, SIZE, -90, pitch)
 
     def draw(day: float, style: Style = PLAIN) -> np.ndarray:
         renderer.draw(framebuffer, day, camera, style, SIZE)
         assert context.error == "GL_NO_ERROR"
-        pixels = np.frombuffer(framebuffer.read(), np.uint8)
-        return pixels.reshape(SIZE[1], SIZE[0], 3).astype(int)
+        return read_pixels(framebuffer)
 
     yield draw
     renderer.release()
@@ -112,21 +113,35 @@ def test_colors_blend_in_linear_light(make_clip) -> None:
     assert np.abs(by_track - blended).max() > 40
 
 
-@pytest.mark.parametrize("lost", [Motion.FALL, Motion.FADE])
-def test_what_is_lost_never_pops(make_clip, lost: Motion) -> None:
-    """Around each event the picture changes little; over the whole fade it changes much."""
-    clip = make_clip(lost=lost)
-    still = replace(clip.intervals[1], start=5.0, end=8.0)
-    longer = replace(
-        clip,
-        scans=(*clip.scans, replace(clip.scans[-1], time=8.0)),
-        intervals=(*clip.intervals, still),
-    )
-    moments = {Motion.FALL: [5.4499], Motion.FADE: [2.0, 4.9999]}[lost]
-    with drawing(longer if lost is Motion.FALL else clip) as draw:
-        for moment in moments:
-            change = np.abs(draw(moment, Style()) - draw(moment + 2e-4, Style()))
-            assert change.mean() < 0.15
+def standing_still(clip: Clip, days: float) -> Clip:
+    """The clip, and after its end the plant as it is then, for some days more."""
+    end = clip.times[-1]
+    plant = clip.at(end)
+    movers = Movers(Motion.MOVE, (plant.local, plant.local), plant.tracks)
+    still = pack_interval(end, end + days, [movers], spacing=clip.spacing)
+    scan = replace(clip.scans[-1], time=end + days)
+    return replace(clip, scans=(*clip.scans, scan), intervals=(*clip.intervals, still))
+
+
+@pytest.mark.parametrize(
+    ("lost", "start", "end"),
+    [(Motion.FADE, 2.0, 5.0), (Motion.FALL, 5.0, 5.0 + 3.0 * LITTER_FADE)],
+)
+def test_what_is_lost_fades_and_never_pops(
+    make_clip, lost: Motion, start: float, end: float
+) -> None:
+    """It is plain to see at first, gone in the end, and no picture differs much from the next."""
+    clip = standing_still(make_clip(lost=lost), days=3.0)
+    with drawing(clip, pitch=0.7) as draw:  # litter lies on the ground
+        days = [start, *np.linspace(start + 1e-4, end + 1e-4, 31)]
+        pictures = [draw(day)[:, LOST_AT:] for day in days]
+        without = draw(7.0)[:, LOST_AT:]
+    assert np.abs(pictures[0] - without).max() > 40
+    whole = np.abs(pictures[0] - without).mean()
+    assert np.abs(pictures[-1] - without).mean() < 0.02 * whole
+    steps = [np.abs(one - other).mean() for one, other in pairwise(pictures)]
+    assert steps[0] < 0.02 * whole, "at the moment when it begins"
+    assert max(steps) < 0.15 * whole
 
 
 def test_light_ground_is_light_and_dark_is_dark(make_clip) -> None:

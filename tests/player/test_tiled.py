@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
-
 import moderngl
 import numpy as np
 import pytest
@@ -13,10 +10,9 @@ import player.context
 import player.tiled
 from gclip.clip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
-from player.camera import Camera
-from player.renderer import Renderer
 from player.style import Style
 from player.tiled import by_tile
+from tests.player.drawn import Picture, camera_at, drawn
 
 SIZE = (161, 119)  # no multiple of a tile's side
 BOTH = ((90, 160, 60, 255), (200, 120, 40, 255))
@@ -45,18 +41,13 @@ def picture(
     supersample: int,
     tiled: bool,
     nearer: float = 1.0,
-    **draw: int,
-) -> np.ndarray:
-    renderer = Renderer(context, clip, supersample)
-    if not tiled:
-        renderer._tiled = None
-    framebuffer = context.simple_framebuffer(SIZE)
-    camera = Camera.fit(clip.bounds, clip.up, SIZE[0] / SIZE[1])
-    camera = replace(camera, yaw=math.radians(-70), pitch=0.2).zoom(nearer)
-    renderer.draw(framebuffer, 2.3, camera, style, SIZE, **draw)
-    pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
-    renderer.release()
-    return pixels.reshape(SIZE[1], SIZE[0], 3).astype(int)
+    every: int = 1,
+) -> Picture:
+    camera = camera_at(clip, SIZE, -70, 0.2).zoom(nearer)
+    return drawn(
+        context, clip, 2.3, camera, SIZE, style,
+        supersample=supersample, as_on_a_gpu=not tiled, every=every,
+    )  # fmt: skip
 
 
 @pytest.fixture

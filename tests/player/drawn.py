@@ -1,0 +1,61 @@
+"""Pictures that a renderer makes of a clip, as arrays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import moderngl
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gclip.clip import Clip
+from player.camera import Camera
+from player.renderer import Renderer
+from player.style import Style
+
+Picture = NDArray[np.integer]
+
+
+def camera_at(clip: Clip, size: tuple[int, int], yaw: float, pitch: float) -> Camera:
+    """The whole plant from a direction, in degrees and radians above the horizon."""
+    fitted = Camera.fit(clip.bounds, clip.up, size[0] / size[1])
+    return replace(fitted, yaw=math.radians(yaw), pitch=pitch)
+
+
+def read_pixels(framebuffer: moderngl.Framebuffer) -> Picture:
+    """(height, width, 3) int, bottom row first."""
+    pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
+    return pixels.reshape(framebuffer.height, framebuffer.width, 3).astype(int)
+
+
+def drawn(
+    context: moderngl.Context,
+    clip: Clip,
+    day: float,
+    camera: Camera,
+    size: tuple[int, int],
+    style: Style | None = None,
+    *,
+    supersample: int = 1,
+    as_on_a_gpu: bool = False,
+    every: int = 1,
+    **renderer_options: Any,
+) -> Picture:
+    """(height, width, 3) int, bottom row first: what a new renderer draws.
+
+    as_on_a_gpu: blend splats one upon the other, also where the CPU would sort them into tiles.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if as_on_a_gpu:
+            patch.setattr("player.renderer.on_cpu", lambda context: False)
+        renderer = Renderer(context, clip, supersample, **renderer_options)
+    framebuffer = context.simple_framebuffer(size, 3)
+    whole = renderer.draw(framebuffer, day, camera, style or Style(), size, every=every)
+    assert whole == (every == 1)
+    assert context.error == "GL_NO_ERROR"
+    pixels = read_pixels(framebuffer)
+    renderer.release()  # the framebuffer stays bound, and goes with its context
+    return pixels
