@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 import gclip
 from gclip import Clip
 from player.export import Film
-from player.export.mp4 import write
+from player.export.video import write_mp4
 from player.offscreen import Offscreen
 
 BEGIN = 0.4  # share of the film that passes before the frames that are measured
@@ -39,7 +39,7 @@ def cpu_seconds() -> float:
 def encoded(pictures: Iterable[NDArray], film: Film, path: Path, count: int) -> float:
     """CPU milliseconds a frame."""
     before = cpu_seconds()
-    write(pictures, film, path)
+    write_mp4(pictures, film, path)
     return 1000.0 * (cpu_seconds() - before) / count
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from player.colors import Colors
 from player.errors import PlayerError
-from player.export import gif, mp4, png, stamp, usd, webm
+from player.export import image, stamp, usd, video
 from player.export.film import Film
 from player.export.output import check_folder
 
@@ -84,7 +84,7 @@ def format_of(path: Path, film: Film) -> Format:
     if not known:
         names = ", ".join(one.example for one in FORMATS)
         raise PlayerError(f'{path}: "{suffix}" is no known suffix; these are: {names}.')
-    numbered = any(one.sequence for one in known) and png.is_sequence(path)
+    numbered = any(one.sequence for one in known) and image.is_sequence(path)
     fitting = [one for one in known if one.sequence == numbered]
     if not fitting:
         raise PlayerError(
@@ -109,29 +109,27 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")
 
 
-def _mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    with _offscreen(clip, film) as offscreen:
-        mp4.write(_counted(film, clip, offscreen, progress), film, path)
+def _film(write: Callable[[Iterator[NDArray], Film, Path], None]) -> Writer:
+    def draw_and_write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+        with _offscreen(clip, film) as offscreen:
+            write(_counted(film, clip, offscreen, progress), film, path)
 
-
-def _webm(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    with _offscreen(clip, film) as offscreen:
-        webm.write(_counted(film, clip, offscreen, progress), film, path)
+    return draw_and_write
 
 
 def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     with _offscreen(clip, film) as offscreen:
         days = film.days(clip)
-        chosen = days[:: max(1, len(days) // gif.SAMPLES)]
+        chosen = days[:: max(1, len(days) // video.PALETTE_SAMPLES)]
         draw = film.painter(clip, offscreen)
-        samples = [draw(day, film.camera(clip, day))[::2, ::2] for day in chosen]
-        gif.write(_counted(film, clip, offscreen, progress), film, path, samples)
+        samples = [draw(day, film.camera(clip, day)) for day in chosen]
+        video.write_gif(_counted(film, clip, offscreen, progress), film, path, samples)
 
 
 def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
     with _offscreen(clip, film) as offscreen:
-        png.write_sequence(_counted(film, clip, offscreen, progress), path, views)
+        image.write_sequence(_counted(film, clip, offscreen, progress), path, views)
 
 
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -139,7 +137,7 @@ def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     camera = film.camera(clip, day)
     with _offscreen(clip, film) as offscreen:
         picture = film.painter(clip, offscreen)(day, camera)
-        png.write_one(picture, path, camera.matrix(film.aspect))
+        image.write_one(picture, path, camera.matrix(film.aspect))
     progress(1, 1)
 
 
@@ -167,9 +165,12 @@ def _from(module: str, name: str = "write") -> Writer:
 
 
 FORMATS: tuple[Format, ...] = (
-    Format("film.mp4", "film that plays everywhere (H.264)", _mp4, mp4.check, picture=True),
-    Format("film.gif", "film for pages and slides", _gif, gif.check, picture=True),
-    Format("film.webm", "film for web pages (VP9)", _webm, picture=True),
+    Format(
+        "film.mp4", "film that plays everywhere (H.264)", _film(video.write_mp4),
+        video.check_mp4, picture=True,
+    ),
+    Format("film.gif", "film for pages and slides", _gif, video.check_gif, picture=True),
+    Format("film.webm", "film for web pages (VP9)", _film(video.write_webm), picture=True),
     Format("still.png", "one picture", _still, picture=True, days=1),
     Format(
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2

@@ -162,18 +162,36 @@ def test_what_cannot_come_out_well_is_refused(
     assert only(tmp_path) == []
 
 
-def test_a_failing_encoder_leaves_nothing_and_says_why(
-    clip: Clip, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("command", ["exit 1", "head -c 20000 >/dev/null", "cat >/dev/null"])
+def test_an_encoder_that_fails_leaves_nothing(
+    clip: Clip, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
     broken = tmp_path / "ffmpeg"
-    broken.write_text("#!/bin/sh\necho 'No space left on device' >&2\nexit 1\n")
+    broken.write_text(f"#!/bin/sh\n{command}\n")
     broken.chmod(broken.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", lambda: str(broken))
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(broken))
     (tmp_path / "film.mp4").write_text("an earlier film")
-    with pytest.raises(PlayerError, match="No space left on device"):
+    with pytest.raises(PlayerError, match=r"film\.mp4 can't be encoded: .*ffmpeg gave up"):
         export(clip, SMALL, tmp_path / "film.mp4")
     assert only(tmp_path) == ["ffmpeg", "film.mp4"]
     assert (tmp_path / "film.mp4").read_text() == "an earlier film"
+
+
+def test_no_encoder_at_all_is_a_sentence(
+    clip: Clip, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "none"))
+    with pytest.raises(PlayerError, match="no ffmpeg was found"):
+        export(clip, SMALL, tmp_path / "film.mp4")
+    assert only(tmp_path) == []
+
+
+@pytest.mark.parametrize("suffix", ["webm", "gif"])
+def test_odd_sides_are_kept(clip: Clip, tmp_path: Path, suffix: str) -> None:
+    export(clip, Film(size=(65, 47), fps=10, seconds=0.6), tmp_path / f"film.{suffix}")
+    reader = imageio_ffmpeg.read_frames(str(tmp_path / f"film.{suffix}"))
+    assert next(reader)["size"] == (65, 47)
+    assert len(list(reader)) == 6
 
 
 def test_stopping_half_way_leaves_nothing(clip: Clip, tmp_path: Path) -> None:

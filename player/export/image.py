@@ -12,6 +12,7 @@ from player.errors import PlayerError
 from player.export.output import whole_file, whole_sequence
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 NUMBER = re.compile(r"%0?\d*d")
@@ -25,7 +26,7 @@ def is_sequence(path: Path) -> bool:
     return rest != path.name
 
 
-def write_one(picture: NDArray, path: Path, view: NDArray) -> None:
+def write_one(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
     """A still picture, with the text "view" in its metadata: what it takes to draw on top of it.
 
     view: (4, 4) from the clip's local coordinates to OpenGL's clip coordinates, M @ column; stored
@@ -35,7 +36,9 @@ def write_one(picture: NDArray, path: Path, view: NDArray) -> None:
         _save(picture, part, view)
 
 
-def write_sequence(pictures: Iterable[NDArray], path: Path, views: Iterable[NDArray]) -> None:
+def write_sequence(
+    pictures: Iterable[NDArray[np.uint8]], path: Path, views: Iterable[NDArray[np.floating]]
+) -> None:
     """Frames are numbered from 0; all appear together once the last one is drawn.
 
     The folder they go to is made if only itself is missing.
@@ -46,11 +49,14 @@ def write_sequence(pictures: Iterable[NDArray], path: Path, views: Iterable[NDAr
             _save(picture, file(index), view)
 
 
-def _save(picture: NDArray, path: Path, view: NDArray) -> None:
-    from PIL import Image
+def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
+    import imageio.v3 as iio
     from PIL.PngImagePlugin import PngInfo
 
     metadata = PngInfo()
     metadata.add_text("view", json.dumps(view.tolist()))
     opaque = bool((picture[..., 3] == 255).all())
-    Image.fromarray(picture[..., :3] if opaque else picture).save(path, pnginfo=metadata)
+    shown = picture[..., :3] if opaque else picture
+    # Through memory: imageio's own file would report a full disk once more as it is collected.
+    encoded = iio.imwrite("<bytes>", shown, extension=".png", plugin="pillow", pnginfo=metadata)
+    path.write_bytes(encoded)

@@ -1,0 +1,175 @@
+"""Films as MP4 (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from player.errors import PlayerError
+from player.export.film import Film
+from player.export.output import whole_file
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
+MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
+PROBE = 1 << 20  # bytes
+
+# RGB is converted with the matrix of ITU-R BT.709 and tagged with it, or players would guess.
+BT709 = (
+    "-vf",
+    "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=yuv420p,"
+    "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv",
+)
+# aq-mode 3 spends bits on dark surfaces, where a soft floor would show bands.
+X264 = ("-preset", "medium", "-crf", "18", "-x264-params", "aq-mode=3", "-movflags", "+faststart")
+VP9 = ("-crf", "28", "-b:v", "0", "-deadline", "good", "-cpu-used", "4", "-tile-columns", "2")
+# The same pictures give the same bytes: no version or date is written, threads are a fixed number.
+REPRODUCIBLE = (
+    *("-threads", "4", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"),
+)
+
+
+def check_mp4(film: Film) -> None:
+    """Raise PlayerError where H.264 can't hold the size."""
+    if film.size[0] % 2 or film.size[1] % 2:
+        width, height = (side + side % 2 for side in film.size)
+        raise PlayerError(
+            f"an mp4's sides are even numbers, not {film.size[0]}x{film.size[1]}; "
+            f"use --size {width}x{height}."
+        )
+
+
+def check_gif(film: Film) -> None:
+    """Raise PlayerError where a GIF can't be so fast."""
+    if film.fps > MAX_GIF_FPS:
+        raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
+
+
+def write_mp4(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path) -> None:
+    """H.264 plays everywhere. Parameters and errors are those of `write_gif`."""
+    _encode(pictures, film, path, "libx264", "yuv420p", [*X264, *BT709])
+
+
+def write_webm(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path) -> None:
+    """VP9 is free of patents and smaller than H.264. Parameters and errors as of `write_gif`."""
+    _encode(pictures, film, path, "libvpx-vp9", "yuv420p", [*VP9, *BT709])
+
+
+def write_gif(
+    pictures: Iterable[NDArray[np.uint8]],
+    film: Film,
+    path: Path,
+    samples: Sequence[NDArray[np.uint8]],
+) -> None:
+    """Write a GIF that loops, with one palette for the whole film.
+
+    Parameters
+    ----------
+    pictures : iterable of (height, width, 4) uint8
+        The frames in sRGB; taken one at a time.
+    film : Film
+        Tells size and frames a second.
+    path : Path
+        Appears whole or not at all.
+    samples : sequence of (height, width, 4) uint8
+        Some of the frames, from which the palette is made.
+
+    Raises
+    ------
+    PlayerError
+        If ffmpeg is missing or gives up, or the file can't be written.
+    """
+    # The samples go first, so that ffmpeg has the palette before the film and keeps no frame.
+    count = len(samples)
+    palette = (
+        f"split[sampled][all];[sampled]trim=end_frame={count},palettegen[palette];"
+        f"[all]trim=start_frame={count},setpts=PTS-STARTPTS[film];"
+        "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
+    )
+
+    def both() -> Iterator[NDArray[np.uint8]]:
+        yield from samples
+        yield from pictures
+
+    _encode(both(), film, path, "gif", "pal8", ["-vf", palette, "-loop", "0"], unseen=count)
+
+
+def _encode(
+    pictures: Iterable[NDArray[np.uint8]],
+    film: Film,
+    path: Path,
+    codec: str,
+    pixels: str,
+    arguments: Sequence[str],
+    unseen: int = 0,
+) -> None:
+    """Send pictures to ffmpeg; all of them, less `unseen`, must be frames of the film."""
+    from imageio_ffmpeg import write_frames
+
+    with whole_file(path) as part:
+        frames = write_frames(
+            str(part.absolute()),
+            film.size,
+            pix_fmt_in="rgba",
+            pix_fmt_out=pixels,
+            fps=film.fps,
+            quality=None,
+            codec=codec,
+            macro_block_size=1,
+            ffmpeg_log_level="quiet",
+            output_params=[*arguments, *REPRODUCIBLE],
+        )
+        try:
+            next(frames)
+        except (RuntimeError, OSError):
+            raise PlayerError(
+                "no ffmpeg was found; install the package imageio-ffmpeg, or ffmpeg itself."
+            ) from None
+        sent = _send(pictures, frames)
+        if _frame_count(part) != sent - unseen:
+            raise _failure(part, path)
+
+
+def _send(
+    pictures: Iterable[NDArray[np.uint8]], frames: Generator[None, NDArray[np.uint8], None]
+) -> int:
+    """How many pictures were sent. ffmpeg is killed where drawing fails or is stopped."""
+    sent = 0
+    try:
+        for picture in pictures:
+            sent += 1
+            try:
+                frames.send(np.ascontiguousarray(picture))
+            except OSError:  # ffmpeg has ended, with fewer frames than were sent
+                break
+        frames.close()
+    except BaseException:
+        with suppress(KeyboardInterrupt):  # it kills; `close` would wait for what is to be encoded
+            frames.throw(KeyboardInterrupt())
+        raise
+    return sent
+
+
+def _frame_count(path: Path) -> int:
+    """How many frames of a film can be decoded: imageio-ffmpeg tells no exit code."""
+    from imageio_ffmpeg import count_frames_and_secs
+
+    try:
+        return count_frames_and_secs(str(path.absolute()))[0]
+    except RuntimeError:
+        return 0
+
+
+def _failure(part: Path, path: Path) -> PlayerError:
+    """Why ffmpeg gave up. On a full disk our own write raises OSError, with the system's reason."""
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    with part.open("ab") as file:
+        file.write(bytes(PROBE))
+    return PlayerError(f"{path.name} can't be encoded: {get_ffmpeg_exe()} gave up.")
