@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-import re
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -102,22 +100,3 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
         ended = f"Exporting {name} failed: {error or type(error).__name__}."
     with suppress(Stopped):
         tell(State(ended=ended))
-
-
-def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
-    """A new file for an export, in the working folder: film.mp4 becomes plant.mp4, plant-2.mp4, ...
-
-    Numbered sequences get a folder of their own. No file is ever overwritten.
-    """
-    folder, pattern = folder or Path(), Path(example)
-    stem = re.sub(r"[^\w.-]+", "-", stem).strip("-.")[:100] or "plant"
-    for number in count(1):
-        name = stem if number == 1 else f"{stem}-{number}"
-        if pattern.parent != Path():
-            path = folder / f"{name}-{pattern.parent.name}" / pattern.name
-            taken = path.parent
-        else:
-            path = taken = folder / f"{name}{pattern.suffix}"
-        if not taken.exists():
-            return path
-    raise AssertionError("numbers do not end")

@@ -49,7 +49,8 @@ class Exports:
         Returns a sentence for the user.
         """
         from player.export.formats import format_of
-        from player.exporting import Export, free_name
+        from player.export.output import free_name
+        from player.exporting import Export
 
         if self._running is not None:
             self._running.stop()

@@ -9,9 +9,9 @@ from player.camera_path import save_path
 from player.choices import Wish
 from player.dates import date_at
 from player.errors import PlayerError
+from player.export.image import save_screenshot
 from player.exports import Exports
 from player.scene import Scene
-from player.screenshot import save_screenshot
 from player.show import Shown
 
 

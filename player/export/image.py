@@ -6,13 +6,14 @@ import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from player.errors import PlayerError
-from player.export.output import whole_file, whole_sequence
+from player.export.output import free_name, whole_file, whole_sequence
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 NUMBER = re.compile(r"%0?\d*d")
@@ -49,14 +50,33 @@ def write_sequence(
             _save(picture, file(index), view)
 
 
+def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> str:
+    """Write what a window shows to a new PNG file in the working folder, named after `title`.
+
+    pixels: RGB, bottom row first; size: (width, height).
+    Returns a sentence for the user: what was saved, or why nothing was.
+    """
+    path = free_name(title, "still.png")
+    picture = np.frombuffer(pixels, np.uint8).reshape(size[1], size[0], 3)[::-1]
+    try:
+        with whole_file(path) as part:
+            part.write_bytes(_encoded(picture))
+    except PlayerError as error:
+        return str(error)
+    return f"Saved {path}"
+
+
 def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
-    import imageio.v3 as iio
     from PIL.PngImagePlugin import PngInfo
 
     metadata = PngInfo()
     metadata.add_text("view", json.dumps(view.tolist()))
     opaque = bool((picture[..., 3] == 255).all())
-    shown = picture[..., :3] if opaque else picture
-    # Through memory: imageio's own file would report a full disk once more as it is collected.
-    encoded = iio.imwrite("<bytes>", shown, extension=".png", plugin="pillow", pnginfo=metadata)
-    path.write_bytes(encoded)
+    path.write_bytes(_encoded(picture[..., :3] if opaque else picture, pnginfo=metadata))
+
+
+def _encoded(picture: NDArray[np.uint8], **options: Any) -> bytes:
+    """The bytes of a PNG file. A file that imageio wrote itself would tell of a full disk twice."""
+    import imageio.v3 as iio
+
+    return iio.imwrite("<bytes>", picture, extension=".png", plugin="pillow", **options)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 
 from gclip.draft import draft_file, draft_folder, replace_folder, sync
@@ -68,6 +70,25 @@ def check_folder(path: Path) -> None:
     """Raise PlayerError where the folder of `path` is missing."""
     if not path.parent.is_dir():
         raise PlayerError(f"{path}: the folder {path.parent} does not exist.")
+
+
+def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
+    """A new file for an export, in the working folder: film.mp4 becomes plant.mp4, plant-2.mp4, ...
+
+    Numbered sequences get a folder of their own. No file is ever overwritten.
+    """
+    folder, pattern = folder or Path(), Path(example)
+    stem = re.sub(r"[^\w.-]+", "-", stem).strip("-.")[:100] or "plant"
+    for number in count(1):
+        name = stem if number == 1 else f"{stem}-{number}"
+        if pattern.parent != Path():
+            path = folder / f"{name}-{pattern.parent.name}" / pattern.name
+            taken = path.parent
+        else:
+            path = taken = folder / f"{name}{pattern.suffix}"
+        if not taken.exists():
+            return path
+    raise AssertionError("numbers do not end")
 
 
 @contextmanager

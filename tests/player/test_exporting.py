@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from player.export.film import Film
-from player.exporting import Export, free_name
+from player.export.output import free_name
+from player.exporting import Export
 from tests.player.conftest import ClipMaker
 
 LONG = Film(size=(640, 480), seconds=600.0)
@@ -59,6 +60,7 @@ def test_one_whose_window_was_killed_leaves_nothing_either(saved: Path) -> None:
 import sys, time
 from pathlib import Path
 from player.export.film import Film
+from player.export.output import free_name
 from player.exporting import Export
 if __name__ == "__main__":
     folder = Path({str(saved.parent)!r})
