@@ -6,7 +6,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,24 @@ SIZE = (640, 480)
 TIMES = (0.0, 2.0, 3.0)
 DATES = ("2020-03-08", "2020-03-10", "2020-03-11")
 
-# Shows clips and tells after each picture what is seen.
+# Shows clips and tells after each picture what is seen, and where the panel's checkboxes are.
 SHOW = """
 import json, sys
 from dataclasses import replace
 from pathlib import Path
+from imgui_bundle import imgui
+from player.panel_widgets import Widgets
 from player.show import Shown
 from player.window import show
+
+switches, switch = {}, Widgets.switch
+
+def placed(self, label, on, action):
+    (x, y), half = imgui.get_cursor_screen_pos(), imgui.get_frame_height() / 2
+    switches[label] = (x + half, y + half)
+    return switch(self, label, on, action)
+
+Widgets.switch = placed
 
 def tell(scene):
     t, c, s = scene.timeline, scene.camera, scene.style
@@ -41,6 +53,7 @@ def tell(scene):
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
         "panel": scene.panel, "help": scene.help, "notice": scene.notice,
         "fullscreen": scene.fullscreen, "output": scene.output.example,
+        "switches": switches,
     }), flush=True)
 
 if __name__ == "__main__":
@@ -143,25 +156,26 @@ class Shown:
         self.process.wait()
 
 
-def small_clip(first: float = TIMES[0]) -> Clip:
-    """Three scans; `first` is the time of the first one."""
-    rng, times = np.random.default_rng(5), (first, *TIMES[1:])
-    scans = [rng.random((200, 3)) * [1, 1, 3] for _ in TIMES]
+def small_clip(
+    dates: Sequence[str] = DATES, times: Sequence[float] = TIMES, leaf: str = "leaf"
+) -> Clip:
+    """As many scans as dates, of a stem and a leaf.
+
+    leaf: the leaf's name.
+    """
+    rng = np.random.default_rng(5)
+    scans = [rng.random((200, 3)) * [1, 1, 3] for _ in dates]
     colors = rng.integers(0, 256, (200, 4), np.uint8)
     tracks = np.repeat([0, 1], 100)
     return Clip(
-        tuple(ScanMark(date, t, date, 200) for t, date in zip(times, DATES, strict=True)),
+        tuple(ScanMark(date, t, date, 200) for date, t in zip(dates, times, strict=False)),
         tuple(
-            pack_interval(
-                times[k], times[k + 1],
-                [Movers(Motion.MOVE, (scans[k], scans[k + 1]), tracks, colors, colors)],
-                spacing=0.1,
-            )
-            for k in range(2)
+            pack_interval(*days, [Movers(Motion.MOVE, ends, tracks, colors, colors)], spacing=0.1)
+            for days, ends in zip(pairwise(times), pairwise(scans), strict=False)
         ),
-        (Track(0, "stem", (90, 160, 60)), Track(1, "leaf", (60, 90, 200), parent=0)),
+        (Track(0, "stem", (90, 160, 60)), Track(1, leaf, (60, 90, 200), parent=0)),
         spacing=0.1,
-    )  # fmt: skip
+    )
 
 
 def layout(size: tuple[float, float] = SIZE) -> Layout:

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
+from gclip import Clip
 from player.camera import Camera
 from player.canvas import BOLD, Canvas
 from player.layout import TIMELINE, Layout, arrange
@@ -19,6 +18,7 @@ from player.scene import Scene
 from player.style import Style
 from player.theme import DARK, LIGHT
 from player.timeline import Timeline
+from tests.player.shown import small_clip
 
 SIZE = (900.0, 500.0)
 GROUND = (30, 60, 90)
@@ -82,18 +82,6 @@ def test_short_dates_stand_in_where_the_full_ones_do_not_fit() -> None:
     assert [label.text for label in narrow.labels] == ["03-08"] * 4
 
 
-def small_clip(*dates: str, name: str = "leaf") -> Clip:
-    points = np.random.default_rng(3).random((50, 3))
-    movers = [Movers(Motion.MOVE, (points, points + 0.5), np.zeros(50, int))]
-    times = [float(day) for day in range(len(dates))]
-    return Clip(
-        tuple(ScanMark(date, time, date, 50) for time, date in zip(times, dates, strict=True)),
-        tuple(pack_interval(a, b, movers, spacing=0.1) for a, b in pairwise(times)),
-        (Track(0, name, (10, 200, 10)),),
-        spacing=0.1,
-    )
-
-
 def scene_of(clip: Clip, day: float = 0.0, ground: str = "dark") -> Scene:
     camera = Camera()
     return Scene(Timeline.of(clip.times).at(day), camera, camera, Style(ground=ground), False)
@@ -130,7 +118,7 @@ def close(seen: np.ndarray, wanted: tuple[float, ...]) -> bool:
 def test_the_handle_stands_at_the_day_on_every_display(
     context: moderngl.Context, scale: float, ground: str, theme: object
 ) -> None:
-    clip = small_clip("day 0", "day 1", "day 2")
+    clip = small_clip(["day 0", "day 1", "day 2"])
     sheet = Sheet(context, clip, "a clip", scale)
     for day in (0.0, 0.7, 2.0):
         pixels, layout = sheet.draw(scene_of(clip, day, ground))
@@ -143,7 +131,7 @@ def test_the_handle_stands_at_the_day_on_every_display(
 
 
 def test_the_plant_stays_free_until_the_help_opens(context: moderngl.Context) -> None:
-    clip = small_clip("day 0", "day 1")
+    clip = small_clip(["day 0", "day 1"])
     sheet = Sheet(context, clip, "a clip", 1.0)
     free = (slice(90, 350), slice(None))
     plain = replace(scene_of(clip), guides=False, legend=False)
@@ -154,30 +142,71 @@ def test_the_plant_stays_free_until_the_help_opens(context: moderngl.Context) ->
     sheet.overlay.release()
 
 
-def test_pointing_shows_what_a_click_would_do(context: moderngl.Context) -> None:
-    clip = small_clip("day 0", "day 1", "day 2")
+def changed(one: np.ndarray, other: np.ndarray) -> tuple[int, int, int, int]:
+    """Left, top, right and bottom of what differs; right and bottom are the first that don't."""
+    rows, columns = np.nonzero((one != other).any(axis=2))
+    assert len(rows), "nothing differs"
+    return columns.min(), rows.min(), columns.max() + 1, rows.max() + 1
+
+
+def test_pointing_at_a_button_lights_it_and_tells_what_it_does(context: moderngl.Context) -> None:
+    clip = small_clip(["day 0", "day 1", "day 2"])
     sheet = Sheet(context, clip, "a clip", 1.0)
     still, layout = sheet.draw(scene_of(clip))
-    for place in (layout.buttons["color"].middle, (layout.x_of(1.0), layout.line)):
-        pointed, _ = sheet.draw(scene_of(clip), cursor=place)
-        assert (pointed != still).any()
+    place = layout.buttons["color"]
+    pointed, _ = sheet.draw(scene_of(clip), cursor=place.middle)
+    button = np.s_[round(place.y) + 4 : round(place.y + place.height) - 4, round(place.x) + 2]
+    assert (pointed[button] > still[button]).all(), "lighter behind its icon"
+    left, top, right, bottom = changed(pointed, still)
+    assert top == pytest.approx(place.y, abs=2)
+    below = round(place.y + place.height) + 20
+    assert below + 8 < bottom < below + 20, "a card with one line, and nothing else"
+    assert left < place.x < place.x + place.width < right
+    card = pointed[below - 10 : below + 10, left + 4 : right - 4].astype(int)
+    assert close(np.median(card.reshape(-1, 3), axis=0), DARK.card)
+    assert (np.abs(card - np.array(DARK.text[:3]) * 255).max(axis=2) < 40).sum() > 50, "written"
     again, _ = sheet.draw(scene_of(clip))
     assert (again == still).all()
     sheet.overlay.release()
 
 
-def test_notices_are_drawn(context: moderngl.Context) -> None:
-    clip = small_clip("day 0", "day 1")
+def test_pointing_at_the_timeline_shows_the_date_there(context: moderngl.Context) -> None:
+    clip = small_clip(["day 0", "day 1", "day 3"], times=(0.0, 1.0, 3.0))
+    sheet = Sheet(context, clip, "a clip", 1.0)
+    still, layout = sheet.draw(scene_of(clip))
+    for day in (1.0, 2.2):
+        x = round(layout.x_of(day))
+        pointed, _ = sheet.draw(scene_of(clip), cursor=(x, layout.line))
+        assert close(sheet.color_at(pointed, x, layout.line - 26.0), DARK.card), "a bubble's foot"
+        assert (pointed[: round(layout.line) - 60] == still[: round(layout.line) - 60]).all()
+        bubble = np.s_[round(layout.line) - 50 : round(layout.line) - 30, x - 120 : x + 120]
+        written = np.abs(pointed[bubble] - np.array(DARK.text[:3]) * 255).max(axis=2) < 40
+        assert written.sum() > 50, "the date"
+    sheet.overlay.release()
+
+
+def test_a_notice_stands_on_a_card_in_the_middle(context: moderngl.Context) -> None:
+    clip = small_clip(["day 0", "day 1"])
     sheet = Sheet(context, clip, "a clip", 1.0)
     still, _ = sheet.draw(scene_of(clip))
-    noticed, _ = sheet.draw(replace(scene_of(clip), notice="Saved plant.png"))
-    assert (noticed != still).any()
+    widths = []
+    for notice in ("Saved plant.png", "Saved plant.png, and more"):
+        noticed, _ = sheet.draw(replace(scene_of(clip), notice=notice))
+        left, top, right, bottom = changed(noticed, still)
+        assert (left + right) / 2 == pytest.approx(SIZE[0] / 2, abs=2)
+        assert 20 < bottom - top < 30, "one line"
+        card = noticed[top + 3 : bottom - 3, left + 3 : right - 3].astype(int)
+        assert close(np.median(card.reshape(-1, 3), axis=0), DARK.card)
+        written = np.abs(card - np.array(DARK.text[:3]) * 255).max(axis=2) < 40
+        assert written.sum() > 5 * len(notice)
+        widths.append(right - left)
+    assert widths[1] > 1.3 * widths[0]
     sheet.overlay.release()
 
 
 def test_text_from_clips_is_only_text(context: moderngl.Context) -> None:
     hostile = "%s%n##id###x\x00\x1b[31m\n\t" + "🌱日" + "x" * 100_000
-    clip = small_clip(hostile, hostile, hostile, name=hostile)
+    clip = small_clip([hostile] * 3, leaf=hostile)
     sheet = Sheet(context, clip, hostile, 1.0)
     sheet.draw(scene_of(clip, 0.5))
     sheet.draw(scene_of(clip, 0.5), cursor=(450.0, SIZE[1] - 50.0))

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from player.layout import PANEL_WIDTH, panel_place
+from player.layout import PANEL_WIDTH
 from tests.player.shown import DATES, TIMES, Shown, layout, small_clip
 
 SIZE = (900, 600)
+LATER = (1.0, *TIMES[1:])
 
 
 @pytest.fixture(scope="module")
@@ -61,14 +62,8 @@ def test_tab_opens_and_closes_the_panel_and_the_plant_has_the_rest(shown: Shown)
 
 def test_the_panel_s_controls_work_and_leave_the_plant_alone(shown: Shown) -> None:
     before = shown.settled()
-    left = SIZE[0] - PANEL_WIDTH
-    # Down the column of checkboxes until the floor's is found, as its label is clicked.
-    for y in range(160, 230, 10):
-        click(shown, left + 70, y)
-        if shown.settled()["floor"] != before["floor"]:
-            break
-    after = shown.settled()
-    assert after["floor"] != before["floor"]
+    click(shown, *before["switches"]["Floor and shadow"])
+    after = shown.until(lambda state: state["floor"] != before["floor"])
     assert (after["yaw"], after["target"]) == (before["yaw"], before["target"])
     shown.xdotool("click", "--repeat", 3, 5)  # scrolls the panel; nothing comes nearer
     assert shown.settled()["distance"] == before["distance"]
@@ -186,9 +181,9 @@ def test_what_is_baked_anew_is_shown_anew(
         again.write_bytes(b"not a clip")
         os.replace(again, own)
         shown.until(lambda state: "own.gclip" in state["notice"])
-        small_clip(first=1.0).save(own)
+        small_clip(times=LATER).save(own)
         state = shown.until(lambda state: "loaded again" in state["notice"])
-        assert state["times"] == [1.0, *TIMES[1:]]
+        assert state["times"] == list(LATER)
     finally:
         shown.end()
 
@@ -213,13 +208,8 @@ def test_in_a_narrow_window_the_panel_lies_over_the_plant(
         shown.key("Tab")
         shown.until(lambda state: state["panel"])
         assert shown.settled()["home"] == before["home"], "the plant keeps its place"
-        place = panel_place((400.0, 480.0))
-        for y in range(160, 230, 10):
-            click(shown, round(place.x) + 70, round(place.y) + y)
-            if shown.settled()["floor"] != before["floor"]:
-                break
-        after = shown.settled()
-        assert after["floor"] != before["floor"]
+        click(shown, *shown.settled()["switches"]["Floor and shadow"])
+        after = shown.until(lambda state: state["floor"] != before["floor"])
         assert after["yaw"] == before["yaw"]
         click(shown, *map(round, layout((400.0, 480.0)).buttons["panel"].middle))
         shown.until(lambda state: not state["panel"])
@@ -235,7 +225,7 @@ def dropped(shown: Shown, *files: Path) -> None:
 def test_dropped_files_are_opened(display: dict[str, str], clip_file: Path, tmp_path: Path) -> None:
     """Really dragged; what can't be shown leaves the clip that is there, and one sentence."""
     other, broken = tmp_path / "ein andörer 100%.gclip", tmp_path / "broken.gclip"
-    small_clip(first=1.0).save(other)
+    small_clip(times=LATER).save(other)
     broken.write_bytes(other.read_bytes()[:-50])
     shown = Shown(display, clip_file, (500, 400))
     try:
