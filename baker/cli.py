@@ -13,7 +13,6 @@ from baker.options import (
     Colors,
     Decay,
     Labels,
-    Missing,
     Options,
     Paths,
     Precision,
@@ -88,19 +87,8 @@ def bake_command(
     ] = Decay.fall,
     paths: Annotated[
         Paths,
-        typer.Option(
-            help="How points travel: straight, curved as organs bend (usual), or smooth across "
-            "scans too, for 6 bytes a mover."
-        ),
+        typer.Option(help="How points travel: straight, or curved as organs bend (usual)."),
     ] = Paths.auto,
-    missing: Annotated[
-        Missing | None,
-        typer.Option(
-            help="What a part of an organ does that a later scan lacks: hidden for a while, it "
-            "fades (usual) or is filled in; shrink draws what is left over the whole.",
-            show_default=False,
-        ),
-    ] = None,
     paper: Annotated[
         bool, typer.Option("--paper", help="Choose as Golla et al. (2020) do, throughout.")
     ] = False,
@@ -247,7 +235,6 @@ def bake_command(
         even=even,
         decay=decay,
         paths=paths,
-        missing=missing,
         colors=colors,
         precision=precision,
         unit=unit,

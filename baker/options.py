@@ -52,17 +52,10 @@ class Decay(StrEnum):
     remove = "remove"
 
 
-class Missing(StrEnum):
-    fade = "fade"
-    fill = "fill"
-    shrink = "shrink"
-
-
 class Paths(StrEnum):
     auto = "auto"
     straight = "straight"
     curved = "curved"
-    smooth = "smooth"
 
 
 class Colors(StrEnum):
@@ -84,7 +77,6 @@ CHOICES: dict[str, type[StrEnum]] = {
     "transport": Transport,
     "decay": Decay,
     "paths": Paths,
-    "missing": Missing,
     "colors": Colors,
     "precision": Precision,
 }
@@ -124,7 +116,6 @@ class Options:
     smooth: bool = False
     decay: str = "fall"
     paths: str = "auto"
-    missing: str | None = None
     colors: str = "scan"
     precision: str = "auto"
     unit: str = ""

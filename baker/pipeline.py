@@ -27,13 +27,12 @@ from baker.geometry.up_axis import Vertical
 from baker.geometry.workers import ALONE, Crew, Pool, worker_count
 from baker.interpolation.births import Birth, births
 from baker.interpolation.colors import painted
-from baker.interpolation.complete import completed
 from baker.interpolation.growth_rate import Pace, paces
 from baker.interpolation.movers import Keyframe
 from baker.interpolation.resampling import point_surface
 from baker.interpolation.steady import steadied
 from baker.matching import IntervalOrgans, Match, follow_organs, match_series
-from baker.options import Options, Paths
+from baker.options import Decay, Options, Paths
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import Series
@@ -138,7 +137,6 @@ def bake_series(
     intervals = solve_intervals(
         jobs,
         executor or Threads(crew.workers),
-        smooth=recipe.paths == Paths.smooth,
         cache=cache,
         tell=partial(tell, "transport"),
     )
@@ -242,11 +240,13 @@ def _interval_jobs(
 ) -> tuple[list[IntervalJob], float, float]:
     """What each interval is worked out from, and the series' point spacing and floor.
 
-    Here everything is settled that spans intervals: spacing, floor, steadied organs, parts that
-    are missing for a while, how fast new organs unfold.
+    Here everything is settled that spans intervals: spacing, floor, steadied organs, how fast new
+    organs unfold.
 
-    found: whether the organs are our own finding.
+    found: whether the organs were segmented by the program. Some of what is lost then is a piece of
+           a leaf that the next scan counts to its leaf: nothing has fallen, so it fades.
     """
+    decay = Motion.FADE if found and options.decay == Decay.fall else Motion(options.decay)
     spacings = [around.spacing for around in measured]
     spacing = float(np.median(spacings))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
@@ -259,15 +259,6 @@ def _interval_jobs(
             replace(frame, surface=point_surface(frame.positions, a.surface))
             for frame, a in zip(keyframes, measured, strict=True)
         ]
-    whole = completed(
-        keyframes,
-        matches,
-        organs,
-        [scan.name for scan in series.scans],
-        recipe.missing,
-        Motion(options.decay),
-    )
-    keyframes, matches = whole.keyframes, whole.matches
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]
     paced: list[dict[int, Pace]] = [{} for _ in matches]
@@ -289,20 +280,18 @@ def _interval_jobs(
                     match,
                     organs[k],
                     options.bud,
-                    whole.parts[k],
-                    born[k],
-                    found and options.decay == "fall",
-                    paced[k],
                     recipe.bud_least,
                 )
             ),
+            births=born[k],
+            paces=paced[k],
             vertical=vertical,
             floor=floor,
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             series_spacing=spacing,
             transport=recipe.transport,
             limbs=recipe.limbs,
-            decay=Motion(options.decay),
+            decay=decay,
             curved=recipe.paths != Paths.straight,
             attached=not options.paper or recipe.paths != Paths.straight,
             even=recipe.even,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from baker.matching.hierarchical import PAPER, GreedyRules
-from baker.options import Missing, Options, Paths
+from baker.options import Options, Paths
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import BUD_LEAST
 
@@ -21,8 +21,7 @@ class Recipe:
     transport:       of each pair of segments.
     limbs:           an organ's limbs are paired and moved one by one.
     even:            movers to add at most where they would be sparse, as a share of all.
-    missing:         what becomes of parts of organs that a later scan lacks.
-    paths:           how movers travel: straight, curved or smooth.
+    paths:           how movers travel: straight or curved.
     bud_least:       points that a new organ unfolds from at least.
     """
 
@@ -33,7 +32,6 @@ class Recipe:
     transport: TransportOptions
     limbs: bool
     even: float
-    missing: str
     paths: str
     bud_least: int
 
@@ -56,7 +54,6 @@ def recipe_for(options: Options) -> Recipe:
             ),
             limbs=False,
             even=options.even or 0.0,
-            missing=options.missing or Missing.shrink,
             paths=Paths.straight if options.paths == Paths.auto else options.paths,
             bud_least=10,
         )
@@ -70,7 +67,6 @@ def recipe_for(options: Options) -> Recipe:
         transport=TransportOptions(method=method, neighbors=options.neighbors),
         limbs=method != "sinkhorn",
         even=usual if options.even is None else options.even,
-        missing=options.missing or Missing.fade,
         paths=paths,
         bud_least=BUD_LEAST,
     )

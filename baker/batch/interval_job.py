@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,9 @@ from numpy.typing import NDArray
 from baker.geometry.up_axis import Vertical
 from baker.geometry.workers import ALONE, Crew, Done
 from baker.interpolation import Bend, Bending, attached
+from baker.interpolation.births import Birth
 from baker.interpolation.feet import Feet
+from baker.interpolation.growth_rate import Pace
 from baker.interpolation.movers import Keyframe, Moved, solve_task
 from baker.interpolation.resampling import with_even_density
 from baker.matching import IntervalOrgans, Match
@@ -25,11 +28,11 @@ class IntervalJob:
     """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
 
     What spans intervals is settled before: alignment, segments, which organ is which (`match`,
-    `organs`), parts that are missing, how organs are born (in `tasks`), the series' `floor` and
-    `series_spacing`. Only `--paths smooth` needs the movers of neighbouring intervals afterwards.
+    `organs`), how organs are born, the series' `floor` and `series_spacing`.
 
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
+    births, paces: by organ, how new ones unfold and the others go; those left out, linearly.
     transport: `workers` in it does not count.
     limbs:    whether an organ's limbs are paired and moved one by one.
     decay:    how lost organs leave.
@@ -47,6 +50,8 @@ class IntervalJob:
     organs: IntervalOrgans
     bases: tuple[NDArray[np.floating], NDArray[np.floating]]
     tasks: tuple[Task, ...]
+    births: Mapping[int, Birth]
+    paces: Mapping[int, Pace]
     vertical: Vertical
     floor: float
     spacing: float
@@ -100,6 +105,8 @@ def move_interval(
             vertical=job.vertical,
             floor=job.floor,
             foot=feet.of(task) if job.limbs else None,
+            birth=job.births.get(task.organ) if task.event == "birth" else None,
+            pace=job.paces.get(task.organ) if task.event == "match" else None,
         )
         bend = bending.of(moved) if bending else None
         done(1)
@@ -122,7 +129,7 @@ def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -
         with_even_density(solved, job.even, crew.if_light()),
         spacing=job.series_spacing,
         precision=job.precision,
-        segments=tuple(m.pair for m in solved if m.pair is not None),
+        segments=tuple(m.pair for m in solved),
     )
 
 

@@ -16,7 +16,9 @@ from gclip.clip import Motion, SegmentPair
 from gclip.pack import Movers
 
 if TYPE_CHECKING:
+    from baker.interpolation.births import Birth
     from baker.interpolation.feet import Foot
+    from baker.interpolation.growth_rate import Pace
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Keyframe:
 
 @dataclass(frozen=True)
 class Moved:
-    """A solved task: the movers and what is to be told of them; None of a part of an organ.
+    """A solved task: the movers and what is to be told of them.
 
     surface: (M,) what each mover stands for half-way; None where density is left as it is.
     start_points, end_points: (M,) the points of both scans that movers go from and to; None of
@@ -49,7 +51,7 @@ class Moved:
     """
 
     movers: Movers
-    pair: SegmentPair | None
+    pair: SegmentPair
     surface: NDArray[np.floating] | None = None
     start_points: NDArray[np.intp] | None = None
     end_points: NDArray[np.intp] | None = None
@@ -68,22 +70,23 @@ def solve_task(
     vertical: Vertical,
     floor: float,
     foot: Foot | None = None,
+    birth: Birth | None = None,
+    pace: Pace | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
 
     foot: the task's points where the organ is attached, if its limbs are to go each on its own.
+    birth: how a new organ unfolds; pace: at which a matched one goes. None of what moves linearly.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
     """
-    if task.event in ("loss", "part"):
-        decay = task.leaves or decay
+    if task.event == "loss":
         origin = start.positions.take(task.start, axis=0)
         landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
         movers = _movers(task.organ, decay, origin, landing, start, task.start, start, task.start)
         drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
-        whole = task.event == "loss"
-        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0) if whole else None)
+        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0))
 
     from baker.transport.organ_plan import coupled
 
@@ -94,14 +97,14 @@ def solve_task(
     origin, target = here.take(found.rows, axis=0), there.take(found.columns, axis=0)
     movers = _movers(task.organ, Motion.MOVE, origin, target, start, a, end, b)
     pair = _pair(task, len(movers), found.solver, found.distance, found.marginal_error, found.notes)
-    if task.birth is not None:
+    if birth is not None:
         origin, target = movers.curve
-        curve = (origin, task.birth.control(origin, target), target)
+        curve = (origin, birth.control(origin, target), target)
         movers = replace(movers, curve=curve)
-    if task.pace is not None:
+    if pace is not None:
         origin, target = movers.curve
         # Of a curve of degree two the control point counts half in its middle.
-        control = (origin + target) / 2 + 2.0 * task.pace.shift(origin, target)
+        control = (origin + target) / 2 + 2.0 * pace.shift(origin, target)
         movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
@@ -144,5 +147,5 @@ def _pair(
         solver=solver,
         cost=cost,
         marginal_error=error,
-        notes=(*task.notes, *notes),
+        notes=notes,
     )

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.nearby import bound_by
-from baker.interpolation.births import Birth
-from baker.interpolation.growth_rate import Pace
-from baker.interpolation.missing import Part
-from baker.interpolation.scraps import is_scrap
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
-from gclip.clip import Motion
 
 BUD_SHARE, BUD_MOST = 0.01, 100
 BUD_LEAST = 3  # in a sparse scan more would stretch far along the bearer
@@ -27,21 +20,13 @@ SAMPLED = 10  # times as many points as the bud's bound how far it reaches
 class Task:
     """One segment's way through an interval, as point indices into the two scans.
 
-    event: "match", "birth" (start is the bud), "loss" (end is empty), or "part": of a matched
-           organ a part is lost, and leaves in its own way.
-    birth:  how a new organ unfolds; None in straight lines from its bud.
-    pace:   at which a matched organ goes; None of one that goes evenly.
-    leaves: how a part goes; notes: for the report.
+    event: "match", "birth" (start is the bud) or "loss" (end is empty).
     """
 
     event: str
     organ: int
     start: NDArray[np.intp]
     end: NDArray[np.intp]
-    birth: Birth | None = None
-    pace: Pace | None = None
-    leaves: Motion | None = None
-    notes: tuple[str, ...] = ()
 
 
 def interval_tasks(
@@ -49,16 +34,10 @@ def interval_tasks(
     match: Match,
     organs: IntervalOrgans,
     bud_points: int | None = None,
-    parts: Sequence[Part] = (),
-    born: Mapping[int, Birth] = MappingProxyType({}),
-    scraps: bool = False,
-    paces: Mapping[int, Pace] = MappingProxyType({}),
     bud_least: int = BUD_LEAST,
 ) -> list[Task]:
     """The tasks between two scans' (N, 3) points.
 
-    parts: what matched organs lose; born, paces: by organ, how new ones unfold and old ones go.
-    scraps: whether what is lost may be scraps of our own cutting: these fade, they don't fall.
     bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on, ...
     bud_least:  ... at least so many.
 
@@ -66,13 +45,7 @@ def interval_tasks(
     """
     first, second = match.first, match.second
     tasks = [
-        Task(
-            "match",
-            organs.second[b],
-            first.segments[a],
-            second.segments[b],
-            pace=paces.get(organs.second[b]),
-        )
+        Task("match", organs.second[b], first.segments[a], second.segments[b])
         for a, b in match.pairs
         if len(first.segments[a]) and len(second.segments[b])
     ]
@@ -87,35 +60,11 @@ def interval_tasks(
         if place not in buds:
             buds[place] = _bud(points, match, *place, bud_points, bud_least)
         organ, members = organs.second[segment], second.segments[segment]
-        tasks.append(Task("birth", organ, buds[place], members, born.get(organ)))
+        tasks.append(Task("birth", organ, buds[place], members))
     nothing = np.empty(0, np.intp)
     lost = (*match.losses, *emptied)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in lost]
-    for part in parts:
-        tasks = [task if task.organ != part.organ else _without(task, part) for task in tasks]
-        tasks.append(Task("part", part.organ, part.points, nothing, leaves=part.leaves))
-    tasks = [task for task in tasks if len(task.start) or len(task.end)]
-    return _scraps_fading(tasks, points) if scraps else tasks
-
-
-def _scraps_fading(
-    tasks: Sequence[Task], points: tuple[NDArray[np.floating], NDArray[np.floating]]
-) -> list[Task]:
-    """The tasks; what is lost and was no organ of its own fades."""
-    from scipy.spatial import cKDTree
-
-    later = cKDTree(points[1])
-    return [
-        replace(task, leaves=Motion.FADE)
-        if not len(task.end) and is_scrap(points[0][task.start], later)
-        else task
-        for task in tasks
-    ]
-
-
-def _without(task: Task, part: Part) -> Task:
-    kept = np.setdiff1d(task.start, part.points, assume_unique=True)
-    return replace(task, start=kept, notes=(*task.notes, part.note))
+    return [task for task in tasks if len(task.start) or len(task.end)]
 
 
 def _bud_place(match: Match, segment: int) -> tuple[int | None, int]:

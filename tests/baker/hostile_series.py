@@ -216,7 +216,7 @@ def _check_sentence(sentence: str, paths: list[Path]) -> None:
 
 def _check_clip(clip: Any, record: Any, series: Series) -> None:
     assert [scan.points for scan in clip.scans] == [len(f.positions) for f in record.keyframes]
-    exact = not series.options.get("smooth") and series.options.get("missing") != "fill"
+    exact = not series.options.get("smooth")
     whole = np.concatenate([frame.positions for frame in record.keyframes]).astype(float)
     size = np.ptp(whole, axis=0).max()
     middle = (whole.max(axis=0) + whole.min(axis=0)) / 2
@@ -224,7 +224,7 @@ def _check_clip(clip: Any, record: Any, series: Series) -> None:
         for share in (0.0, 0.25, 0.5, 0.9, 1.0):
             frame = clip.at(interval.start + share * (interval.end - interval.start))
             assert np.isfinite(frame.local).all(), "positions that aren't finite"
-            if series.options.get("paths") != "smooth" and len(frame):
+            if len(frame):
                 beyond = np.abs(frame.local - middle).max() / max(size, 1e-300)
                 assert size == 0 or beyond < 3, f"{beyond} sizes away from the scans"
         if exact:
@@ -253,9 +253,8 @@ _OPTIONS = {
     "paper": st.just(True),
     "segment": st.sampled_from(["thin", "organs"]),
     "labels": st.sampled_from(["consistent", "independent", "ignore"]),
-    "missing": st.sampled_from(["fade", "fill", "shrink"]),
     "decay": st.sampled_from(["fade", "remove"]),
-    "paths": st.sampled_from(["straight", "smooth"]),
+    "paths": st.sampled_from(["straight", "curved"]),
     "transport": st.sampled_from(["exact", "sinkhorn", "whole"]),
     "smooth": st.just(True),
     "even": st.sampled_from([0.0, 0.3, 4.0]),

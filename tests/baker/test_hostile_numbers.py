@@ -17,7 +17,6 @@ from baker.geometry.spacing import lowest_point, point_spacing, without_outliers
 from baker.interpolation.bend import bend
 from baker.interpolation.births import Birth
 from baker.interpolation.coherent import draw
-from baker.interpolation.missing import missing_part
 from baker.interpolation.movers import Moved
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.organ_shape import FEWEST, OrganShape
@@ -180,23 +179,6 @@ def test_spines_and_warps_of_any_shapes_are_finite(shape):
             motion = None if few else fit_motion(first, second)
             if motion is not None:
                 assert np.isfinite(motion.halfway(first.points, laid)).all()
-
-
-@pytest.mark.parametrize("shape", SOUND)
-def test_parts_missing_from_any_shapes(shape):
-    before = cloud("plant", 200)
-    for after in (cloud(shape, 60), cloud(shape, 60, 1e-9), before[:50]):
-        rest = missing_part(
-            before,
-            after,
-            point_surface(before),
-            np.zeros(len(after)),
-            lambda after=after: (before[0], after[0]),
-        )
-        if rest is not None:
-            assert 0 < rest.missing.sum() <= len(before)
-            np.testing.assert_allclose(rest.rotation @ rest.rotation.T, np.eye(3), atol=1e-6)
-            assert np.isfinite(rest.shift).all()
 
 
 @pytest.mark.parametrize("shape", SOUND)

@@ -39,7 +39,7 @@ def test_few_points_bake(shape, count, tmp_path):
     [
         (Series(SHRINKING), "baked"),
         (Series(SHRINKING, {"paper": True}), "baked"),
-        (Series(SHRINKING, {"missing": "fill", "paths": "smooth"}), "baked"),
+        (Series(SHRINKING, {"paths": "straight"}), "baked"),
         (Series((Scan("plant", 200), Scan("plant", 200))), "baked"),
         (Series((Scan("grid", 125, labels="few"), Scan("grid", 64, labels="few"))), "baked"),
         (Series((Scan("plant", 3), Scan("plant", 3000))), "baked"),
@@ -48,7 +48,7 @@ def test_few_points_bake(shape, count, tmp_path):
         # An empty root that meets a stem, that meets another one, that comes after a stem.
         (Series((Scan("same point", 5), Scan("upside down", 5)), {"root": "virtual"}), "baked"),
         (Series((Scan("line", 5), Scan("plant", 31)), {"root": "virtual"}), "baked"),
-        (Series((Scan("ring", 400, 3), Scan("parts", 400, 2)), {"missing": "shrink"}), "baked"),
+        (Series((Scan("ring", 400, 3), Scan("parts", 400, 2))), "baked"),
         # Cells of the point spacing by the billion billion.
         (Series((Scan("all sizes", 10, 3), Scan("cloud", 31, 1)), {"segment": "thin"}), "baked"),
         (Series((Scan("plant", 200),)), "only one scan"),
@@ -88,8 +88,8 @@ def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
     [
         (None, {}),
         (None, {"paper": True}),
-        ("few", {"smooth": True, "paths": "smooth"}),
-        ("few", {"missing": "fill", "denoise": 20, "outliers": 2.0, "align": "icp"}),
+        ("few", {"smooth": True}),
+        ("few", {"denoise": 20, "outliers": 2.0, "align": "icp"}),
     ],
 )
 def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):

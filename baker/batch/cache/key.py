@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,19 +39,13 @@ class Key:
         return _named(interval, times, np.asarray(self.organs), dict(enumerate(self.organs)))
 
 
-def key_of(job: IntervalJob, neighbors: Sequence[IntervalJob | None] | None = None) -> Key:
+def key_of(job: IntervalJob) -> Key:
     """The key of a job's interval.
 
-    neighbors: the jobs of the intervals before and after, None for none, where the movers depend
-               on theirs too (`--paths smooth`).
-
-    When the interval is, and which numbers its organs have in the series, doesn't matter, unless
-    its neighbours do. Colours never do: see `baker.batch.cache.colors`.
+    When the interval is, and which numbers its organs have in the series, doesn't matter. Colours
+    don't either: see `baker.batch.cache.colors`.
     """
     organs = _organs(job)
-    if neighbors is not None:
-        parts = [None if j is None else replace(_bare(j), times=j.times) for j in (job, *neighbors)]
-        return Key(digest(program_digest(), "smooth", parts), organs)
     return Key(digest(program_digest(), _renumbered(_bare(job), organs)), organs)
 
 
@@ -72,6 +65,8 @@ def _renumbered(job: IntervalJob, organs: tuple[int, ...]) -> IntervalJob:
         job,
         organs=IntervalOrgans(first, second, bearers),
         tasks=tuple(replace(task, organ=numbers[task.organ]) for task in job.tasks),
+        births={numbers[organ]: birth for organ, birth in job.births.items()},
+        paces={numbers[organ]: pace for organ, pace in job.paces.items()},
     )
 
 
@@ -80,11 +75,8 @@ def _bare(job: IntervalJob) -> IntervalJob:
     match, organs = job.match, job.organs
     here = {*organs.first.values(), *organs.second.values()}
     bearers = {a: b for a, b in organs.bearers.items() if a in here and b in here}
-    falls = any(
-        task.event in ("loss", "part") and (task.leaves or job.decay) is Motion.FALL
-        for task in job.tasks
-    )
-    lost = any(task.event in ("loss", "part") for task in job.tasks)
+    lost = any(task.event == "loss" for task in job.tasks)
+    falls = lost and job.decay is Motion.FALL
     return replace(
         job,
         times=NUMBERED,

@@ -44,8 +44,8 @@ def scans(write_scans) -> list[Path]:
 
 @pytest.mark.parametrize(
     "options",
-    [PLAIN, replace(PLAIN, paper=True), replace(PLAIN, paths="smooth")],
-    ids=["default", "paper", "smooth"],
+    [PLAIN, replace(PLAIN, paper=True)],
+    ids=["default", "paper"],
 )
 def test_a_second_bake_solves_nothing(scans, baked, options):
     assert baked(scans, options, clean=False) == (0, 4)
@@ -73,14 +73,6 @@ def test_a_scan_less_between_costs_the_interval_across_the_gap(scans, baked):
     assert baked([scans[0], *scans[2:]], paper) == (2, 1)
 
 
-def test_smooth_paths_depend_on_the_neighbours(scans, baked):
-    smooth = replace(PLAIN, paths="smooth", paper=True)
-    baked(scans[:4], smooth, clean=False)
-    found, solved = baked(scans, smooth)
-    assert 2 <= solved <= 3  # a course through the sizes of organs may reach one farther
-    assert found == 4 - solved
-
-
 @pytest.mark.parametrize(
     ("change", "solved"),
     [
@@ -93,7 +85,6 @@ def test_smooth_paths_depend_on_the_neighbours(scans, baked):
         ({"transport": "exact"}, 0),
         ({"graph_neighbors": 7}, 0),  # there are labels
         ({"bifurcation": 3}, 0),
-        ({"missing": "fill"}, 0),  # nothing is missing
         ({"labels": "consistent"}, 0),
         ({"bud": 12}, 2),  # in two of them an organ is born
         ({"transport": "sinkhorn"}, 4),
@@ -108,15 +99,15 @@ def test_an_option_costs_what_depends_on_it(scans, baked, change, solved):
     assert baked(scans, replace(PLAIN, **change)) == (4 - solved, solved)
 
 
-@pytest.mark.parametrize(("paths", "reverse"), [("curved", True), ("smooth", False)])
-def test_colors_cost_nothing(write_scans, baked, reverse, paths):
+@pytest.mark.parametrize("reverse", [True, False])
+def test_colors_cost_nothing(write_scans, baked, reverse):
     """Nor do scans of other colours: the movers are the same."""
     scans = sorted(write_scans(days=(0, 1, 2), reverse=reverse).iterdir())
     for k, scan in enumerate(scans):
         rows = np.loadtxt(scan)
         colors = np.random.default_rng(k).integers(0, 256, (len(rows), 3))
         np.savetxt(scan, np.column_stack([rows[:, :3], colors, rows[:, 3]]), fmt="%.4f")
-    options = replace(PLAIN, paths=paths, even=1.0)
+    options = replace(PLAIN, even=1.0)
     assert baked(scans, options) == (0, 2)
     for colors in ("segment", "none", "scan"):
         assert baked(scans, replace(options, colors=colors)) == (2, 0)

@@ -28,11 +28,10 @@ class Elsewhere:
     "options",
     [
         PLAIN,
-        replace(PLAIN, paths="smooth"),
         replace(PLAIN, paper=True),
         replace(PLAIN, labels="ignore"),
     ],
-    ids=["default", "smooth", "paper", "no labels"],
+    ids=["default", "paper", "no labels"],
 )
 def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
     folder = write_scans(days=(0, 1, 2, 3))

@@ -9,8 +9,8 @@ from gclip.clip import Motion
 
 
 @pytest.mark.parametrize("decay", ["fall", "remove"])
-def test_no_scrap_falls_from_real_leaves(shared_data, decay: str) -> None:
-    """The series' organs are found anew: bits of leaves get lost, and none of them drops."""
+def test_nothing_falls_of_organs_found_without_labels(shared_data, decay: str) -> None:
+    """What is lost are pieces of leaves that the next scan counts to their leaf."""
     folder = shared_data / "unaligned" / "tomato2_control_plant3"
     options = Options(labels="ignore", decay=decay, workers=2)
     clip = bake([folder], options)
