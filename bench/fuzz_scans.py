@@ -25,8 +25,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "baker"))
-
 CHUNK = 100  # cases that hypothesis draws from one seed
 
 
@@ -65,10 +63,10 @@ def main() -> int:
 def _subject(kind: str, begins: str) -> tuple[Any, Callable[[Any, Path], str]]:
     """What to draw, and what to do with it."""
     if kind == "series":
-        from hostile_series import all_series, check_series
+        from tests.baker.hostile_series import all_series, check_series
 
         return all_series(), check_series
-    from hostile_files import all_files, check_file
+    from tests.baker.hostile_files import all_files, check_file
 
     return all_files(begins), check_file
 

@@ -1,13 +1,10 @@
-"""A small plant that grows, written as scans; the tests here may import what they share."""
+"""A small plant that grows, written as scans."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # import mode: importlib
 
 ScanWriter = Callable[..., Path]
 

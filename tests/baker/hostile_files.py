@@ -20,9 +20,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hostile_series import write_pcd
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+
+from tests.baker.hostile_series import write_pcd
 
 ROOM, TIMES = 48 << 20, 40  # bytes that reading may take, and how many more for each of the file's
 

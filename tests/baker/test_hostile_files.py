@@ -2,7 +2,6 @@
 
 import re
 import struct
-import sys
 import time
 import tracemalloc
 import zlib
@@ -11,15 +10,12 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from hostile_files import CAMERA, SOUND, File, all_files, check_file
-
 from baker.errors import InputError
 from baker.scans.formats import read_columns
 from baker.scans.rgbd.camera import read_camera
 from baker.scans.rgbd.images import read_color
 from baker.scans.times import FoundScans, schedule_scans
+from tests.baker.hostile_files import CAMERA, SOUND, File, all_files, check_file
 
 LISTS = ("ply binary, lists before", "ply binary, lists inside", "ply ascii, lists before")
 HUGE = 10**15

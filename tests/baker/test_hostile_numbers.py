@@ -1,16 +1,10 @@
 """Numbers at the edge: ties, no size, no overlap, 1 point to 10,000; every stage on its own."""
 
 import itertools
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from hostile_series import ROUGH, SHAPES, Scan
 
 from baker.alignment import align
 from baker.geometry.spacing import lowest_point, point_spacing, without_outliers
@@ -35,6 +29,7 @@ from baker.transport.solve import solve
 from baker.transport.wasserstein import Moments, gaussian_distance, wasserstein
 from gclip.clip import Motion
 from gclip.pack import Movers
+from tests.baker.hostile_series import ROUGH, SHAPES, Scan
 
 SOUND = [name for name in SHAPES if name not in ROUGH]
 SCALES = [1.0, 2.0**-29, 2.0**39]

@@ -2,16 +2,13 @@
 
 import os
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from hostile_series import LABELS, SHAPES, Scan, Series, all_series, check_series
+from tests.baker.hostile_series import LABELS, SHAPES, Scan, Series, all_series, check_series
 
 SHRINKING = tuple(Scan("plant", count) for count in (300, 60, 9, 1))
 

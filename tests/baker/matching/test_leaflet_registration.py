@@ -4,9 +4,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from twigs import twig
 
 from baker.matching.leaflet_registration import Limbs, laid_on, paired
+from tests.baker.twigs import twig
 
 LIMB = 6
 

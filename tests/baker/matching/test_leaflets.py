@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from twigs import blade, twig
 
 from baker.matching.leaflets import pieces
+from tests.baker.twigs import blade, twig
 
 
 def assert_partition(cut, n, m):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from twigs import blade, twig
 
 from baker.segmentation.leaflets import limbs
+from tests.baker.twigs import blade, twig
 
 
 def share_right(found: np.ndarray, leaf: np.ndarray) -> float:

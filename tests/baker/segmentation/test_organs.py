@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from seedling import seedling, tube
 
 from baker.geometry.up_axis import Vertical
 from baker.segmentation.from_labels import root_point
 from baker.segmentation.organs import segment_organs
+from tests.baker.segmentation.seedling import seedling, tube
 
 UP = Vertical.named("z")
 

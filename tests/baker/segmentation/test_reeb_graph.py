@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from seedling import seedling, tube
 
 from baker.segmentation.merging import join_touching
 from baker.segmentation.organ_classification import flatness
 from baker.segmentation.reeb_graph import level_tree
 from baker.segmentation.voxel_sampling import even_sample, one_per_cube
+from tests.baker.segmentation.seedling import seedling, tube
 
 
 def sample_of(points: np.ndarray):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from transport_clouds import grown_leaf, leaf
 
 from baker.transport import bisection
 from baker.transport.problem import uniform_masses
+from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 
 def assert_feasible(plan, supply, demand):

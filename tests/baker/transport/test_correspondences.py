@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from transport_clouds import grown_leaf
 
 from baker.transport.correspondences import movers
 from baker.transport.problem import Plan
 from baker.transport.solve import solve
+from tests.baker.transport.transport_clouds import grown_leaf
 
 
 def plan_of(matrix) -> Plan:

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 from scipy.spatial.distance import cdist
-from transport_clouds import leaf
 
 from baker.transport.bisection import couple
 from baker.transport.network_simplex import improve_cells
 from baker.transport.problem import uniform_masses
+from tests.baker.transport.transport_clouds import leaf
 
 
 def optimum(start, end, supply, demand, power):

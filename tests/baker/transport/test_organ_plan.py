@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from twigs import twig
 
 from baker.transport.correspondences import movers
 from baker.transport.organ_plan import coupled
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
+from tests.baker.twigs import twig
 
 
 def own_share(found, before, after) -> float:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
-from transport_clouds import grown_leaf, leaf
 
 from baker.transport.correspondences import movers
 from baker.transport.feasibility import share_that_can_flow
@@ -11,6 +10,7 @@ from baker.transport.problem import TransportOptions, costs
 from baker.transport.sinkhorn import scale
 from baker.transport.solve import solve
 from baker.transport.support import nearest
+from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 PLAIN = TransportOptions("sinkhorn", power=1, feasible=False)
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
-from transport_clouds import grown_leaf, leaf
 
 from baker.transport import multiscale
 from baker.transport.correspondences import movers
 from baker.transport.problem import Plan, TransportOptions, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.support import balance, explained_cost
+from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 
 def dense_optimum(start, end, power=2):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from transport_clouds import grown_leaf, leaf
 
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 from baker.transport.wasserstein import Moments, gaussian_distance, least_distance, wasserstein
+from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 
 def test_exact_for_small_segments():
