@@ -4,9 +4,8 @@ A leaf that grows by half and bends, scanned anew, is transported as one problem
 stand the best plans that other ways find within `--limit` seconds each, in processes of their own:
 
     ours, large cells   our solver with cells 64 times as large and sweeps until nothing is gained
-    OR-Tools            min-cost flow (cost scaling) on our plan's pairs and each point's nearest
-                        20 partners of our plan's own warp
-    POT                 emd on the same pairs
+    POT                 emd on our plan's pairs and each point's nearest 20 partners of our plan's
+                        own warp
 
 Printed are seconds and the cost above the best plan found by anyone: of the whole squared distance,
 and of what is left of it when the best linear map is taken out, which is all that solvers decide.
@@ -24,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from baker.transport import multiscale
-from baker.transport.problem import TransportOptions, costs, uniform_masses
+from baker.transport.problem import TransportOptions, costs
 from baker.transport.solve import solve
 from baker.transport.support import balance, explained_cost, nearest, unique
 from bench.transport import Cloud, leaf
@@ -49,25 +48,6 @@ def _support(start: Cloud, end: Cloud, workers: int) -> tuple[Cloud, Cloud, Any,
     shift = np.stack([np.bincount(plan.rows, axis, len(here)) for axis in way.T], axis=1)
     pairs = unique(nearest(here + len(here) * shift, there, NEAREST), (plan.rows, plan.columns))
     return here, there, pairs, costs(here, there, pairs, 2)
-
-
-def or_tools(start: Cloud, end: Cloud, workers: int) -> float:
-    from ortools.graph.python.min_cost_flow import SimpleMinCostFlow
-
-    here, there, (rows, columns), cost = _support(start, end, workers)
-    supply, demand = uniform_masses(len(start), len(end))
-    whole = np.rint(cost * (2.0**30 / cost.max())).astype(np.int64)
-    solver = SimpleMinCostFlow()
-    capacity = np.minimum(supply[rows], demand[columns])
-    solver.add_arcs_with_capacity_and_unit_cost(
-        rows.astype(np.int32), (columns + len(start)).astype(np.int32), capacity, whole
-    )
-    nodes = np.arange(len(start) + len(end), dtype=np.int32)
-    solver.set_nodes_supplies(nodes, np.concatenate([supply, -demand]))
-    if solver.solve() != solver.OPTIMAL:
-        raise RuntimeError("OR-Tools found no flow")
-    flow = solver.flows(np.arange(len(rows), dtype=np.int32))
-    return float(flow @ cost) / float(supply.sum()) + explained_cost(start, end, here, there)
 
 
 def pot(start: Cloud, end: Cloud, workers: int) -> float:
@@ -113,7 +93,7 @@ def main() -> None:
     n, m = map(int, arguments.sizes.split(","))
     start, end = leaf(n, 1.0, 0), leaf(m, 1.5, 1)
     explained = explained_cost(start, end, *balance(start, end))
-    ways = {"ours": ours, "ours, large cells": large_cells, "OR-Tools": or_tools, "POT": pot}
+    ways = {"ours": ours, "ours, large cells": large_cells, "POT": pot}
     results = {
         name: within(arguments.limit, way, start, end, arguments.workers)
         for name, way in ways.items()

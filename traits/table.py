@@ -13,6 +13,7 @@ from unicodedata import normalize
 
 from gclip.dates import date_at
 from gclip.text import printable
+from gclip.version import __version__
 from traits.traits import Measurement, measure
 
 if TYPE_CHECKING:
@@ -140,11 +141,8 @@ def _number(value: float) -> str:
 
 def provenance(clip: Clip) -> tuple[str, str]:
     """What measured, and a digest of what the clip says it was made of and how."""
-    from importlib.metadata import version
-
     made = json.dumps(clip.provenance, sort_keys=True).encode()
-    name = "plant-growth-clips"
-    return f"{name} {version(name)}", f"sha256:{hashlib.sha256(made).hexdigest()}"
+    return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(made).hexdigest()}"
 
 
 def _safe(row: list) -> list:

@@ -14,6 +14,7 @@ from baker.options import Options
 from baker.scans import Scan, Series
 from baker.segmentation.hierarchy import Hierarchy
 from gclip.clip import Track
+from gclip.version import __version__
 
 
 def describe_tracks(
@@ -68,6 +69,6 @@ def describe_provenance(
 def software() -> dict[str, dict[str, str]]:
     """The program and the packages its numbers come from, with their versions."""
     return {
-        "program": {"name": "plant-growth-clips", "version": version("plant-growth-clips")},
-        "packages": {name: version(name) for name in ("numpy", "scipy", "numba", "ortools")},
+        "program": {"name": "plant-growth-clips", "version": __version__},
+        "packages": {name: version(name) for name in ("numpy", "scipy", "numba")},
     }

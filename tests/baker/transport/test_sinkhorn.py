@@ -154,3 +154,13 @@ def test_degenerate_clouds(options, start, end):
     rows, columns, _ = movers(plan, len(start), len(end))
     assert len(np.unique(rows)) == len(start)
     assert len(np.unique(columns)) == len(end)
+
+
+def test_the_share_that_can_flow_is_exact_beyond_32_bits():
+    # 46,349 and 46,351 are coprime: in whole numbers the mass is their product, above 2^31.
+    n, m = 46_349, 46_351
+    borders = np.union1d(np.arange(n) * m, np.arange(m) * n)
+    rows, columns = borders // m, borders // n  # each row's mass to the columns beside it
+    assert share_that_can_flow((rows, columns), n, m) == 1.0
+    connected = rows != 5
+    assert share_that_can_flow((rows[connected], columns[connected]), n, m) == 1.0 - 1.0 / n
