@@ -99,10 +99,7 @@ class _Late:
         import scipy.spatial  # noqa: F401
 
         import baker.pipeline  # noqa: F401  # all stages that follow the reading
-        from baker.geometry.merge_tree import branches
-        from baker.geometry.neighbors import Halves
-        from baker.geometry.twins import mean_of_twins
-        from baker.geometry.ways import links, ways
+        from baker.geometry.halves import Halves
         from baker.interpolation.beside import balls, gaps_of
         from baker.interpolation.coherent import draw
         from baker.interpolation.drawing import laid
@@ -110,16 +107,12 @@ class _Late:
         from baker.interpolation.nearest import nearest_cloud
         from baker.transport.solve import solve
 
-        few, places = np.eye(3), np.arange(3)
-        mean_of_twins(places, places, few)
+        few = np.eye(3)
         Halves.of(few).nearest(1)
-        graph = links(few, np.eye(3, dtype=np.int32), np.empty((0, 2), int))
-        ways(few, graph, places[:1], np.zeros(1))
         solve(np.tile(few, (2, 1)), few)
         draw(few, few)
         laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)
         nearest_cloud(few[None], few, few, np.ones(1))
-        branches(np.ones(3), places, np.arange(4), places, 1.0, 1.0, 1)
         curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
         moving = curve, balls(curve), weights
         _, *pair = gaps_of(moving, moving, 1.0)

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.numbered import numbered
-
 if TYPE_CHECKING:
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
 REACH = 3.0  # gap that still counts as touching, in median point spacings
 
@@ -53,9 +51,9 @@ class Borders:
 
         spacing: of the cloud's points; workers: threads; halves: of the points, where known.
         """
-        from baker.geometry.neighbors import Halves
+        from baker.geometry.halves import Halves
 
-        names, owner = numbered(labels)
+        names, owner = np.unique(labels, return_inverse=True)
         halves = halves or Halves.of(points)
         pairs = halves.pairs(owner.take(halves.order), REACH * spacing, workers)
         return cls(names, owner, *pairs)

@@ -1,4 +1,4 @@
-"""The spanning tree of a point cloud: the skeleton that thin structures are segmented along."""
+"""The kNN graph of a point cloud: connected, its spanning tree, geodesic distances along it."""
 
 from __future__ import annotations
 
@@ -8,19 +8,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import Neighbors, nearest_neighbors
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-SHORTEST = np.finfo(np.float64).tiny  # scipy's graphs drop edges of weight zero
+MIN_LENGTH = float(np.finfo(np.float64).tiny)  # sparse sums drop edges of weight zero
 
 
 @dataclass(frozen=True)
 class RootedTree:
     """A spanning tree of N points, its edges directed away from the root.
 
-    order:   (N,) points from the root on, parents before their children (breadth first).
-    parent:  (N,) each point's predecessor, -1 for the root.
-    bridges: how many gaps between parts of the cloud had to be bridged, `widest` the widest one.
+    Attributes
+    ----------
+    order : (N,) intp
+        Points from the root on, parents before their children (breadth first).
+    parent : (N,) intp
+        Each point's predecessor, -1 for the root.
+    bridges : int
+        How many gaps between parts of the cloud had to be bridged.
+    widest : float
+        The widest of them.
     """
 
     order: NDArray[np.intp]
@@ -29,92 +38,134 @@ class RootedTree:
     widest: float
 
 
-def spanning_tree(points: NDArray[np.floating], root: int, neighbors: int = 15) -> RootedTree:
-    """Minimum spanning tree of the k-nearest-neighbour graph (section 3.2.2), rooted.
+def spanning_tree(points: NDArray[np.floating], root: int, k: int = 15) -> RootedTree:
+    """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2)."""
+    from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
-    Where the graph falls into parts they are joined by their shortest gaps (Borůvka's algorithm).
-    """
-    from scipy.sparse.csgraph import breadth_first_order
-    from scipy.sparse.csgraph import minimum_spanning_tree as minimum_tree
-
-    graph, bridges, widest = connected_graph(points, neighbors)
-    order, parent = breadth_first_order(minimum_tree(graph), root, directed=False)
+    graph, bridges, widest = connected_knn_graph(points, k)
+    order, parent = breadth_first_order(minimum_spanning_tree(graph), root, directed=False)
     parent[root] = -1
     return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
 
 
-def connected_graph(points: NDArray[np.floating], neighbors: int) -> tuple[csr_matrix, int, float]:
-    """The k-nearest-neighbour graph of (N, 3) points with its gaps bridged.
+def knn_graph(neighbors: Neighbors) -> csr_matrix:
+    """The kNN graph: an edge from each point to each of its neighbors, weighted by its length.
 
-    Returns undirected edges weighted by their lengths, each once, in the matrix's upper half; how
-    many gaps had to be bridged, and the widest of them.
+    Returns
+    -------
+    (N, N) csr_matrix
+        Not symmetric; ``scipy.sparse.csgraph`` takes it as undirected with ``directed=False``.
+    """
+    from scipy.sparse import csr_matrix
+
+    count, k = neighbors.indices.shape
+    lengths = np.maximum(neighbors.distances.astype(np.float64), MIN_LENGTH)
+    begins = np.arange(0, count * k + 1, k) if k else np.zeros(count + 1, np.intp)
+    return csr_matrix((lengths.ravel(), neighbors.indices.ravel(), begins), (count, count))
+
+
+def connected_knn_graph(
+    points: NDArray[np.floating], k: int, neighbors: Neighbors | None = None
+) -> tuple[csr_matrix, int, float]:
+    """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    k : int
+    neighbors : Neighbors, optional
+        The k nearest ones, where they are known.
+
+    Returns
+    -------
+    graph : (N, N) csr_matrix
+        As of `knn_graph`.
+    bridges : int
+        Edges added.
+    widest : float
+        Length of the longest of these.
     """
     from scipy.sparse.csgraph import connected_components
 
-    graph = _neighbor_graph(points, neighbors)
-    parts = connected_components(graph, directed=False)
-    bridges, widest = parts[0] - 1, 0.0
-    while parts[0] > 1:
-        joined, gaps = _bridges(points, *parts)
+    graph = knn_graph(neighbors or nearest_neighbors(points, k))
+    count, component = connected_components(graph, directed=False)
+    bridges, widest = count - 1, 0.0
+    while count > 1:
+        joined, gaps = _shortest_bridges(points, count, component)
         widest = max(widest, float(gaps.max()))
         graph = graph + joined
-        parts = connected_components(graph, directed=False)
+        count, component = connected_components(graph, directed=False)
     return graph, bridges, widest
 
 
-def _neighbor_graph(points: NDArray[np.floating], neighbors: int) -> csr_matrix:
-    from scipy.spatial import cKDTree
+def geodesic_distances(
+    graph: csr_matrix,
+    seeds: NDArray[np.integer],
+    offsets: NDArray[np.floating] | None = None,
+) -> NDArray[np.float64]:
+    """Lengths of the shortest paths along an undirected graph from the nearest seed.
 
-    count = len(points)
-    k = min(neighbors + 1, count)
-    distances, nearest = cKDTree(points).query(points, k=k)
-    rows = np.repeat(np.arange(count), k)
-    return _graph(rows, np.reshape(nearest, -1), np.reshape(distances, -1), count)
+    Parameters
+    ----------
+    graph : (N, N) csr_matrix
+    seeds : (s,) int
+    offsets : (s,) float, optional
+        Distances at the seeds, not negative; 0 by default.
+
+    Returns
+    -------
+    (N,) float64, infinite where no path leads.
+    """
+    from scipy.sparse import bmat, csr_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    if offsets is None:
+        return np.asarray(dijkstra(graph, directed=False, indices=seeds, min_only=True))
+    # One more node, from which each seed is as far as its offset.
+    count = graph.shape[0]
+    lengths = np.maximum(offsets, MIN_LENGTH)
+    row = csr_matrix((lengths, (np.zeros(len(seeds), np.intp), seeds)), (1, count))
+    with_source = bmat([[graph, None], [row, None]], format="csr")
+    with_source.resize(count + 1, count + 1)
+    return np.asarray(dijkstra(with_source, directed=False, indices=count))[:count]
 
 
-def _graph(
-    rows: NDArray[np.intp], columns: NDArray[np.intp], lengths: NDArray[np.floating], count: int
-) -> csr_matrix:
-    """Undirected edges as a sparse matrix, each once, in its upper half."""
+def _shortest_bridges(
+    points: NDArray[np.floating], components: int, component: NDArray[np.integer]
+) -> tuple[csr_matrix, NDArray[np.floating]]:
+    """The shortest edge out of each component, and the lengths of these edges.
+
+    Any two components' numbers differ in some bit: so the nearest foreign point of each point is
+    found with one pair of trees for every bit, however many components there are.
+    """
     from scipy.sparse import coo_matrix
 
-    a, b = np.minimum(rows, columns), np.maximum(rows, columns)
-    edges, first = np.unique(a * count + b, return_index=True)
-    proper = edges // count != edges % count
-    edges, first = edges[proper], first[proper]
-    weights = np.maximum(lengths[first], SHORTEST)
-    return coo_matrix((weights, (edges // count, edges % count)), (count, count)).tocsr()
-
-
-def _bridges(
-    points: NDArray[np.floating], parts: int, part: NDArray[np.integer]
-) -> tuple[csr_matrix, NDArray[np.floating]]:
-    """The shortest edge out of each part, and the lengths of these edges.
-
-    Any two parts' numbers differ in some bit: so the nearest foreign point of each point is found
-    with one pair of trees for every bit, however many parts there are.
-    """
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
-    for bit in range(int(parts - 1).bit_length()):
-        zero, one = (np.flatnonzero((part >> bit & 1) == value) for value in (0, 1))
-        for here, there in ((zero, one), (one, zero)):
-            _keep_nearer(points, here, there, distance, foreign)
-    by_part = np.lexsort((distance, part))
-    best = by_part[np.unique(part[by_part], return_index=True)[1]]
-    return _graph(best, foreign[best], distance[best], count), distance[best]
+    for bit in range(int(components - 1).bit_length()):
+        zero, one = (np.flatnonzero((component >> bit & 1) == value) for value in (0, 1))
+        for source, target in ((zero, one), (one, zero)):
+            _keep_nearer(points, source, target, distance, foreign)
+    by_component = np.lexsort((distance, component))
+    best = by_component[np.unique(component[by_component], return_index=True)[1]]
+    # Two components may have chosen the same edge: it is entered once.
+    edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
+    lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
+    weights = np.maximum(lengths, MIN_LENGTH)
+    return coo_matrix((weights, tuple(edges)), (count, count)).tocsr(), lengths
 
 
 def _keep_nearer(
     points: NDArray[np.floating],
-    here: NDArray[np.intp],
-    there: NDArray[np.intp],
+    source: NDArray[np.intp],
+    target: NDArray[np.intp],
     distance: NDArray[np.floating],
     foreign: NDArray[np.intp],
 ) -> None:
-    from scipy.spatial import cKDTree
+    """Enter the nearest target of each source where it is nearer than what is known so far."""
+    from scipy.spatial import KDTree
 
-    found, index = cKDTree(points[there]).query(points[here])
-    nearer = found < distance[here]
-    distance[here[nearer]] = found[nearer]
-    foreign[here[nearer]] = there[index[nearer]]
+    found, index = KDTree(points[target]).query(points[source])
+    nearer = found < distance[source]
+    distance[source[nearer]] = found[nearer]
+    foreign[source[nearer]] = target[index[nearer]]

@@ -71,7 +71,7 @@ def nearest_others(
 
     In order of distance. Where a point has fewer others, itself at an infinite distance.
     """
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
     halves = Halves.of(points)
     squared, near = halves.nearest(count)

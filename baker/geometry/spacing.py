@@ -12,7 +12,7 @@ from baker.geometry.contacts import Gaps
 from baker.geometry.workers import Crew
 
 if TYPE_CHECKING:
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
 SAMPLE = 20_000
 NEIGHBORS, ALONE = 8, 10.0  # a point is alone whose 8th neighbour is ten times as far as usual
@@ -46,7 +46,7 @@ class Surroundings:
 
         workers: threads; surface: whether that is asked; halves: of the points, where known.
         """
-        from baker.geometry.neighbors import Halves
+        from baker.geometry.halves import Halves
 
         k = min(NEIGHBORS, len(points) - 1)
         if k < 1:
@@ -117,6 +117,6 @@ def without_outliers(points: NDArray[np.floating]) -> NDArray[np.bool_]:
 
 def reaches(points: NDArray[np.floating], k: int) -> NDArray[np.float64]:
     """(N,) each point's distance to its k-th nearest other point, k < N."""
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
     return _around(Halves.of(points), k, workers=1, surface=False)[1]

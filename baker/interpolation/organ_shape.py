@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import nearest_neighbors
 from baker.interpolation.spine import NEIGHBORS, Points, Spine, fit_spine, path_lengths
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
@@ -51,18 +52,14 @@ class Shapes:
         return self._found[segment]
 
     def _shape(self, segment: int) -> OrganShape | None:
-        from baker.geometry.neighbors import Halves
-
         members = self._hierarchy.segments[segment]
         if len(members) < FEWEST:
             return None
-        halves = Halves.of(self._points[members[_sample(len(members))]])
-        sample = halves.points
+        sample = self._points[members[_sample(len(members))]].astype(np.float64)
+        neighbors = nearest_neighbors(sample, NEIGHBORS)
         above = self._found[self._hierarchy.parents[segment]]
-        squared, near = halves.nearest(NEIGHBORS)
-        spacing = float(np.sqrt(np.median(squared[:, 0])))
-        seeds, head = _contact(sample, CONTACT * spacing, above, self._base)
-        lengths = path_lengths(sample, seeds, head, near)
+        seeds, head = _contact(sample, CONTACT * neighbors.spacing, above, self._base)
+        lengths = path_lengths(sample, seeds, head, neighbors)
         return OrganShape(sample, fit_spine(sample, lengths), lengths + head.min())
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import nearest_others
+from baker.geometry.graph import connected_knn_graph, geodesic_distances
+from baker.geometry.neighbors import Neighbors
 
 Points = NDArray[np.float64]
 
@@ -42,21 +43,15 @@ def path_lengths(
     points: Points,
     seeds: NDArray[np.intp],
     head_starts: NDArray[np.float64],
-    near: NDArray[np.integer] | None = None,
+    neighbors: Neighbors | None = None,
 ) -> NDArray[np.float64]:
     """(n,) length of the shortest path through the points from the nearest seed.
 
     head_starts: (seeds,) what the path is long already where it enters at each seed.
-    near: (n, NEIGHBORS) the points' `nearest_others`, where these are known.
-
-    Parts of the neighbour graph that no seed is in are joined by their shortest gaps.
+    neighbors: the NEIGHBORS nearest ones of the points, where these are known.
     """
-    from baker.geometry.ways import links, ways
-
-    if near is None:
-        near = nearest_others(points, NEIGHBORS)[1]
-    graph = links(points, near, np.empty((0, 2), np.intp))
-    return ways(points, graph, seeds, head_starts - head_starts.min())[0]
+    graph, _, _ = connected_knn_graph(points, NEIGHBORS, neighbors)
+    return geodesic_distances(graph, seeds, head_starts - head_starts.min())
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:

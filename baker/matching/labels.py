@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.geometry.contacts import MOST_ORGANS
-from baker.geometry.numbered import numbered
 from baker.matching.glimpses import without_glimpses
 from baker.matching.pieces import agreement, consistent_pieces
 from baker.matching.tracking import track_organs
@@ -62,7 +61,7 @@ def use_of_labels(
             raise InputError(f"{without} has no labels; --labels {wanted} needs them.")
         return LabelUse(None, False, "the scans have no labels")
     for scan, names in zip(scans, labels, strict=True):
-        if (count := len(numbered(names)[0])) > MOST_ORGANS:
+        if (count := len(np.unique(names))) > MOST_ORGANS:
             raise InputError(
                 f"'{scan.name}' has {count} different labels, but at most {MOST_ORGANS} can be "
                 "organs of a plant; choose another field with --label-field, or read the scans "

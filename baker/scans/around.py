@@ -17,7 +17,7 @@ def look_around(cloud: Cloud, workers: int = 1) -> tuple[Cloud, Surroundings]:
 
     Notes how many points were given another label. workers: threads.
     """
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
     halves = Halves.of(cloud.points)
     around = Surroundings.of(cloud.points, workers, surface=True, halves=halves)

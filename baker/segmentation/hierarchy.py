@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.numbered import numbered
-
 NO_PARENT = -1
 
 
@@ -75,7 +73,7 @@ class Hierarchy:
 
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """The distinct labels, ascending, and the point indices that bear each of them."""
-    names, owner = numbered(labels)
+    names, owner = np.unique(labels, return_inverse=True)
     short = owner.astype(np.int16) if len(names) <= 2**15 else owner  # sorted in a quarter the time
     order = np.argsort(short, kind="stable")
     return names.tolist(), np.split(order, np.cumsum(np.bincount(owner))[:-1])

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import nearest, nearest_others
+from baker.geometry.graph import connected_knn_graph, geodesic_distances
+from baker.geometry.merge_tree import branches
 
 NEIGHBORS = 5  # more tie leaves together that lie close by
 LONG = 3.0  # median edges of the graph that a limb is long at least, ...
@@ -27,6 +28,8 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
 
     All -1 where no two limbs meet.
     """
+    from scipy.spatial import KDTree
+
     count = len(points)
     if count <= MOST:
         return _limbs(points, foot)
@@ -35,22 +38,13 @@ def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
     found = _limbs(points[some], 0)
     if found.max() < 0:
         return np.full(count, -1)
-    return found[nearest(points, points[some])]
+    return found[KDTree(points[some]).query(points)[1]]
 
 
 def _limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
-    from baker.geometry.merge_tree import branches
-    from baker.geometry.ways import links, ways
-
     if len(points) < 2 * FEWEST or not np.ptp(points, axis=0).any():
         return np.full(len(points), -1)
-    places = points.astype(np.float64, copy=False)
-    near = nearest_others(places, NEIGHBORS)[1]
-    graph = links(places, near, np.empty((0, 2), np.intp))
-    way, bridges = ways(places, graph, np.array([foot]), np.zeros(1))
-    if len(bridges):
-        graph = links(places, near, bridges)
-    first, ends, lengths = graph
-    longest = max(LONG * float(np.median(lengths)), LONG_SHARE * float(way.max()))
-    order = np.argsort(-way, kind="stable")
-    return branches(way, order, first, ends, longest, BESIDE, FEWEST).astype(np.intp)
+    graph, _, _ = connected_knn_graph(points, NEIGHBORS)
+    distance = geodesic_distances(graph, np.array([foot]))
+    longest = max(LONG * float(np.median(graph.data)), LONG_SHARE * float(distance.max()))
+    return branches(distance, graph, longest, BESIDE, FEWEST)

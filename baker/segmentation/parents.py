@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.contacts import REACH, Gaps
-from baker.geometry.numbered import numbered
 
 
 def agreed_gaps(
@@ -27,7 +26,7 @@ def agreed_gaps(
     Of two that touch in some scan the mean over those that show both, in point spacings; where they
     don't touch they are as far apart as what barely does. Nothing grows from what is younger.
     """
-    shown = [set(numbered(names)[0].tolist()) for names in labels]
+    shown = [set(np.unique(names).tolist()) for names in labels]
     first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}
     pairs = sorted({pair for gaps in touching for pair in gaps})
     return {

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import connected_graph
+from baker.geometry.graph import connected_knn_graph
 from baker.geometry.spacing import point_spacing, without_outliers
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _walked(
 
     points = cloud[kept]
     tree = cKDTree(points)
-    graph, _, _ = connected_graph(points, neighbors)
+    graph, _, _ = connected_knn_graph(points, neighbors)
     base = int(tree.query(cloud[root])[1])
     distance, before = dijkstra(graph, directed=False, indices=base, return_predecessors=True)
     before = np.where(before < 0, -1, before).astype(np.intp)

@@ -175,7 +175,7 @@ def _improve(
 
 def _neighbours(points: NDArray[np.float64], k: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    from baker.geometry.neighbors import Halves
+    from baker.geometry.halves import Halves
 
     return Halves.along(points).nearest(k)[1] if k else np.empty((len(points), 0), np.int32)
 

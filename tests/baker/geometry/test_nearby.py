@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
+from baker.geometry.halves import Halves
 from baker.geometry.nearby import along_curve, bound_by, nearest, nearest_others
-from baker.geometry.neighbors import Halves
 
 random = np.random.default_rng(3)
 

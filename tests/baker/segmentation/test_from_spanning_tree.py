@@ -33,7 +33,7 @@ def test_the_tree_is_the_shortest_one():
     from scipy.spatial.distance import pdist, squareform
 
     points = np.random.default_rng(1).random((120, 3))
-    tree = spanning_tree(points, root=0, neighbors=4)
+    tree = spanning_tree(points, root=0, k=4)
     ours = np.linalg.norm(points[tree.order[1:]] - points[tree.parent[tree.order[1:]]], axis=1)
     assert ours.sum() == pytest.approx(minimum_spanning_tree(squareform(pdist(points))).sum())
 
