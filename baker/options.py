@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -80,6 +81,14 @@ CHOICES: dict[str, type[StrEnum]] = {
     "colors": Colors,
     "precision": Precision,
 }
+
+
+def worker_count(requested: int) -> int:
+    """`requested` cores, or where that is 0 as many as this process may use."""
+    if requested:
+        return requested
+    # Not every system can tie a process to some of its cores.
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 FARTHEST = 1e12  # coordinates beyond are no place of a plant

@@ -6,6 +6,7 @@ read -> align -> segment -> match -> transport -> pack
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -22,9 +23,9 @@ from baker.batch.interval_job import IntervalJob
 from baker.batch.intervals import solve_intervals
 from baker.batch.provenance import describe_provenance, describe_tracks
 from baker.errors import InputError
+from baker.geometry.parallel import MapLike, thread_map
 from baker.geometry.spacing import Surroundings
 from baker.geometry.up_axis import Vertical
-from baker.geometry.workers import ALONE, Crew, Pool, worker_count
 from baker.interpolation.births import Birth, births
 from baker.interpolation.colors import painted
 from baker.interpolation.growth_rate import Pace, paces
@@ -32,7 +33,7 @@ from baker.interpolation.movers import Keyframe
 from baker.interpolation.resampling import point_surface
 from baker.interpolation.steady import steadied
 from baker.matching import IntervalOrgans, Match, follow_organs, match_series
-from baker.options import Decay, Options, Paths
+from baker.options import Decay, Options, Paths, worker_count
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import Series
@@ -64,18 +65,18 @@ def bake_recorded(
     progress: Progress | None = None,
     executor: Executor | None = None,
     cache: IntervalCache | None = None,
-    pool: Pool | None = None,
+    map: MapLike | None = None,
 ) -> tuple[Clip, BakeRecord]:
     """`bake`, and what its stages found: for the report and for verification.
 
     executor: where the intervals are solved; by default on threads of this process.
     cache:    finished intervals of earlier bakes, which also keeps this one's.
-    pool:     where work on single scans is shared out; by default on threads of this process.
+    map:      maps a function over scans; by default on threads of this process.
     """
     chosen = options or Options()
-    crew = Crew(worker_count(chosen.workers), pool)
-    found = read_scans([Path(path) for path in paths], chosen, progress or _silent, crew)
-    return bake_series(found, chosen, progress or _silent, executor, cache, crew)
+    with nullcontext(map) if map else thread_map(worker_count(chosen.workers)) as mapping:
+        found = read_scans([Path(path) for path in paths], chosen, progress or _silent, mapping)
+        return bake_series(found, chosen, progress or _silent, executor, cache, mapping)
 
 
 def bake_series(
@@ -84,7 +85,7 @@ def bake_series(
     tell: Progress,
     executor: Executor | None = None,
     cache: IntervalCache | None = None,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> tuple[Clip, BakeRecord]:
     """`bake_recorded` of scans that are read already; arguments as those of that."""
     chosen = told_by(found, options)
@@ -96,13 +97,13 @@ def bake_series(
         up=chosen.up,
         root=_local_root(found, chosen),
         progress=tell,
-        crew=crew,
+        map=map,
     )
     vertical = Vertical.named(alignment.up)
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    measured = _measured(series, clouds, crew)
+    measured = _measured(series, clouds, map)
     bases = [
         root_point(cloud, vertical, root, around.reach)
         for cloud, around in zip(clouds, measured, strict=True)
@@ -110,7 +111,7 @@ def bake_series(
     if root is None and not chosen.paper:
         bases = standing_bases(clouds, bases, vertical)
     labels, hierarchies = segment_scans(
-        series.scans, clouds, bases, measured, recipe, chosen, tell, crew
+        series.scans, clouds, bases, measured, recipe, chosen, tell, map
     )
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
@@ -131,12 +132,11 @@ def bake_series(
         vertical,
         recipe,
         chosen,
-        crew,
         labels.found,
     )
     intervals = solve_intervals(
         jobs,
-        executor or Threads(crew.workers),
+        executor or Threads(worker_count(chosen.workers)),
         cache=cache,
         tell=partial(tell, "transport"),
     )
@@ -177,13 +177,13 @@ def _silent(stage: str, done: int, total: int) -> None:
 
 
 def _measured(
-    series: Series, clouds: Sequence[NDArray[np.float32]], crew: Crew
+    series: Series, clouds: Sequence[NDArray[np.float32]], map: MapLike
 ) -> list[Surroundings]:
     """What each aligned cloud has around its points: no turn of a scan changes that."""
     known = [scan.around for scan in series.scans if scan.around is not None]
     if len(known) == len(clouds):
         return known
-    return crew.map(partial(Surroundings.of, workers=crew.beside(len(clouds))), clouds)
+    return list(map(Surroundings.of, clouds))
 
 
 def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
@@ -235,7 +235,6 @@ def _interval_jobs(
     vertical: Vertical,
     recipe: Recipe,
     options: Options,
-    crew: Crew,
     found: bool,
 ) -> tuple[list[IntervalJob], float, float]:
     """What each interval is worked out from, and the series' point spacing and floor.
@@ -265,7 +264,7 @@ def _interval_jobs(
     if recipe.paths == Paths.curved:
         paced = paces(clouds, matches, organs, times, spacing)
     if recipe.paths != Paths.straight:
-        born = births(clouds, matches, organs, times, paced, crew)
+        born = births(clouds, matches, organs, times, paced)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from baker.alignment.icp import trimmed_residual
 from baker.alignment.pose import Stand, about_z, possible_stands
 from baker.alignment.yaw import YawFit, kept_near, likely_yaws
+from baker.geometry.parallel import MapLike
 from baker.geometry.sampling import EvenSample
 from baker.geometry.up_axis import Vertical
-from baker.geometry.workers import ALONE, Crew, Done
 
 SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
 # Of the share kept, what the scans' own frame may lose against the best yaw: in most pairs, and in
@@ -26,24 +26,22 @@ def best_stands(
     first: Stand,
     samples: Sequence[EvenSample],
     vertical: Vertical,
-    crew: Crew = ALONE,
-    done: Done = lambda steps: None,
+    map: MapLike = map,
 ) -> tuple[list[Stand], list[list[YawFit]]]:
     """Each further scan at that of its possible bases which fits its predecessor, likely yaws.
 
-    done: called for each of `samples`, and once more where its yaws are known.
-
     The first scan's stand comes first; there are as many lists of yaws as samples.
     """
-    further = crew.map(partial(possible_stands, vertical=vertical), samples, done=done)
+    further = list(map(partial(possible_stands, vertical=vertical), samples))
     possible = [[first], *further]
     # Where the predecessor's base is certain, nothing has to wait for it.
     certain = [
         (k, place) for k in range(len(samples)) if len(possible[k]) == 1
         for place in range(len(further[k]))
     ]  # fmt: skip
-    looked = crew.map(lambda at: likely_yaws(possible[at[0]][0], further[at[0]][at[1]]), certain)
-    known = dict(zip(certain, looked, strict=True))
+    earlier = [possible[k][0] for k, _ in certain]
+    later = [further[k][place] for k, place in certain]
+    known = dict(zip(certain, map(likely_yaws, earlier, later), strict=True))
     stands, yaws = [first], []
     for k, choices in enumerate(further):
         before = stands[-1]
@@ -54,7 +52,6 @@ def best_stands(
         stand, likely = tries[0] if len(tries) == 1 else min(tries, key=partial(_residual, before))
         stands.append(stand)
         yaws.append(likely)
-        done(1)
     return stands, yaws
 
 

@@ -16,10 +16,10 @@ from baker.alignment.pose import Stand, move, possible_stands
 from baker.alignment.stem_base import stem_bases
 from baker.alignment.up_axis_search import find_up_of, upright
 from baker.alignment.yaw import YawFit, difference
+from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.sample_graph import touching_pairs
 from baker.geometry.sampling import EvenSample, even_sample
 from baker.geometry.up_axis import Vertical
-from baker.geometry.workers import ALONE, Crew, Steps
 
 Progress = Callable[[str, int, int], None]
 
@@ -67,7 +67,7 @@ def align(
     up: str = "auto",
     root: NDArray[np.floating] | None = None,
     progress: Progress | None = None,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> Alignment:
     """Bring a series of (N, 3) clouds of one plant into the frame of the first.
 
@@ -77,20 +77,21 @@ def align(
              often locks on a wrong yaw). "none" leaves everything where it is.
     up:      the direction of growth, or "auto".
     root:    (3,) base of the first scan's stem, where it is known.
-    crew:    who shares the work.
+    map:     maps a function over scans.
     """
     if method == "none" and up != "auto":
         return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
     tell = progress or (lambda stage, done, total: None)
-    done = Steps(partial(tell, "aligning"), 3 * len(clouds) - 2)
-    samples = crew.map(even_sample, clouds, done=done)
+    total = 3 * len(clouds) - 2
+    map = reporting(map, partial(tell, "aligning"), total)
+    samples = list(map(even_sample, clouds))
     direction = find_up_of(samples) if up == "auto" else up
     vertical = Vertical.named(direction)
     transforms, notes = [np.eye(4)] * len(clouds), []
     steps = [np.eye(4)] * (len(clouds) - 1)
     if method == "auto":
         first = possible_stands(samples[0], vertical, root)[0]
-        stands, yaws = best_stands(first, samples[1:], vertical, crew, done)
+        stands, yaws = best_stands(first, samples[1:], vertical, map)
         frames = shared_frames(stands, yaws)
         transforms = _brought_together(stands, yaws, frames)
         steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
@@ -107,7 +108,7 @@ def align(
     )
     if any(not np.array_equal(transform, np.eye(4)) for transform in transforms):
         notes.insert(0, _moves(drift))
-    done(2 * len(clouds))
+    tell("aligning", total, total)
     return Alignment(direction, tuple(transforms), drift, tuple(notes))
 
 

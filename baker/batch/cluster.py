@@ -251,7 +251,7 @@ def _whole(path: Path) -> Path:
 
 
 def _local_workers(address: str) -> int:
-    from baker.geometry.workers import worker_count
+    from baker.options import worker_count
 
     count = address.partition(":")[2]
     if count and not (count.isdecimal() and 0 < int(count[:9]) <= MOST_LOCAL):

@@ -11,9 +11,9 @@ from contextlib import AbstractContextManager
 from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
+from baker.batch.executor import Done
 from baker.batch.interval_job import IntervalJob
 from baker.errors import InputError
-from baker.geometry.workers import Done
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -9,9 +9,9 @@ from queue import SimpleQueue
 from typing import Any, Protocol, TypeVar
 
 from baker.batch.interval_job import IntervalJob
-from baker.geometry.workers import Crew, Done
 
 Result = TypeVar("Result")
+Done = Callable[[int], None]
 
 
 class Executor(Protocol):
@@ -51,7 +51,7 @@ class Threads:
         leads = ThreadPoolExecutor(self._workers)  # they wait for the pool: it needs its own
         try:
             work: Callable[[IntervalJob], Result] = partial(
-                function, crew=Crew(self._workers, pool), done=events.put
+                function, map=pool.map, workers=self._workers, done=events.put
             )
             numbers: dict[Future[Any], int] = {}
             for index, job in enumerate(jobs):

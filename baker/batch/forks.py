@@ -17,7 +17,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from baker.errors import InputError
-from baker.geometry.workers import Crew, Done
+from baker.geometry.parallel import thread_map
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Done = Callable[[int], None]
 
 MANY = 16  # items for each fork from which on it is given one ahead, not to wait for the next
 DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
@@ -68,7 +69,8 @@ class Forks:
             yield from pool.unordered(lambda job: function(job, done=pool.tell), jobs)
         else:
             for index, job in enumerate(jobs):
-                yield index, function(job, Crew(self._workers, pool), pool.tell)
+                with thread_map(self._workers) as map:
+                    yield index, function(job, map, self._workers, pool.tell)
 
 
 class _Late:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
-from baker.geometry.workers import ALONE, Crew, Done
 from baker.interpolation import Bend, Bending, attached
 from baker.interpolation.births import Birth
 from baker.interpolation.feet import Feet
@@ -71,21 +71,23 @@ class IntervalJob:
 
 def solve_interval(
     job: IntervalJob,
-    crew: Crew = ALONE,
-    done: Done = lambda steps: None,
+    map: MapLike = map,
+    workers: int = 1,
+    done: Callable[[int], None] = lambda steps: None,
 ) -> Interval:
     """The interval, ready for the clip. Deterministic, whatever the workers.
 
-    crew: who shares the work.
+    map: maps a function over organs, by `workers` threads.
     done: called, in any thread, with how many more of the job's tasks are done.
     """
-    return packed_interval(job, move_interval(job, crew, done), crew)
+    return packed_interval(job, move_interval(job, map, workers, done), map)
 
 
 def move_interval(
     job: IntervalJob,
-    crew: Crew = ALONE,
-    done: Done = lambda steps: None,
+    map: MapLike = map,
+    workers: int = 1,
+    done: Callable[[int], None] = lambda steps: None,
 ) -> list[Moved]:
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
     total = sum(map(_size, job.tasks))
@@ -95,7 +97,7 @@ def move_interval(
 
     def solve(task: Task) -> tuple[Moved, Bend | None]:
         # Only what is more than one's share of the work is shared out itself.
-        threads = crew.workers if _size(task) * crew.workers > total else 1
+        threads = workers if _size(task) * workers > total else 1
         moved = solve_task(
             task,
             job.start,
@@ -114,19 +116,19 @@ def move_interval(
 
     # The largest first: none is left to a single thread in the end.
     order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
-    found = crew.map(solve, [job.tasks[k] for k in order])
+    found = list(map(solve, [job.tasks[k] for k in order]))
     moved, bends = zip(*(found[k] for k in np.argsort(order)), strict=True)
     return bending.curved(moved, bends) if bending else [*moved]
 
 
-def packed_interval(job: IntervalJob, solved: list[Moved], crew: Crew = ALONE) -> Interval:
+def packed_interval(job: IntervalJob, solved: list[Moved], map: MapLike = map) -> Interval:
     """The interval's movers kept attached, made even and packed for the clip."""
     if job.attached:
         plant = (job.match, job.organs)
-        solved = attached(solved, *plant, job.spacing, job.curved, crew)
+        solved = attached(solved, *plant, job.spacing, job.curved, map)
     return pack_interval(
         *job.times,
-        with_even_density(solved, job.even, crew.if_light()),
+        with_even_density(solved, job.even),
         spacing=job.series_spacing,
         precision=job.precision,
         segments=tuple(m.pair for m in solved),

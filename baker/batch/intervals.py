@@ -9,7 +9,6 @@ from baker.batch.cache.colors import colored, numbered
 from baker.batch.cache.key import key_of
 from baker.batch.executor import Executor
 from baker.batch.interval_job import IntervalJob, solve_interval
-from baker.geometry.workers import Steps
 from gclip.clip import Interval
 
 
@@ -34,7 +33,14 @@ def solve_intervals(
         kept = ((k, cache.get(keys[k], job)) for k, job in enumerate(jobs))
         found = {k: interval for k, interval in kept if interval is not None}
     wanted = [k for k in range(len(jobs)) if k not in found]
-    done = Steps(tell, sum(len(jobs[k]) for k in wanted))
+    total, solved = sum(len(jobs[k]) for k in wanted), 0
+    tell(0, total)
+
+    def done(steps: int) -> None:
+        nonlocal solved
+        solved += steps
+        tell(solved, total)
+
     for index, interval in executor.run(solve_interval, [jobs[k] for k in wanted], done):
         found[wanted[index]] = interval
         if cache is not None:

@@ -26,7 +26,7 @@ def bake_here(jobs: Sequence[Job], workers: int) -> Generator[Outcome, None, Non
 
 def bake_on_cores(job: Job) -> Outcome:
     """Bake a plant on as many cores as its options say."""
-    return bake_plant(job, *on_cores(job.options.workers))
+    return bake_plant(job, on_cores(job.options.workers)[0])
 
 
 def share_out(

@@ -49,7 +49,8 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
 
     from baker.batch.forks import on_cores
     from baker.batch.progress import StageProgress
-    from baker.geometry.workers import Crew, worker_count
+    from baker.geometry.parallel import thread_map
+    from baker.options import worker_count
     from baker.scans.stage import read_scans
 
     console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
@@ -58,19 +59,19 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     kept = None if cache is None else _opened(cache)
     with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
         workers = worker_count(options.workers)
-        executor, pool = on_cores(workers)
+        executor, _ = on_cores(workers)
         if wanted.cluster is not None:
             from baker.batch.cluster import intervals_on
 
             executor = stack.enter_context(intervals_on(wanted.cluster))
-        crew = Crew(workers, pool, pool.begin) if pool else Crew(workers)
-        scans = read_scans(inputs, options, progress, crew)
+        map = stack.enter_context(thread_map(workers))
+        scans = read_scans(inputs, options, progress, map)
         # Only now: they have been loaded beside the forks that read.
         from baker.pipeline import bake_series
         from baker.report.summary import print_summary
         from baker.report.verification import print_errors, verify
 
-        clip, record = bake_series(scans, options, progress, executor, kept, crew)
+        clip, record = bake_series(scans, options, progress, executor, kept, map)
         progress("writing", 0, 1)
         clip.save(wanted.clip)
         progress("writing", 1, 1)

@@ -17,8 +17,7 @@ from baker.batch.plants_progress import PlantProgress
 from baker.batch.table import exit_code, result_lines, sum_line
 from baker.batch.work import Job, Outcome
 from baker.errors import InputError
-from baker.geometry.workers import worker_count
-from baker.options import Options
+from baker.options import Options, worker_count
 from gclip.draft import sweep_all
 from gclip.text import printable
 

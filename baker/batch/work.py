@@ -14,7 +14,7 @@ from gclip.console import OUR_FAULT, verdict
 
 if TYPE_CHECKING:
     from baker.batch.executor import Executor
-    from baker.geometry.workers import Pool
+    from baker.geometry.parallel import MapLike
     from gclip.clip import Clip
 
 About = tuple[str, str]
@@ -64,15 +64,15 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-def bake_plant(job: Job, executor: Executor | None = None, pool: Pool | None = None) -> Outcome:
+def bake_plant(job: Job, executor: Executor | None = None, map: MapLike | None = None) -> Outcome:
     """Bake one plant, or find that its clip stands. Whatever goes wrong is in the outcome.
 
-    executor: where its intervals are solved; pool: where its scans are looked at; both by default
+    executor: where its intervals are solved; map: where its scans are looked at; both by default
     on threads of this process.
     """
     began = time.perf_counter()
     try:
-        clip, state = _baked_or_standing(job, executor, pool)
+        clip, state = _baked_or_standing(job, executor, map)
         traits = _traits(clip, job) if job.traits else ""
     except Exception as error:
         code, sentence = verdict(error)
@@ -93,7 +93,7 @@ def bake_plant(job: Job, executor: Executor | None = None, pool: Pool | None = N
 
 
 def _baked_or_standing(
-    job: Job, executor: Executor | None, pool: Pool | None
+    job: Job, executor: Executor | None, map: MapLike | None
 ) -> tuple[Clip, Literal["baked", "unchanged"]]:
     from baker.batch.fresh import standing_clip
 
@@ -101,17 +101,17 @@ def _baked_or_standing(
         clip = standing_clip(job.clip, job.folder, job.options)
         if clip is not None:
             return clip, "unchanged"
-    return _baked(job, executor, pool), "baked"
+    return _baked(job, executor, map), "baked"
 
 
-def _baked(job: Job, executor: Executor | None, pool: Pool | None) -> Clip:
+def _baked(job: Job, executor: Executor | None, map: MapLike | None) -> Clip:
     from baker.batch.cache import IntervalCache
     from baker.pipeline import bake_recorded
     from baker.report import write_report
     from baker.report.verification import verify
 
     cache = None if job.cache is None else IntervalCache(job.cache)
-    clip, record = bake_recorded([job.folder], job.options, None, executor, cache, pool)
+    clip, record = bake_recorded([job.folder], job.options, None, executor, cache, map)
     if job.report is not None:
         # Before the clip: a clip that stands has its report.
         errors = verify(clip, record, _silent)

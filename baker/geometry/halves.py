@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.compiled import compiled
-from baker.geometry.workers import Crew
+from baker.geometry.parallel import thread_map
 
 LEAF = 12  # points at most that are looked at together
 ENOUGH = 32  # nearest points within reach that are told
@@ -87,7 +87,8 @@ class Halves:
         def look(batch: slice) -> Pairs:
             return _pairs(*tree, reach, batch.start, batch.stop)
 
-        found = Crew(workers).map(look, self.batches())
+        with thread_map(workers) as map:
+            found = list(map(look, self.batches()))
         one, other, apart = zip(*found, strict=True)
         places = np.concatenate(one), np.concatenate(other)
         return self.order.take(places[0]), self.order.take(places[1]), np.concatenate(apart)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.contacts import Gaps
-from baker.geometry.workers import Crew
+from baker.geometry.parallel import thread_map
 
 if TYPE_CHECKING:
     from baker.geometry.halves import Halves
@@ -68,7 +68,8 @@ def _around(halves: Halves, k: int, workers: int, surface: bool) -> NDArray[np.f
         return np.stack([nearest, farthest, *patch])
 
     found = np.empty((3 if surface else 2, len(halves.points)))
-    looks = Crew(workers).map(look, halves.batches())
+    with thread_map(workers) as map:
+        looks = list(map(look, halves.batches()))
     found[:, halves.order] = np.concatenate(looks, axis=1)
     return found
 

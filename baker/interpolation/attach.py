@@ -16,14 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.workers import ALONE, Crew, in_groups
+from baker.geometry.parallel import MapLike
 from baker.interpolation.meeting import Curve, Organ, Tie, on_curve
 from baker.interpolation.movers import Moved
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 from gclip.pack import raised
-
-GROUPS, FEWEST = 24, 4  # of organs, to share out; from so many on it is worth it
 
 Bearers = Mapping[int, Sequence[int]]  # of each organ, all by their places among the tasks
 Settled = tuple[Curve | None, list[Tie | None]]  # an organ's paths if drawn; its tie to each bearer
@@ -35,13 +33,13 @@ def attached(
     organs: IntervalOrgans,
     spacing: float,
     bend: bool = True,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> list[Moved]:
     """The solved tasks of an interval, organs' bases kept by what bears them.
 
     spacing: the point spacing, which no gap may widen by.
     bend:    whether paths may be bent for it; straight ones are only tied.
-    crew:    who shares the work.
+    map:     maps a function over organs.
     """
     place = {
         int(moved.movers.tracks[0]): index
@@ -54,13 +52,8 @@ def attached(
         if organ in place
     }
     meetings = _Meetings(tasks, bearers, spacing, bend)
-    groups = in_groups(_along_branches(bearers), lambda own: len(tasks[own].movers), GROUPS)
-    found = crew.map(lambda group: [meetings.of(own) for own in group], groups, fewest=FEWEST)
-    settled = {
-        own: one
-        for group, results in zip(groups, found, strict=True)
-        for own, one in zip(group, results, strict=True)
-    }
+    order = _along_branches(bearers)
+    settled = dict(zip(order, map(meetings.of, order), strict=True))
     done = list(tasks)
     movers: dict[int, list[Moved]] = {}
     for own, borne_by in bearers.items():

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.nearby import bound_by
-from baker.geometry.workers import ALONE, Crew
 from baker.interpolation.growth_rate import Pace
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -28,7 +27,6 @@ LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left ou
 SEEN = 10  # points from which on an organ is seen in a scan
 AT_BASE = 0.02  # share of an organ's points that are its base
 SAMPLED = 5  # times as many points as the base's bound how far it reaches
-MANY = 1000  # births that are worth sharing out: a round of forks takes as long as 300 of them
 
 
 @dataclass(frozen=True)
@@ -62,12 +60,10 @@ def births(
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
     paces: Sequence[Mapping[int, Pace]],
-    crew: Crew = ALONE,
 ) -> list[dict[int, Birth]]:
     """For each interval, by organ, how those that are born in it unfold.
 
     paces: of each interval, by organ, as `baker.interpolation.growth_rate` finds them.
-    crew:  who shares the work.
 
     All that unfolds from one bud does so as one piece. Where nothing tells how an organ goes on to
     grow, the series' other births do.
@@ -76,7 +72,7 @@ def births(
     attached = [_Attachments(*scan) for scan in zip(clouds[1:], matches, strict=True)]
     found = []
     unfolding = [(k, top) for k, match in enumerate(matches) for top in sorted(_tops(match))]
-    places = crew.map(lambda at: attached[at[0]].base(at[1]), unfolding, fewest=MANY)
+    places = [attached[k].base(top) for k, top in unfolding]
     for k in range(len(matches)):
         bases = {top: place for (at, top), place in zip(unfolding, places, strict=True) if at == k}
         sizes = {

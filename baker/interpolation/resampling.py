@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from baker.geometry.nearby import along_curve
 from baker.geometry.spacing import Surroundings
-from baker.geometry.workers import ALONE, Crew, in_groups
 from gclip.evaluate import bernstein
 from gclip.pack import Movers, raised
 
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 ROOM = 0.3  # of a point's reach: half a spacing, what is left between spreading movers half-way
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
-GROUPS, FEWEST = 24, 8  # of tasks, to share out; from so many on it is worth it
 
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
 
@@ -64,28 +62,20 @@ def surface_half_way(
     return (((0.0 if birth else before) + after) / 2) ** 2
 
 
-def with_even_density(tasks: Sequence[Moved], growth: float, crew: Crew = ALONE) -> list[Movers]:
+def with_even_density(tasks: Sequence[Moved], growth: float) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
     Tasks without a surface are left as they are.
     growth: movers to add, as a share of those there are.
-    crew:   who shares the work.
 
     The added movers of a task follow its own. Deterministic.
     """
     known = [task.surface for task in tasks if task.surface is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
-
-    def add(group: Sequence[Moved]) -> list[Added | None]:
-        return [
-            None
-            if task.surface is None
-            else _added(task, np.maximum(density * task.surface - 1, 0))
-            for task in group
-        ]
-
-    found = crew.map(add, in_groups(tasks, lambda task: len(task.movers), GROUPS), fewest=FEWEST)
-    added = [more for group in found for more in group]
+    added = [
+        None if task.surface is None else _added(task, np.maximum(density * task.surface - 1, 0))
+        for task in tasks
+    ]
     return [
         task.movers if more is None else _filled(task.movers, *more)
         for task, more in zip(tasks, added, strict=True)

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
-from baker.geometry.workers import worker_count
-from baker.options import Options
+from baker.options import Options, worker_count
 from baker.record import BakeRecord
 from baker.report.verification import HoldoutError, both_ways, overall, verify
 from gclip.clip import Clip

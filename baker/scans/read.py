@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain, repeat
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from baker.errors import InputError
-from baker.geometry.workers import ALONE, Crew
+from baker.geometry.parallel import MapLike
 from baker.scans.scan import Scan, Series
 from gclip.text import printable
 
@@ -26,7 +27,6 @@ Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
 
 FEWEST = {"denoise": 4, "resample": 10}
-SEVERAL = 3  # scans that are worth sharing out: of two the larger one takes most of the time
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def read_series(
     inputs: Sequence[Path],
     options: ReadOptions | None = None,
     progress: Progress | None = None,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> Series:
     """Read the scans of one plant, clean them and put them in the order of time.
 
@@ -83,7 +83,7 @@ def read_series(
     file holds colour and depth images (`baker.scans.rgbd`). All scans share one `origin`, chosen
     from the first one (`baker.scans.place.shared_origin`).
 
-    crew: who shares the reading.
+    map: maps a function over scans.
 
     Raises InputError for everything that can't be read as one series: see the modules `find`,
     `times`, `formats`, `fields` and `clean` for each step's own rules.
@@ -97,27 +97,34 @@ def read_series(
     told(0, len(entries), entries[0].name)
     raw = _raw(entries[0], listing, options)
     origin = place.shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
-
-    def scan_of(entry: Entry) -> Scan | InputError:
-        try:
-            first = raw if entry is entries[0] else _raw(entry, listing, options)
-            return _scan(entry, *first, origin, listing, options, threads)
-        except InputError as error:
-            return error
-
+    read = partial(_scan_or_error, origin=origin, listing=listing, options=options)
     if options.look_around:
         from baker.scans.around import ready
 
         ready()
-    threads = crew.beside(len(entries))
     scans: list[Scan] = []
-    for found in crew.each(scan_of, entries, fewest=SEVERAL):
+    for found in map(read, entries, chain([raw], repeat(None))):
         if isinstance(found, InputError):
             raise found
         scans.append(found)
         name = entries[len(scans)].name if len(scans) < len(entries) else ""
         told(len(scans), len(entries), name)
     return listing.series(_agree(scans, options), options)
+
+
+def _scan_or_error(
+    entry: Entry,
+    raw: tuple[Cloud, str] | None,
+    *,
+    origin: NDArray[np.float64],
+    listing: Listing,
+    options: ReadOptions,
+) -> Scan | InputError:
+    """A scan from its files, or from `raw` where they have been read; errors as values."""
+    try:
+        return _scan(entry, *(raw or _raw(entry, listing, options)), origin, listing, options)
+    except InputError as error:
+        return error
 
 
 def _raw(entry: Entry, listing: Listing, options: ReadOptions) -> tuple[Cloud, str]:
@@ -134,7 +141,6 @@ def _scan(
     origin: NDArray[np.float64],
     listing: Listing,
     options: ReadOptions,
-    threads: int,
 ) -> Scan:
     """One scan, clean, about the series' origin."""
     from baker.scans import clean, place
@@ -155,7 +161,7 @@ def _scan(
     if options.look_around:
         from baker.scans.around import look_around
 
-        cloud, around = look_around(cloud, threads)
+        cloud, around = look_around(cloud)
     return Scan(
         name=printable(entry.name),
         path=entry.path,

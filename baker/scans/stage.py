@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from baker.geometry.workers import ALONE, Crew
+from baker.geometry.parallel import MapLike
 from baker.options import Options
 from baker.scans import ReadOptions, Series, read_series
 
@@ -18,11 +18,11 @@ def read_scans(
     paths: Sequence[Path],
     options: Options,
     tell: Callable[[str, int, int], None],
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> Series:
     """`baker.scans.read_series`, as the bake's options want it."""
     return read_series(
-        paths, read_options(options), lambda done, total, name: tell("reading", done, total), crew
+        paths, read_options(options), lambda done, total, name: tell("reading", done, total), map
     )
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.workers import ALONE, Crew, Done
+from baker.geometry.parallel import MapLike
 from baker.segmentation.merging import join_touching
 from baker.segmentation.organ_classification import STEM, blade_likeness, organs_of_nodes
 from baker.segmentation.reeb_graph import LevelTree, level_tree
@@ -46,15 +46,14 @@ class _Plant:
 def segment_organs(
     clouds: Sequence[NDArray[np.floating]],
     roots: Sequence[int],
-    done: Done = lambda steps: None,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> list[NDArray[np.int64]]:
     """(N,) the organ of each point of each aligned (N, 3) cloud, 0 for stem and petioles.
 
-    roots: the point at each stem's base. done: called for every scan that was looked at. crew: who
-    shares the work. The numbers of one scan mean nothing in another, but 0.
+    roots: the point at each stem's base. map: maps a function over scans. The numbers of one scan
+    mean nothing in another, but 0.
     """
-    plants = crew.map(lambda scan: _seen(*scan), [*zip(clouds, roots, strict=True)], done=done)
+    plants = list(map(_seen, clouds, roots))
     numbers, told = [], None
     for plant, earlier in zip(reversed(plants), [*reversed(plants[:-1]), None], strict=True):
         organ = plant.organs(told)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.contacts import Gaps
-from baker.geometry.workers import ALONE, Crew, Done
+from baker.geometry.parallel import MapLike
 from baker.segmentation.from_labels import (
     hierarchy_from_labels,
     touching_segments,
@@ -18,14 +20,10 @@ from baker.segmentation.from_spanning_tree import segment_thin
 from baker.segmentation.hierarchy import Hierarchy, whole
 from baker.segmentation.parents import agreed_gaps
 
-MANY = 8  # labelled scans that are worth sharing out once it is known what touches in them
 
-
-def whole_hierarchies(clouds: Sequence[NDArray[np.floating]], done: Done) -> list[Hierarchy]:
+def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
-    hierarchies = [whole(cloud) for cloud in clouds]
-    done(len(hierarchies))
-    return hierarchies
+    return [whole(cloud) for cloud in clouds]
 
 
 def thin_hierarchies(
@@ -33,15 +31,11 @@ def thin_hierarchies(
     bases: Sequence[int],
     neighbors: int,
     threshold: int | None,
-    done: Done,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> list[Hierarchy]:
     """Segments without labels, each cloud cut at its forks (section 3.2.2)."""
-
-    def cut(scan: int) -> Hierarchy:
-        return segment_thin(clouds[scan], bases[scan], neighbors, threshold).hierarchy
-
-    return crew.map(cut, range(len(clouds)), done=done)
+    cut = partial(segment_thin, neighbors=neighbors, threshold=threshold)
+    return [forks.hierarchy for forks in map(cut, clouds, bases)]
 
 
 def labelled_hierarchies(
@@ -54,8 +48,7 @@ def labelled_hierarchies(
     virtual_root: bool,
     spacings: Sequence[float],
     touching: Sequence[Gaps] | None = None,
-    done: Done,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> list[Hierarchy]:
     """Segments by label (section 3.2.1).
 
@@ -64,25 +57,18 @@ def labelled_hierarchies(
     virtual_root: no label is a stem; all hang under an empty root.
     spacings: each cloud's point spacing.
     touching: how far what touches is apart in each, where that is known.
+    map: maps a function over scans.
     """
-
-    def touch(scan: int) -> Gaps:
-        return touching_segments(clouds[scan], labels[scan], spacings[scan], threads)
-
-    def hang(scan: int) -> Hierarchy:
-        names = labels[scan]
-        root = _elected_root(labels, bases, scan) if consistent else int(names[bases[scan]])
-        return hierarchy_from_labels(
-            clouds[scan], names, root, spacings[scan], threads, gaps[scan], agreed
-        )
-
     if virtual_root:
-        done(len(clouds))
         return [under_virtual_root(names) for names in labels]
-    threads = crew.beside(len(clouds))
-    gaps = touching or crew.map(touch, range(len(clouds)))
+    gaps = touching or list(map(touching_segments, clouds, labels, spacings))
     agreed = agreed_gaps(labels, gaps, spacings) if consistent and agreeing else None
-    return crew.map(hang, range(len(clouds)), done=done, fewest=MANY)
+    roots = [
+        _elected_root(labels, bases, scan) if consistent else int(labels[scan][bases[scan]])
+        for scan in range(len(clouds))
+    ]
+    hang = partial(hierarchy_from_labels, agreed=agreed)
+    return list(map(hang, clouds, labels, roots, spacings, repeat(1), gaps))
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.contacts import Gaps
+from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.spacing import Surroundings
-from baker.geometry.workers import ALONE, Crew, Steps
 from baker.matching.labels import LabelUse, labels_of_organs, labels_of_pieces, use_of_labels
 from baker.options import Options
 from baker.recipe import Recipe
@@ -28,29 +28,28 @@ def segment_scans(
     recipe: Recipe,
     options: Options,
     tell: Callable[[str, int, int], None],
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy.
 
     clouds: aligned positions, (N, 3) each; bases: the point at each scan's stem base; measured:
             what each has around its points, with the labels as they were read.
-    crew: who shares the work.
+    map: maps a function over scans.
     """
-    tell("segmentation", 0, len(clouds))
-    done = Steps(partial(tell, "segmentation"), len(clouds))
+    map = reporting(map, partial(tell, "segmentation"), len(clouds))
     ignored = recipe.whole or options.segment != "auto"
     wanted = "ignore" if ignored else options.labels
     labels = use_of_labels(scans, clouds, bases, wanted, recipe.match_by_shape)
     if recipe.whole:
-        return labels, whole_hierarchies(clouds, done)
+        return labels, whole_hierarchies(clouds)
     if labels.labels is None and _at_forks(recipe, options):
         k, threshold = options.graph_neighbors, options.bifurcation
-        hierarchies = thin_hierarchies(clouds, bases, k, threshold, done, crew)
+        hierarchies = thin_hierarchies(clouds, bases, k, threshold, map)
         if not recipe.match_by_shape:
             return labels, hierarchies
         labels = labels_of_pieces(clouds, hierarchies, bases, labels.sentence)
     elif labels.labels is None:
-        numbers = segment_organs(clouds, bases, done, crew)
+        numbers = segment_organs(clouds, bases, map)
         labels = labels_of_organs(clouds, numbers, bases, labels.sentence)
     assert labels.labels is not None
     return labels, labelled_hierarchies(
@@ -62,8 +61,7 @@ def segment_scans(
         virtual_root=options.root == "virtual",
         spacings=[around.spacing for around in measured],
         touching=None if labels.renamed else _known([around.touching for around in measured]),
-        done=done,
-        crew=crew,
+        map=map,
     )
 
 

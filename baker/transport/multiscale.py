@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.workers import Crew
+from baker.geometry.parallel import thread_map
 from baker.transport import bisection
 from baker.transport.bisection import Blocks
 from baker.transport.problem import Edges, Indices, Masses, Points, costs
@@ -218,6 +218,7 @@ def _solve_cells(
 
     parts = min(cells, 1 if search.workers == 1 else 4 * search.workers)
     stops = [part * cells // parts for part in range(parts + 1)]
-    solved = Crew(search.workers).map(solve, list(pairwise(stops)))
+    with thread_map(search.workers) as map:
+        solved = list(map(solve, pairwise(stops)))
     rows, columns, mass = (np.concatenate(found) for found in zip(*solved, strict=True))
     return (rows, columns), mass

@@ -15,7 +15,7 @@ from baker.alignment import Alignment, PairFit, align
 from baker.alignment.register import Progress
 from baker.batch.cache.digest import digest, program_digest
 from baker.batch.cache.intervals import IntervalCache
-from baker.geometry.workers import ALONE, Crew
+from baker.geometry.parallel import MapLike
 from gclip.draft import draft_file
 
 
@@ -26,16 +26,16 @@ def aligned(
     up: str,
     root: NDArray[np.floating] | None,
     progress: Progress | None = None,
-    crew: Crew = ALONE,
+    map: MapLike = map,
 ) -> Alignment:
     """What `align` finds for these arguments, or what it found for the same ones earlier."""
     if cache is None:
-        return align(clouds, method, up, root, progress, crew)
+        return align(clouds, method, up, root, progress, map)
     name = digest(program_digest(), "alignment", list(clouds), method, up, root)
     path = cache.folder / name[:2] / f"{name}.json"
     found = _read(path, name)
     if found is None:
-        found = align(clouds, method, up, root, progress, crew)
+        found = align(clouds, method, up, root, progress, map)
         try:
             _write(path, name, found)
         except OSError as error:

@@ -7,7 +7,6 @@ import pytest
 
 from baker import Options
 from baker.batch.executor import Threads
-from baker.geometry.workers import Crew
 from baker.interpolation.movers import solve_task
 from baker.pipeline import bake_recorded
 
@@ -20,7 +19,7 @@ class Elsewhere:
     def run(self, function, jobs, done):
         for index, job in reversed(list(enumerate(jobs))):
             task, sent = pickle.loads(pickle.dumps((function, job)))
-            yield index, task(sent, Crew(2))
+            yield index, task(sent)
             done(len(job))
 
 

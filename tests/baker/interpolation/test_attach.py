@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.geometry.workers import Crew
 from baker.interpolation import attached
 from baker.interpolation.movers import Moved
 from baker.matching import IntervalOrgans, Match
@@ -143,16 +142,13 @@ def test_what_is_attached_is_left_alone() -> None:
     assert after[1] is solved[1]
 
 
-class Backwards:
-    """A pool that does the last item first."""
-
-    def map(self, function, items):
-        return [function(item) for item in reversed(items)][::-1]
+def backwards(function, items):
+    """A map that does the last item first."""
+    return [function(item) for item in reversed(items)][::-1]
 
 
-def test_who_is_asked_first_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_is_asked_first_does_not_matter() -> None:
     # A branch that leaves its stem half-way, and on it a row of leaves that leave the branch.
-    monkeypatch.setattr("baker.interpolation.attach.FEWEST", 2)
     stem, branch = tasks_of((blade(), blade() + np.array([0.0, 6.0, 0.0]), blade()))[0]
     moved, count = [stem, branch], 6
     for k in range(count):
@@ -167,7 +163,7 @@ def test_who_is_asked_first_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> 
     match = Match(hierarchy, hierarchy, tuple(names.items()), (), ())
     plant = (match, IntervalOrgans(names, names), 1.0)
     alone = attached(moved, *plant)
-    shared = attached(moved, *plant, crew=Crew(2, Backwards()))
+    shared = attached(moved, *plant, map=backwards)
     for before, one, other in zip(moved[2:], alone[2:], shared[2:], strict=True):
         assert not np.array_equal(before.movers.curve[1], one.movers.curve[1][:COUNT])
         for ours, theirs in zip(one.movers.curve, other.movers.curve, strict=True):

@@ -39,7 +39,6 @@ def bearers(scans, agreeing=True):
         agreeing=agreeing,
         virtual_root=False,
         spacings=[SPACING] * len(clouds),
-        done=lambda steps: None,
     )
     return [
         {

@@ -1,0 +1,52 @@
+"""Map-like callables, by which stages loop over scans, organs or intervals.
+
+A stage takes ``map: MapLike = map`` as `scipy.optimize` takes ``workers``: the builtin does the
+items one after another; the ``map`` of a `concurrent.futures` executor shares them out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+MapLike = Callable[..., Iterable[Any]]
+"""``map(function, *iterables)``: the results in the items' order. Executors of worker processes
+need a function and items that can be pickled."""
+
+
+@contextmanager
+def thread_map(workers: int) -> Iterator[MapLike]:
+    """A map over `workers` threads, which pays where the function releases Python's lock."""
+    if workers <= 1:
+        yield map
+    else:
+        with ThreadPoolExecutor(workers) as executor:
+            yield executor.map
+
+
+def reporting(map: MapLike, report_progress: Callable[[int, int], None], total: int) -> MapLike:
+    """A map that reports after each item how many of `total` are done.
+
+    Parameters
+    ----------
+    map : MapLike
+        What maps.
+    report_progress : callable
+        Called as ``report_progress(done, total)``, at once with none done.
+    total : int
+        Items of all calls of the map together; more than that are not reported.
+    """
+    done = 0
+    report_progress(0, total)
+
+    def reporting_map(function: Callable[..., Any], *iterables: Iterable[Any]) -> Iterator[Any]:
+        nonlocal done
+        for result in map(function, *iterables):
+            if done < total:
+                done += 1
+                report_progress(done, total)
+            yield result
+
+    return reporting_map
