@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from grow.kinds import KINDS
+
 if TYPE_CHECKING:
     from grow.model import Plant
 
-KINDS = ("maize", "tomato", "tree", "tree1", "tree2")
+__all__ = ["KINDS", "plant"]
 
 
 def plant(kind: str, seed: int = 0) -> Plant:

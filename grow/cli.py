@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from baker.errors import InputError
 from gclip.console import run_app
 from gclip.version import VersionOption
 
@@ -143,8 +145,6 @@ def grow_command(
 
 def _refuse(kind: Kind, options: dict[str, object]) -> None:
     """Raise InputError for options that were given, but mean nothing for this plant."""
-    from baker.errors import InputError
-
     for name, value in options.items():
         if value is not None and value is not False:
             raise InputError(f"{name} means nothing for {kind.value}; see grow --help.")
@@ -156,16 +156,12 @@ def _given(**values: Any) -> dict[str, Any]:
 
 
 def _whole_days(days: float | None) -> int | None:
-    from baker.errors import InputError
-
     if days is not None and not days.is_integer():
         raise InputError(f"--days {days:g}: komatsuna takes whole days.")
     return None if days is None else int(days)
 
 
 def _size(text: str | None) -> tuple[int, int] | None:
-    from baker.errors import InputError
-
     if text is None:
         return None
     width, _, height = text.lower().partition("x")
@@ -175,8 +171,6 @@ def _size(text: str | None) -> tuple[int, int] | None:
 
 
 def _points(text: str | None) -> tuple[int, int] | None:
-    from baker.errors import InputError
-
     if text is None:
         return None
     numbers = _numbers("--points", text)
@@ -186,10 +180,6 @@ def _points(text: str | None) -> tuple[int, int] | None:
 
 
 def _numbers(option: str, text: str) -> tuple[float, ...]:
-    from math import isfinite
-
-    from baker.errors import InputError
-
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from grow import komatsuna
 from grow.faults import Faults, misplace_labels, spoil_depth
 from grow.model import Plant
 from grow.output import LARGEST_NOISE, TRUTH, whole_series
@@ -33,8 +34,6 @@ class ImagePlan:
 
 def rosette(seed: int) -> Plant:
     """The plant in the images; its leaf of label n is the images' label n."""
-    from grow import komatsuna
-
     if seed < 0:
         raise InputError(f"the seed is {seed}; it must be 0 or more.")
     return Plant("komatsuna", seed, komatsuna.grow(np.random.default_rng([seed, *b"komatsuna"])))

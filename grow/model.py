@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from grow import KINDS
 from grow.color import shade
+from grow.kinds import KINDS
 from grow.pose import Body, Pose
 from grow.species import Species
 from grow.surface import Material, areas, positions, sample

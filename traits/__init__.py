@@ -1,6 +1,6 @@
-"""Numbers from a growth clip: how long, how large, how fast, organ by organ (docs/exports.md).
+"""Traits of the plant in a growth clip: lengths, areas, angles and growth rates of its organs.
 
-Uses gclip and scipy; the baker and the player both use it, and it knows neither.
+Baker and player both use this package; it knows gclip alone. docs/exports.md describes the table.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -20,9 +20,9 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    """Load numpy and scipy only when something is measured."""
+    """Load numpy and scipy only when a trait is measured."""
     if name not in _HOME:
-        raise AttributeError(f"module 'measure' has no attribute {name!r}")
+        raise AttributeError(f"module 'traits' has no attribute {name!r}")
     from importlib import import_module
 
     return getattr(import_module(_HOME[name]), name)

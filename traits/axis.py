@@ -1,4 +1,4 @@
-"""An organ's axis: the middle line from where it is attached to its tip."""
+"""The medial axis of an organ, from its attachment point to its tip."""
 
 from __future__ import annotations
 
@@ -14,19 +14,28 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 
-NEIGHBORS = 10
-SLICE = 3.0  # length of a slice, in point spacings
-SLICES = 40  # at most
-CORRIDOR = 8.0  # detour, in point spacings, up to which points belong to the way along the organ
-RIM = 3.0  # how far from its very end, in point spacings, an organ's base may reach
-NEAR = 0.15  # of an organ's length: how far from its parent an end may lie to be its base
-BEYOND = 3.0  # point spacings: the most that a tip lies beyond the last point
+# Lengths are in point spacings (the median distance to the nearest neighbour) unless told.
+GRAPH_NEIGHBORS = 10
+SLICE_LENGTH = 3.0
+MAX_SLICES = 40
+MAX_DETOUR = 8.0  # beyond it a point belongs to a leaflet beside the axis, not to the axis
+BASE_RIM = 3.0  # points this near to the farthest one from the tip are the base, too
+MAX_BASE_GAP = (
+    0.15  # distance of an end from the parent, in organ lengths, up to which it is a base
+)
+MAX_TIP_EXTRAPOLATION = 3.0
 
 
 @dataclass(frozen=True)
 class Axis:
-    """(n, 3) places along an organ, from its base to its tip; and (3,) which way its first quarter
-    goes, a unit vector.
+    """The medial axis of an organ.
+
+    Attributes
+    ----------
+    line : ndarray of shape (n, 3)
+        Points along the axis, from the attachment point to the tip.
+    start : ndarray of shape (3,)
+        Unit vector: the direction of the first quarter of the organ.
     """
 
     line: Points
@@ -34,23 +43,35 @@ class Axis:
 
     @property
     def length(self) -> float:
+        """Length of the axis, in the unit of the points."""
         return float(np.linalg.norm(np.diff(self.line, axis=0), axis=1).sum())
 
     def angle(self, direction: NDArray[np.float64]) -> float:
-        """Degrees between a unit direction and the first quarter's."""
+        """Angle between the first quarter and a unit vector, in degrees."""
         return float(np.degrees(np.arccos(np.clip(self.start @ direction, -1.0, 1.0))))
 
 
 def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | None:
-    """The axis of an organ with (N, 3) points; None for fewer than 6.
+    """Estimate the medial axis of an organ.
 
-    parent: (M, 3) points of the organ it grows on; the end of the axis nearer to it is the base.
-            Empty for the root: then it is the lower end.
+    The two ends are the points with the largest geodesic distance on the kNN graph. Both ends of a
+    branch with leaves may be tips; its base is then the point nearest to the parent. The organ is
+    cut into slices by geodesic distance from the base, and the axis joins their centroids.
 
-    The two ends are the points farthest apart along the surface, measured over a neighbourhood
-    graph; of a branch with leaves both may be tips, then the base is where it touches its parent.
-    A stem's base is its whole rim. Slices across the way from the base to the tip have their
-    middles on the axis.
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3), float64
+        Points of the organ.
+    parent : ndarray of shape (M, 3), float64
+        Points of the organ it grows on. The end nearer to it is the base. Empty for the stem, whose
+        base is its lower end.
+    up : ndarray of shape (3,)
+        Unit vector.
+
+    Returns
+    -------
+    Axis or None
+        None for fewer than 6 points, and where all points coincide.
     """
     from scipy.sparse.csgraph import dijkstra
 
@@ -58,31 +79,31 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
         return None
     graph, spacing = _graph(points)
 
-    def way(*sources: int) -> NDArray[np.float64]:
+    def distances_from(*sources: int) -> NDArray[np.float64]:
         return dijkstra(graph, directed=False, indices=list(sources), min_only=True)
 
-    base = _base(points, parent, up, way, spacing)
-    from_base = way(base)
+    base = _base(points, parent, up, distances_from, spacing)
+    from_base = distances_from(base)
     tip = int(from_base.argmax())
-    from_tip, whole = way(tip), float(from_base[tip])
+    from_tip, whole = distances_from(tip), float(from_base[tip])
     if whole <= 0.0:
         return None
-    rim = from_tip >= from_tip[base] - RIM * spacing
+    rim = from_tip >= from_tip[base] - BASE_RIM * spacing
     rim &= np.linalg.norm(points - points[base], axis=1) <= whole / 4
-    from_base = way(base, *np.flatnonzero(rim).tolist())
+    from_base = distances_from(base, *np.flatnonzero(rim).tolist())
     detour = from_base + from_tip
     whole = float(detour.min())
-    # Leaflets beside the way are no part of it.
-    along = np.flatnonzero(detour <= whole + CORRIDOR * spacing)
+    # Leaflets beside the shortest path from base to tip are not part of the axis.
+    along = np.flatnonzero(detour <= whole + MAX_DETOUR * spacing)
     share = (from_base - from_tip + whole)[along] / (2.0 * whole)
-    count = int(min(whole / (SLICE * spacing), SLICES, len(along) / 6))
-    middles = _middles(points[along], share, max(count, 3))
+    count = int(min(whole / (SLICE_LENGTH * spacing), MAX_SLICES, len(along) / 6))
+    centroids = _slice_centroids(points[along], share, max(count, 3))
     last = points[along][share > 0.5]
     line = np.concatenate(
         [
-            _end(points[base], middles[0], middles[1]),
-            middles,
-            _end(points[tip], middles[-1], middles[-2], last, BEYOND * spacing),
+            _end(points[base], centroids[0], centroids[1]),
+            centroids,
+            _end(points[tip], centroids[-1], centroids[-2], last, MAX_TIP_EXTRAPOLATION * spacing),
         ]
     )
     return Axis(line, _start(line, points[along], share))
@@ -92,80 +113,84 @@ def _base(
     points: Points,
     parent: Points,
     up: NDArray[np.float64],
-    way: Callable[..., NDArray[np.float64]],
+    distances_from: Callable[..., NDArray[np.float64]],
     spacing: float,
 ) -> int:
-    """Which point of an organ is farthest from its tip."""
+    """Index of the attachment point: the end of the organ that lies nearer to its parent."""
     from scipy.spatial import cKDTree
 
-    first = int(way(0).argmax())
-    across = way(first)
+    first = int(distances_from(0).argmax())
+    across = distances_from(first)
     ends = [first, int(across.argmax())]
     if not len(parent):
         return min(ends, key=lambda end: float(points[end] @ up))
     gap = cKDTree(parent).query(points)[0]
     base = min(ends, key=lambda end: float(gap[end]))
     touching = int(gap.argmin())
-    return base if gap[base] <= gap[touching] + NEAR * across.max() + RIM * spacing else touching
+    return (
+        base
+        if gap[base] <= gap[touching] + MAX_BASE_GAP * across.max() + BASE_RIM * spacing
+        else touching
+    )
 
 
-def _middles(points: Points, share: NDArray[np.float64], count: int) -> Points:
-    """(n, 3) middles of slices across the way, a little evened out; at least two."""
+def _slice_centroids(points: Points, share: NDArray[np.float64], count: int) -> Points:
+    """(n, 3) centroids of the slices, smoothed by a binomial filter; at least two."""
     number = np.clip((share * count).astype(int), 0, count - 1)
     _, number = np.unique(number, return_inverse=True)
     size = np.bincount(number)
-    middles = np.stack([np.bincount(number, column) / size for column in points.T], axis=1)
-    if len(middles) == 1:
-        return np.repeat(middles, 2, axis=0)
-    middles[1:-1] = middles[1:-1] / 2 + (middles[:-2] + middles[2:]) / 4
-    return middles
+    centroids = np.stack([np.bincount(number, column) / size for column in points.T], axis=1)
+    if len(centroids) == 1:
+        return np.repeat(centroids, 2, axis=0)
+    centroids[1:-1] = centroids[1:-1] / 2 + (centroids[:-2] + centroids[2:]) / 4
+    return centroids
 
 
 def _start(line: Points, points: Points, share: NDArray[np.float64]) -> Points:
-    """(3,) which way an organ's first quarter goes: the line that best says where its points are
-    by how far along they are. Thick stems, as wide as their quarter is long, have it too.
+    """Direction of the first quarter: the regression of its points on their relative geodesic
+    distance. Unlike a principal axis it holds for stems as wide as their quarter is long.
     """
     quarter = share <= 0.25
     about = points[quarter] - points[quarter].mean(axis=0) if quarter.any() else points[:0]
-    way = (share[quarter] - share[quarter].mean()) @ about if len(about) > 2 else np.zeros(3)
+    slope = (share[quarter] - share[quarter].mean()) @ about if len(about) > 2 else np.zeros(3)
     chord = line[min(2, len(line) - 1)] - line[0]
-    way = way if way.any() else chord
-    way = way / max(float(np.linalg.norm(way)), 1e-300)
-    return way if way @ chord >= 0.0 else -way
+    direction = slope if slope.any() else chord
+    direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
+    return direction if direction @ chord >= 0.0 else -direction
 
 
 def _end(
     point: Points, last: Points, before: Points, near: Points | None = None, most: float = 0.0
 ) -> Points:
-    """(1, 3) the axis goes on straight until it is level with its outermost point: that may lie
-    on the rim of a stem's end, or at the corner of a leaf's base.
+    """Last point of the axis, of shape (1, 3): its straight continuation up to the level of the
+    outermost point, which may lie on the rim of a stem's end or in the corner of a leaf's base.
 
-    near: (M, 3) points of which the outermost is one; then it goes on by as much as the outermost
-          of half of them lies behind it, in the mean over all halves: a tip is seen no better
-          than that. `most`: but no farther than that.
+    With `near`, (M, 3) points around a tip, the axis goes on beyond the outermost of them by the
+    expected distance between the extreme of all points and the extreme of a random half of them
+    (the tip itself is hardly ever sampled), at most by `most`.
     """
     onward = last - before
     onward = onward / max(float(np.linalg.norm(onward)), 1e-300)
     beyond = 0.0
     if near is not None and len(near):
         level = np.sort(near @ onward)[:-32:-1]
-        # The outermost is one of a half's points with probability 1/2, the next is its first with
-        # 1/4, and so on.
+        # The outermost point is in a random half with probability 1/2, else the second outermost is
+        # that half's extreme with probability 1/4, and so on.
         behind = (level[0] - level) @ (0.5 ** np.arange(1, len(level) + 1))
         beyond = min(float(behind), most)
     return (last + (max(float((point - last) @ onward), 0.0) + beyond) * onward)[None]
 
 
 def _graph(points: Points) -> tuple[csr_matrix, float]:
-    """Neighbours joined by their distances, in one piece; and the median distance to the nearest.
+    """Connected kNN graph with Euclidean edge lengths, and the median nearest-neighbour distance.
 
-    Parts are joined by their shortest gap to the largest one, one after the other.
+    Components are joined to the largest one by their shortest gap, one after the other.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    count, k = len(points), min(NEIGHBORS, len(points) - 1)
+    count, k = len(points), min(GRAPH_NEIGHBORS, len(points) - 1)
     distance, neighbors = cKDTree(points).query(points, k=k + 1)
     spacing = float(np.median(distance[:, 1]))
     smallest = 1e-9 * max(float(distance.max()), 1e-300)  # scipy drops edges of length 0

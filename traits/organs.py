@@ -1,4 +1,4 @@
-"""Which points each organ of a clip has at a time, spread as evenly as its scans' points."""
+"""The points of each organ of a clip at a time, as evenly sampled as the scans themselves."""
 
 from __future__ import annotations
 
@@ -7,23 +7,34 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip.evaluate import layers_at, locate, positions_on_curve
+
 if TYPE_CHECKING:
     from gclip import Clip, Interval
     from gclip.evaluate import Layer
 
 Points = NDArray[np.float64]
 
-MOST = 2500  # points of an organ that are measured; a fair sample of them where there are more
-CLOUD = 8  # times as many that tell where the surface is
-DENSITY = 8  # neighbours that tell how densely points lie
+MAX_POINTS = 2500  # of an organ; where there are more, a random sample of them is measured
+CLOUD_FACTOR = 8  # times as many points tell where the surface lies
+DENSITY_NEIGHBORS = 8  # the distance to this neighbour estimates the local density
 
 
 class Organ(NamedTuple):
-    """(N, 3) points to measure, and the (M, 3) they are a sample of; about the clip's origin.
+    """The points of an organ at a time, relative to the clip's origin.
 
-    mixed: how much of the points is of one scan and how much of another, 0 (all of one) to 1.
-    seen:  no later than at the scan before; how large others are until the next, nobody knows.
-    known: 0 until an organ is seen, 1 from the next scan on.
+    Attributes
+    ----------
+    points : ndarray of shape (N, 3)
+        Points to measure.
+    cloud : ndarray of shape (M, 3)
+        The points that they are a sample of.
+    mixed : float
+        0 where all points come from one scan, 1 where half of them come from each of two.
+    seen : bool
+        Whether the preceding scan shows the organ; the size of any other is a guess.
+    known : float
+        0 in the interval before the organ is first seen, rising to 1 at that scan.
     """
 
     points: Points
@@ -34,22 +45,31 @@ class Organ(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Organs by track, and how much what is measured on them counts, in (0, 1]."""
+    """Organs by track id, and the weight of what is measured on them, in (0, 1]."""
 
     weight: float
     organs: dict[int, Organ]
 
 
 def samples_at(clip: Clip, day: float) -> list[Sample]:
-    """The organs at a time, from one or two samples whose weights sum to 1.
+    """Sample the organs of a clip at a time.
 
-    Several movers may share a point at either end. In one sample, of those that start together one
-    counts, in the other, of those that end together: at a scan, the one left is that scan. In
-    between both are measured, and the nearer scan's counts more: so no measure jumps at a scan.
-    Organs that are born start as a bud, which is no scan: they are told by their ends.
+    Several movers may share a start or an end point. One sample keeps one mover a start point, the
+    other one mover an end point; at a scan's own time the sample is that scan. Between
+    scans both are measured and weighted by time, so that no trait jumps at a scan. A newborn organ
+    starts from its attachment points, which are no scan of it: both samples use its end points.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    day : float
+        Time, in the clip's unit.
+
+    Returns
+    -------
+    list of Sample
+        One or two samples, whose weights sum to 1.
     """
-    from gclip.evaluate import layers_at, locate
-
     index, passed = locate(clip, day)
     begin = clip.intervals[index].start
     born = {track.id: track.born for track in clip.track_table}
@@ -90,9 +110,7 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
 def _moving(
     interval: Interval, layer: Layer
 ) -> list[tuple[int, Points, NDArray[np.intp], NDArray[np.intp]]]:
-    """Of each track of a layer: where its movers are, and which differ in start, and in end."""
-    from gclip.evaluate import positions_on_curve
-
+    """For each track of a layer: positions, and indices of movers with distinct starts and ends."""
     movers = slice(layer.group.first, layer.group.stop)
     now = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
     tracks = np.asarray(interval.tracks[movers])
@@ -108,16 +126,14 @@ def _moving(
 
 
 def _sample(points: Points) -> tuple[Points, Points]:
-    """A sample, and what it was taken from: as even as may be, where points lie twice as densely,
-    half of them are taken.
-    """
+    """A random sample whose density is even, and the larger sample that it was taken from."""
     from scipy.spatial import cKDTree
 
-    if len(points) <= MOST:
+    if len(points) <= MAX_POINTS:
         return points, points
     rng = np.random.default_rng(0)
-    cloud = points[rng.permutation(len(points))[: CLOUD * MOST]]
-    apart = cKDTree(cloud).query(cloud, k=DENSITY + 1)[0][:, -1]
-    # The largest of u^(1/w) are a sample with weights w (Efraimidis and Spirakis 2006).
-    order = np.log(rng.random(len(cloud))) / np.maximum(apart**2, np.finfo(float).tiny)
-    return cloud[np.sort(np.argsort(order, kind="stable")[-MOST:])], cloud
+    cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * MAX_POINTS]]
+    distance = cKDTree(cloud).query(cloud, k=DENSITY_NEIGHBORS + 1)[0][:, -1]
+    # Weighted sampling without replacement: the largest u^(1/w) (Efraimidis and Spirakis 2006).
+    order = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(float).tiny)
+    return cloud[np.sort(np.argsort(order, kind="stable")[-MAX_POINTS:])], cloud

@@ -1,4 +1,4 @@
-"""Scanned points brought back onto their surface, as far as noise took them off it."""
+"""Noise of the scanner: its estimate, and moving least squares to remove it."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-PROBE = 12  # neighbours whose scatter about a paraboloid tells the noise
-PATCHES = (10, 20, 40, 80, 160)  # neighbours that a patch may be fitted to
-LARGEST = 40  # of them where no more points are known than are to be smoothed
-BENT = 0.4  # how much what is no noise counts: a patch misses less at its middle than over all
-FEWEST = 36  # points of an organ that say something about the noise
-UNLIKE = 1.25  # times as much noise as usual: the most that an organ's points are taken to have
-AT_ONCE = 1024
+NOISE_NEIGHBORS = 12  # neighbours whose residuals about a paraboloid estimate the noise
+PATCH_SIZES = (10, 20, 40, 80, 160)  # neighbours that a paraboloid may be fitted to
+MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoothed
+BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
+MIN_POINTS_FOR_NOISE = 36
+MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
+BLOCK = 1024  # points fitted at once
 
 
 class Smoothed(NamedTuple):
-    """(N, 3) points, and the share of the noise's variance that is left in them."""
+    """(N, 3) points, and the share of the noise variance that is left in them."""
 
     points: Points
     left: float
 
 
 class Noise(NamedTuple):
-    """Deviations of a scanner's noise: the usual one, and those on organs that differ."""
+    """Standard deviation of the scanner's noise: of the plant, and by track id of single organs."""
 
     usual: float
     own: dict[int, float]
@@ -36,30 +36,50 @@ class Noise(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Paraboloids fitted to N neighbourhoods: (N, 3) ways to them; (N,) mean squares by which the
-    neighbours miss them; (N,) shares of the noise's variance that a point on them still has.
+    """Paraboloids fitted to N neighbourhoods.
+
+    Attributes
+    ----------
+    displacement : ndarray of shape (N, 3)
+        From each point to its projection onto the paraboloid.
+    residual : ndarray of shape (N,)
+        Mean squared residual of the neighbours.
+    left : ndarray of shape (N,)
+        Share of the noise variance that the projected point still has.
     """
 
-    way: Points
-    missed: NDArray[np.float64]
+    displacement: Points
+    residual: NDArray[np.float64]
     left: NDArray[np.float64]
 
 
 def noise_of(
     organs: dict[int, tuple[Points, Points]], known: dict[int, float] | None = None
 ) -> Noise:
-    """The deviation of the scanner's noise on each organ, by points of it and all that it has.
+    """Estimate the standard deviation of the scanner's noise, for the plant and for each organ.
 
-    Points scatter about a paraboloid through their neighbours by noise, and where the surface is
-    finer than they are, by more. So the quarter of the plant's points with the least tells what
-    noise there is; but organs may also differ, as thin leaves seen from both sides do from stems.
+    Residuals about a paraboloid through the neighbours come from noise and, where the surface has
+    detail finer than the point spacing, from that detail. The lower quartile over the plant is
+    therefore taken for the noise. Organs may differ, as thin leaves scanned from both sides do
+    from stems.
 
-    known: how much each organ has to say about the others, 0 to 1; 1 for all by default.
+    Parameters
+    ----------
+    organs : dict of int to (points, cloud)
+        By track id, (N, 3) points of the organ and the (M, 3) cloud that they are a sample of.
+    known : dict of int to float, optional
+        Weight of each organ in the plant's estimate, 0 to 1; by default 1 for all.
+
+    Returns
+    -------
+    Noise
     """
     found = {
-        track: float(np.sqrt(np.median(_fit(points, *_nearest(points, cloud, PROBE)).missed)))
+        track: float(
+            np.sqrt(np.median(_fit(points, *_nearest(points, cloud, NOISE_NEIGHBORS)).residual))
+        )
         for track, (points, cloud) in organs.items()
-        if len(points) >= FEWEST
+        if len(points) >= MIN_POINTS_FOR_NOISE
     }
     if not found:
         return Noise(0.0, {})
@@ -69,38 +89,54 @@ def noise_of(
     weights = weights if weights.any() else sizes
     middles = weights.cumsum() - weights / 2
     usual = float(np.interp(weights.sum() / 4, middles, [found[track] for track in order]))
-    return Noise(usual, {track: min(own, UNLIKE * usual) for track, own in found.items()})
+    return Noise(usual, {track: min(own, MAX_NOISE_RATIO * usual) for track, own in found.items()})
 
 
 def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
-    """(N, 3) points of a (M, 3) cloud brought onto paraboloids fitted to their neighbours in it:
-    moving least squares (Alexa et al. 2003, "Computing and rendering point set surfaces").
+    """Project points onto paraboloids fitted to their neighbours (moving least squares).
 
-    Small patches leave noise, large ones level what is bent. Each point takes the patch of least
-    risk (Stein's estimate): the noise that it leaves, and what its neighbours miss it by beyond
-    noise. Where even the smallest would do harm, points stay. A plane would shrink stems.
+    Small patches leave variance, large ones add bias where the surface is curved. Each point takes
+    the patch size of least estimated risk, variance plus squared bias, and stays where it is if
+    none reduces it. Planes instead of paraboloids would shrink stems.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+    cloud : ndarray of shape (M, 3)
+        The cloud that the points belong to.
+    noise : float
+        Standard deviation of the noise, in the unit of the points.
+
+    Returns
+    -------
+    Smoothed
+
+    References
+    ----------
+    Alexa et al. (2003), "Computing and rendering point set surfaces", IEEE TVCG 9.
+    Stein (1981), "Estimation of the mean of a multivariate normal distribution", Ann. Stat. 9.
     """
-    if len(cloud) < PROBE or noise <= 0.0:
+    if len(cloud) < NOISE_NEIGHBORS or noise <= 0.0:
         return Smoothed(points, float(noise > 0.0))
-    most = min(LARGEST * len(cloud) / len(points), len(cloud))
-    patches = [patch for patch in PATCHES if patch <= most]
+    most = min(MAX_PATCH * len(cloud) / len(points), len(cloud))
+    patches = [patch for patch in PATCH_SIZES if patch <= most]
     result, left = points.copy(), np.ones(len(points))
-    for first in range(0, len(points), AT_ONCE):
-        part = slice(first, first + AT_ONCE)
+    for first in range(0, len(points), BLOCK):
+        part = slice(first, first + BLOCK)
         distance, neighbors = _nearest(points[part], cloud, patches[-1])
         risk, best, rest = np.full(len(neighbors), 1.0), result[part], left[part]
         for patch in patches:
             fit = _fit(points[part], distance[:, :patch], neighbors[:, :patch])
-            bent = BENT * np.maximum(fit.missed / noise**2 - 1.0, 0.0)
-            better = bent + fit.left < risk
-            risk[better] = (bent + fit.left)[better]
-            best[better] = (points[part] + fit.way)[better]
+            bias = BIAS_WEIGHT * np.maximum(fit.residual / noise**2 - 1.0, 0.0)
+            better = bias + fit.left < risk
+            risk[better] = (bias + fit.left)[better]
+            best[better] = (points[part] + fit.displacement)[better]
             rest[better] = fit.left[better]
     return Smoothed(result, float(left.mean()))
 
 
 def axes_of(offsets: NDArray[np.float64]) -> tuple[Points, Points, Points]:
-    """(N, 3) each: the normal, and two directions along, of N neighbourhoods (N, k, 3)."""
+    """Normals and two tangent directions, each (N, 3), of N neighbourhoods of shape (N, k, 3)."""
     about = offsets - offsets.mean(axis=1, keepdims=True)
     _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", about, about))
     return axes[:, :, 0], axes[:, :, 2], axes[:, :, 1]
@@ -109,7 +145,7 @@ def axes_of(offsets: NDArray[np.float64]) -> tuple[Points, Points, Points]:
 def _nearest(
     points: Points, cloud: Points, count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distances (N, k) and places (N, k, 3) of each point's neighbours in a cloud, itself first."""
+    """Distances (N, k) and positions (N, k, 3) of the nearest points of a cloud, itself first."""
     from scipy.spatial import cKDTree
 
     distance, index = cKDTree(cloud).query(points, k=min(count, len(cloud)))
@@ -117,23 +153,23 @@ def _nearest(
 
 
 def _fit(points: Points, distance: NDArray[np.float64], neighbors: NDArray[np.float64]) -> Fit:
-    reach = np.maximum(distance[:, -1:], np.finfo(float).tiny)
-    offsets = (neighbors - points[:, None]) / reach[..., None]
+    radius = np.maximum(distance[:, -1:], np.finfo(float).tiny)
+    offsets = (neighbors - points[:, None]) / radius[..., None]
     normal, first, second = axes_of(offsets)
     x, y, z = (np.einsum("nki,ni->nk", offsets, axis) for axis in (first, second, normal))
-    weights = np.exp(-((distance / reach) ** 2))
+    weights = np.exp(-((distance / radius) ** 2))
     terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], -1)
-    # The small diagonal keeps patches solvable whose points lie on a line.
+    # The small diagonal regularises patches whose points lie on a line.
     small = np.diag([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
     weighted = terms * weights[..., None]
     inverse = np.linalg.inv(np.einsum("nki,nkj->nij", weighted, terms) + small)
     shares = np.einsum("nij,nkj->nki", inverse, weighted)
     solution = np.einsum("nki,nk->ni", shares, z)
-    missed = z - np.einsum("nki,ni->nk", terms, solution)
+    misfit = z - np.einsum("nki,ni->nk", terms, solution)
     own = np.einsum("nki,nki->nk", shares, terms)
     free = np.maximum((weights * (1.0 - own)).sum(axis=1), 1e-9)
     return Fit(
-        way=(solution[:, :1] * reach) * normal,
-        missed=(weights * missed**2).sum(axis=1) / free * reach[:, 0] ** 2,
+        displacement=(solution[:, :1] * radius) * normal,
+        residual=(weights * misfit**2).sum(axis=1) / free * radius[:, 0] ** 2,
         left=np.minimum((shares[:, :, 0] ** 2).sum(axis=1), 1.0),
     )

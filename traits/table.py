@@ -1,4 +1,4 @@
-"""Measurements as a table in long format: one value a row, ready for statistics."""
+"""Traits as a table in long format, one value a row (RFC 4180 CSV)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DIGITS = 7  # that a float32 clip has to tell
 
 @dataclass(frozen=True)
 class Namer:
-    """What the rows of one clip have in common: the clip, and what the plant is called."""
+    """A clip and the name of its plant, which all rows of the table repeat."""
 
     clip: Clip
     plant: str
@@ -41,7 +41,7 @@ class Namer:
 
 
 def measure_days(clip: Clip) -> list[float]:
-    """The scans, and the middle between each two."""
+    """Days of a clip to measure: those of its scans, and the middle of each interval."""
     middles = [(before + after) / 2 for before, after in pairwise(clip.times)]
     return sorted([*clip.times, *middles])
 
@@ -52,10 +52,19 @@ def write_table(
     days: Sequence[float],
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
-    """Measure a clip on some days and write a table in CSV (RFC 4180).
+    """Measure a clip on some days and write the traits as CSV.
 
-    Values are marked `scan` or `between`; `rate` rows say how fast a trait grew from one scan to
-    the next, with both times and what passed between them. Days that are no scan's give no rates.
+    Values are marked `scan` or `between`. Rows marked `rate` hold the growth rate of a trait from
+    one scan to the next, with both times and the time elapsed; they need the scans' own days.
+
+    Parameters
+    ----------
+    file : text file
+    namer : Namer
+    days : sequence of float
+        In the clip's time unit; see `measure_days`.
+    progress : callable, optional
+        Called with the number of days measured, and of all.
     """
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -140,14 +149,14 @@ def _number(value: float) -> str:
 
 
 def provenance(clip: Clip) -> tuple[str, str]:
-    """What measured, and a digest of what the clip says it was made of and how."""
+    """Name and version of this program, and a digest of the clip's provenance."""
     made = json.dumps(clip.provenance, sort_keys=True).encode()
     return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(made).hexdigest()}"
 
 
 def _safe(row: list) -> list:
-    """Names come from files: a cell that a spreadsheet would take for a formula becomes text
-    (OWASP, CSV injection). Our own numbers may begin with a minus sign.
+    """Escape cells that a spreadsheet would take for a formula: names come from files (OWASP, CSV
+    injection). Numbers may begin with a minus sign.
     """
     return [_text(cell) if isinstance(cell, str) else cell for cell in row]
 
@@ -158,7 +167,7 @@ def _text(cell: str) -> str:
 
 
 def _is_formula(cell: str) -> bool:
-    # Spreadsheets pass over blanks, and take wide forms of characters for the narrow ones.
+    # Spreadsheets skip blanks and fold full-width characters, as NFKC does.
     if not normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
         return False
     try:

@@ -1,4 +1,4 @@
-"""What a plant measures at a time: each organ, and the whole."""
+"""Traits of a plant and its organs at a time: height, length, area, convex hull, angle."""
 
 from __future__ import annotations
 
@@ -17,33 +17,47 @@ from traits.surface import Surface, surface_of
 if TYPE_CHECKING:
     from gclip import Clip
 
-HALVES = 16  # samples of half of an organ's points that tell what its hull still lacks
-LACKING = 1.5  # of what half the points lack more: volume falls short by about count^-0.7
-INSIDE = 1.0  # of it, what points half of one scan and half of another lack besides
-LIFTED = 0.5  # deviations of the noise by which it lifts a hull's faces
-ADDED, TAKEN = 0.12, 0.05  # shares of a hull's volume: below both corrections, it is sure
-SEEN = 100  # points of an organ of which anything but its height is sure
-LONG, SLENDER = 30.0, 0.33  # mean distances, and share of points at a border: lengths are sure
-BORDER, LEFT = 0.25, 0.55  # shares, of points at a border and of noise: below them, hulls are sure
-ROUGH = 0.3  # share of points at a border and noise in mean distances: below it, areas are sure
-SLIGHT = 0.05  # mean distances: noise that hardly matters
-MOSTLY = 0.8  # of a plant's area that must be sure, for its area to be
+HULL_SUBSAMPLES = 16  # random halves of an organ's points, to extrapolate the volume of its hull
+HULL_EXTRAPOLATION = 1.5  # times the difference to half the points: the deficit falls as count^-0.7
+MIXING_DEFICIT = 1.0  # likewise, of points that come half from one scan and half from another
+HULL_NOISE_LIFT = 0.5  # standard deviations of the noise by which it moves the hull outwards
+# A hull is sure where both corrections are below these shares of its volume.
+MAX_HULL_EXTRAPOLATION, MAX_HULL_NOISE = 0.12, 0.05
+MIN_POINTS_FOR_SURE = 100
+# Lengths are sure from this many mean point distances on, and up to this share of border points.
+MIN_SURE_LENGTH, MAX_BORDER_FOR_LENGTH = 30.0, 0.33
+MAX_BORDER_FOR_HULL, MAX_NOISE_LEFT = 0.25, 0.55
+MAX_AREA_DOUBT = 0.3  # share of border points plus noise in mean point distances
+NEGLIGIBLE_NOISE = 0.05  # mean point distances
+MIN_SURE_AREA_SHARE = 0.8  # of the organs' area, for the plant's area to be sure
 TRAITS = ("height", "length", "area", "hull", "angle")
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """One organ, or with track None the whole plant, at one time. Lengths in the clip's unit;
-    None where there are too few points to tell, or where a plant has no such thing.
+    """Traits of one organ, or of the whole plant, at one time.
 
-    height: of the highest point above the plant's lowest.
-    length: along the axis, from the attachment to the tip.
-    area:   of the scanned surface: of a leaf one side, where both were scanned both.
-    hull:   volume of the convex hull of the surface, not of its points alone.
-    angle:  degrees between the vertical and the first quarter of the axis.
-    sure:   the traits that are within 5 % (5 degrees) in nine of ten such cases: of
-            organs shown by few points, or with forms finer than what lies between points, others
-            are not; of organs that no scan has seen yet, none.
+    Lengths are in the clip's unit. A trait is None where there are too few points, or where a plant
+    has no such trait.
+
+    Attributes
+    ----------
+    track : int or None
+        Track id of the organ; None for the whole plant.
+    height : float
+        Of the highest point above the plant base.
+    length : float or None
+        Along the medial axis, from the attachment point to the tip.
+    area : float or None
+        Of the scanned surface: one side of a leaf, or both where both were scanned.
+    hull : float or None
+        Volume of the convex hull of the surface that the points were sampled from.
+    angle : float or None
+        Between the vertical and the first quarter of the axis, in degrees.
+    sure : frozenset of str
+        The traits that are within 5 % (5 degrees) of the truth in nine of ten such cases, measured
+        on grown plants. Excluded are organs of few points, organs with detail finer than the point
+        spacing, and organs that no scan has shown yet.
     """
 
     time: float
@@ -58,22 +72,33 @@ class Measurement:
 
 
 def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list[Measurement]:
-    """The whole plant, then its organs by track, at a time.
+    """Measure the plant and its organs at a time.
 
-    Organs that are being lost count as long as they are part of the plant. What was born between
-    two scans is a bud at the first of them, which did not see it: there it does not count.
+    Lost organs count as long as they are part of the plant. An organ that is born between two scans
+    does not count at the first of them, which does not show it.
 
-    only: the tracks to measure, without the whole plant; None for all.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    day : float
+        Time, in the clip's unit.
+    only : collection of int, optional
+        Track ids to measure, without the whole plant.
+
+    Returns
+    -------
+    list of Measurement
+        The whole plant, then its organs by track id.
     """
     plant = _Plant.of(clip)
     samples = samples_at(clip, day)
     found = [plant.measured(day, sample.organs, only) for sample in samples]
-    return _mixed(found, [sample.weight for sample in samples])
+    return _weighted_mean(found, [sample.weight for sample in samples])
 
 
 @dataclass(frozen=True)
 class _Plant:
-    """What stays the same all the time."""
+    """Facts of a clip that do not change in time."""
 
     born: dict[int, float]
     parents: dict[int, int | None]
@@ -112,8 +137,8 @@ class _Plant:
         for track, organ in ((track, organ) for track, organ in alive.items() if track in wanted):
             (points, left), own = smooth[track], noise.of(track)
             parent = self.parents.get(track)
-            bearer = nothing if parent not in smooth else smooth[parent].points
-            axis = axis_of(points, bearer, self.up)
+            parent_points = nothing if parent not in smooth else smooth[parent].points
+            axis = axis_of(points, parent_points, self.up)
             surface = surface_of(points, left * own**2, organ.mixed)
             hull = _hull(points, organ.mixed, own)
             length = None if axis is None else axis.length
@@ -155,30 +180,31 @@ def _whole(
         area=surface or None,
         hull=hull.volume,
         angle=None,
-        sure=sure if known > MOSTLY * surface else sure & {"height", "hull"},
+        sure=sure if known > MIN_SURE_AREA_SHARE * surface else sure & {"height", "hull"},
     )
 
 
 def _sure(surface: Surface, count: int, length: float, noise: float, left: float) -> frozenset[str]:
-    """What can be told of an organ from so many points, with such a share of the noise left: where
-    its form is finer than its points are apart, they lie at borders, or can't be freed from noise.
+    """Traits of an organ that are likely within 5 % of the truth.
+
+    Many border points, and noise that smoothing can't remove, tell of detail finer than the points.
     """
     sure = {"height"}
     spacing = float(np.sqrt(surface.area / max(count, 1)))
-    if count >= SEEN and spacing > 0.0:
+    if count >= MIN_POINTS_FOR_SURE and spacing > 0.0:
         sure |= {"angle"}
-        if length > LONG * spacing and surface.border < SLENDER:
+        if length > MIN_SURE_LENGTH * spacing and surface.border < MAX_BORDER_FOR_LENGTH:
             sure |= {"length"}
-        if left < LEFT or noise < SLIGHT * spacing:
-            if surface.border < BORDER:
+        if left < MAX_NOISE_LEFT or noise < NEGLIGIBLE_NOISE * spacing:
+            if surface.border < MAX_BORDER_FOR_HULL:
                 sure |= {"hull"}
-            if surface.border + noise * np.sqrt(left) / spacing < ROUGH:
+            if surface.border + noise * np.sqrt(left) / spacing < MAX_AREA_DOUBT:
                 sure |= {"area"}
     return frozenset(sure)
 
 
-def _mixed(found: list[list[Measurement]], weights: list[float]) -> list[Measurement]:
-    """What was measured on two samples of the same plant, weighed; or on the only one."""
+def _weighted_mean(found: list[list[Measurement]], weights: list[float]) -> list[Measurement]:
+    """Weighted mean of the measurements on two samples of the plant; or those of the only one."""
     if len(found) == 1:
         return found[0]
     mixed = []
@@ -201,12 +227,12 @@ def _mixed(found: list[list[Measurement]], weights: list[float]) -> list[Measure
 
 
 def _floor(clip: Clip) -> float:
-    """Height of the root's foot in the first scan: heights of all days are measured from there."""
+    """Height of the plant base in the first scan, from which all heights are measured."""
     first = clip.at(clip.times[0])
     height = first.local.astype(np.float64) @ _up(clip.up)
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
     own = height[first.tracks == root]
-    # Few points may be flying below it; that many hundredths of a stem stand between the two.
+    # Quantiles, since a few outliers may float below; extrapolated by as much as lies between them.
     low, next_to_low = np.quantile(own if len(own) else height, [0.01, 0.02])
     return float(2.0 * low - next_to_low)
 
@@ -218,31 +244,31 @@ def _up(up: str) -> NDArray[np.float64]:
 
 
 class _Hull(NamedTuple):
-    """Its volume, None where points lie in one plane or are too few; and whether that is sure."""
+    """Volume, None for coplanar or too few points; and whether it is likely within 5 %."""
 
     volume: float | None
     sure: bool
 
 
 def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -> _Hull:
-    """The convex hull of what (N, 3) points were scattered on.
+    """Convex hull of the surface that (N, 3) points were sampled from.
 
-    The hull of points falls short of the hull of what they lie on: at faces by count^-1, at borders
-    by count^-0.5. How short, the hulls of halves of them tell (Richardson's extrapolation). Points
-    half of one scan and half of another lack more: what is outermost in one seldom is in the other.
-    Noise lifts faces, for what lies farthest out was moved outward. The larger these corrections
-    are, the less sure is what they leave.
+    The hull of a sample is smaller than that of its surface: by count^-1 at faces, by count^-0.5 at
+    borders. Richardson extrapolation from random halves of the points estimates the deficit. It is
+    larger for half-way states of two scans, since extreme points of one seldom move to extreme
+    points of the other. Noise moves the hull outwards, since the outermost points are those that
+    noise moved out. The result is sure where both corrections are small.
     """
     from scipy.spatial import ConvexHull, QhullError
 
     rng, half = np.random.default_rng(0), len(points) // 2
-    parts = [points[rng.permutation(len(points))[:half]] for _ in range(HALVES)]
+    parts = [points[rng.permutation(len(points))[:half]] for _ in range(HULL_SUBSAMPLES)]
     try:
         hull = ConvexHull(points)
-        lacking = float(hull.volume - np.mean([ConvexHull(part).volume for part in parts]))
+        deficit = float(hull.volume - np.mean([ConvexHull(part).volume for part in parts]))
     except (QhullError, ValueError):
         return _Hull(None, False)
-    volume, taken = float(hull.volume), LIFTED * noise * float(hull.area)
-    added = (LACKING + INSIDE * mixed) * lacking
-    sure = added < ADDED * volume and taken < TAKEN * volume
+    volume, taken = float(hull.volume), HULL_NOISE_LIFT * noise * float(hull.area)
+    added = (HULL_EXTRAPOLATION + MIXING_DEFICIT * mixed) * deficit
+    sure = added < MAX_HULL_EXTRAPOLATION * volume and taken < MAX_HULL_NOISE * volume
     return _Hull(max(volume + added - taken, 0.5 * volume), sure)
