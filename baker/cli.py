@@ -20,7 +20,7 @@ from baker.options import (
     Transport,
     Up,
 )
-from gclip.console import run_app
+from gclip.terminal.command import run_app
 from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from gclip.errors import UserError
-from gclip.text import printable
+from gclip.terminal.text import printable
 
 LONGEST = 1000  # characters of a sentence
 

@@ -41,7 +41,7 @@ from baker.scans.stage import read_scans, told_by
 from baker.segmentation.from_labels import root_point
 from baker.segmentation.stage import segment_scans
 from baker.transport.tasks import interval_tasks
-from gclip.clip import Clip, HeldOutScan, Motion, ScanMark
+from gclip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
 

@@ -5,8 +5,9 @@
 Every way out runs in a process of its own, forked from one that has imported all it needs, and is
 killed (SIGKILL), half of the time at any moment, half of the time within 50 ms after its draft
 appears, which is when it writes.
-What is then at the output must be what was there before, or what a run that is left alone writes;
-nothing else. Now and then a run is left alone: nothing but the output may be beside it afterwards.
+Each file at the output must then be what was there before, or what a run that is left alone writes;
+nothing else but its draft. Now and then a run is left alone: it must come out right whatever killed
+ones have left, and leave nothing itself.
 """
 
 from __future__ import annotations
@@ -120,7 +121,18 @@ def contents(folder: Path, output: str) -> Files:
     """All files of an output, by their paths."""
     place = folder / output
     paths = [place] if place.is_file() else sorted(p for p in place.rglob("*") if p.is_file())
-    return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
+    whole = [path for path in paths if not any(DRAFT.fullmatch(part) for part in path.parts)]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in whole}
+
+
+def whole(found: Files, olds: Path, news: Path, output: str) -> bool:
+    """Whether each file of an output is the old or the new one, and none is missing.
+
+    A sequence's are renamed one after the other.
+    """
+    old, new = contents(olds, output), contents(news, output)
+    known = all(text in (old.get(name), new.get(name)) for name, text in found.items())
+    return known and (old.keys() <= found.keys() or new.keys() <= found.keys())
 
 
 def varied(way: WayOut, output: str, files: Files) -> bool:
@@ -151,7 +163,7 @@ def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
                 found = contents(folder, output)
                 if found == contents(olds, output):
                     left["old"] += 1
-                elif found == contents(news, output) or varied(way, output, found):
+                elif whole(found, olds, news, output) or varied(way, output, found):
                     left["new"] += 1
                 else:
                     left["broken"] += 1
@@ -164,13 +176,15 @@ def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
 
 
 def _litter(way: WayOut, folder: Path, news: Path) -> int:
-    """How much is beside the outputs after a run that was left alone; checks that it is right."""
+    """How much a run that is left alone leaves beside the outputs; checks that it is right."""
+    before = {path.name for path in folder.rglob("*")}
     _finished(way.module, way.new, folder)
     for output in way.outputs:
         if output not in way.varying and contents(folder, output) != contents(news, output):
             raise SystemExit(f"{way.name}: {output} is wrong after a run that was left alone")
     strange = [path.name for path in folder.iterdir() if path.name not in way.outputs]
     strange += [path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)]
+    strange = [name for name in strange if name not in before]
     if strange:
         print(f"{way.name}: litter: {', '.join(sorted(set(strange)))}", flush=True)
     return len(set(strange))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, Interval, Motion, ScanMark, Track
+from gclip import Clip, Interval, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 LEAVES = 14

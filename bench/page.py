@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from bench.moving import growing
-from gclip.clip import Clip
+from gclip import Clip
 from player.export import Film, export
 
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")

@@ -26,8 +26,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from baker import Options, bake
-from gclip.clip import Clip, ScanMark, Track
-from gclip.pack import Motion, Movers, pack_interval
+from gclip import Clip, Motion, ScanMark, Track
+from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series
 from traits import Measurement, measure

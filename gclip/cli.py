@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gclip.console import run_app
 from gclip.errors import ClipError
+from gclip.terminal.command import run_app
+from gclip.terminal.text import printable
 from gclip.version import VersionOption
 
 if TYPE_CHECKING:
@@ -40,30 +41,25 @@ def check_command(
     and against the checksum that `bake` wrote beside it.
     """
     from gclip.check import check
-    from gclip.text import printable
 
     damaged = 0
     for path in clips:
         report = check(path)
         damaged += not report.whole
+        lines = [f"{finding}." for finding in report.findings]
         if report.whole and not quiet:
-            typer.echo(f"{printable(str(path))}: {_praise(report)}")
-        for finding in report.findings:
-            typer.echo(f"{printable(str(path))}: {printable(str(finding))}.")
+            lines.append(_summary(report))
+        for line in lines:
+            typer.echo(printable(f"{path}: {line}"))
+    if len(clips) == damaged == 1:
+        raise ClipError("the clip is not whole.")
     if damaged:
-        raise ClipError(
-            "the clip is not whole."
-            if len(clips) == 1
-            else f"{damaged} of {len(clips)} clips are not whole."
-        )
+        raise ClipError(f"{damaged} of {len(clips)} clips are not whole.")
 
 
-def _praise(report: Report) -> str:
-    checksums = (
-        f"{report.verified} checksums agree"
-        if report.verified
-        else "no checksums: it was written before format 1.1"
-    )
+def _summary(report: Report) -> str:
+    old = "no checksums: it was written before format 1.1"
+    checksums = f"{report.verified} checksums agree" if report.verified else old
     return (
         f"whole; {report.scans} scans, {report.intervals} intervals, {report.buffers} buffers, "
         f"{report.size:,} bytes, {checksums}"

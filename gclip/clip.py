@@ -1,4 +1,4 @@
-"""The data model of a growth clip: what a `.gclip` file says, as frozen dataclasses.
+"""The growth clip: movers between scans, tracks, and what they were made from.
 
 A **mover** is one animated point of an **interval** between two successive scans. It travels along
 a Bézier curve of the interval's degree (1, 2 or 3): start, control points, end. A **track** is one
@@ -8,179 +8,65 @@ organ followed through the whole series.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from gclip.evaluate import Frame
+from gclip.document import checksum, read_document, write_document
+from gclip.errors import ClipError
+from gclip.evaluate import Frame, frame_at
+from gclip.file import Container, open_container, write_container
+from gclip.interval import Interval, read_interval, read_positions
+from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
+from gclip.terminal.text import printable
 
-UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
-
-
-class Motion(StrEnum):
-    """How a group of movers goes through its interval (paper section 3.3, growth and decay)."""
-
-    MOVE = "move"  # from its start to its end
-    FALL = "fall"  # lost: falls to the floor with gravity's ease; its litter then fades
-    FADE = "fade"  # lost: stays and fades
-    REMOVE = "remove"  # lost: gone as soon as the interval begins
-
-
-@dataclass(frozen=True)
-class ScanMark:
-    """One scan of the series: `time` in the clip's unit, `date` as people write it."""
-
-    name: str
-    time: float
-    date: str
-    points: int
+SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
+"""Attributes that a clip and its document have alike."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """One organ from birth to loss.
+    """One organ from birth to loss."""
 
-    color:  sRGB, (red, green, blue), 0 to 255.
-    parent: id of the track it grows from, None for the root.
-    born:   time of the first scan that holds it; lost: of the first scan that no longer does.
-    kind:   "root", "organ", or a name the baker knows better ("stem", "leaf").
-    """
-
-    id: int
+    id: int  #: its index in the clip's table of tracks
     name: str
-    color: tuple[int, int, int]
-    parent: int | None = None
-    born: float = 0.0
-    lost: float | None = None
-    kind: str = "organ"
-
-
-@dataclass(frozen=True)
-class Group:
-    """A run of movers, `first` to `first + count`, that share a motion."""
-
-    first: int
-    count: int
-    motion: Motion = Motion.MOVE
-
-    @property
-    def stop(self) -> int:
-        return self.first + self.count
-
-
-@dataclass(frozen=True)
-class SegmentPair:
-    """How one segment's transport was solved, kept for the report.
-
-    event:          "match", "birth" or "loss".
-    cost:           root mean square (or mean) distance travelled, in the clip's length unit.
-    marginal_error: L1 distance of the plan's marginals from the uniform ones.
-    """
-
-    track: int
-    event: str
-    start_points: int
-    end_points: int
-    movers: int
-    solver: str
-    cost: float
-    marginal_error: float
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Box:
-    """Dequantisation of an interval: position = low + (high - low) * quantised / 65535."""
-
-    low: tuple[float, float, float]
-    high: tuple[float, float, float]
-
-    @property
-    def step(self) -> NDArray[np.float64]:
-        """(3,) the length of one quantisation step along each axis."""
-        return (np.asarray(self.high, float) - np.asarray(self.low, float)) / 65535.0
-
-
-@dataclass(frozen=True)
-class Interval:
-    """The movers between two successive scans, as buffers ready for upload.
-
-    start, end: times of the two scans.
-    box:        how to read the quantised positions; None where positions are float32 already.
-    groups:     runs of movers that cover the buffers in order, MOVE first.
-    start_positions, end_positions: (N, 3) uint16, or float32 about the clip's origin.
-    control_positions: degree - 1 arrays of the same kind.
-    tracks:     (N,) uint16 or uint32 track ids.
-    start_colors, end_colors: (N, 4) uint8 sRGB and alpha, or None: then the track's colour counts.
-    """
-
-    start: float
-    end: float
-    box: Box | None
-    groups: tuple[Group, ...]
-    start_positions: NDArray[Any]
-    end_positions: NDArray[Any]
-    control_positions: tuple[NDArray[Any], ...]
-    tracks: NDArray[Any]
-    start_colors: NDArray[np.uint8] | None = None
-    end_colors: NDArray[np.uint8] | None = None
-    segments: tuple[SegmentPair, ...] = ()
-
-    @property
-    def degree(self) -> int:
-        return 1 + len(self.control_positions)
-
-    @property
-    def curve(self) -> tuple[NDArray[Any], ...]:
-        """The Bézier points from start to end: degree + 1 arrays of (N, 3)."""
-        return (self.start_positions, *self.control_positions, self.end_positions)
-
-    def __len__(self) -> int:
-        return len(self.tracks)
+    color: tuple[int, int, int]  #: sRGB, 0 to 255
+    parent: int | None = None  #: id of the track it grows from, None for the root
+    born: float = 0.0  #: time of the first scan that holds it
+    lost: float | None = None  #: time of the first scan that no longer does
+    kind: str = "organ"  #: "root", "organ", or a finer word ("stem", "leaf")
 
 
 @dataclass(frozen=True)
 class HeldOutScan:
-    """A scan that the clip was baked without, aligned with the others: the truth to compare with.
-
-    positions: (N, 3) float32 about the clip's origin.
-    """
+    """A scan that the clip was baked without, aligned with the others, to compare it with."""
 
     name: str
     time: float
     date: str
-    positions: NDArray[np.float32]
+    positions: NDArray[np.float32]  #: (N, 3) about the clip's origin
 
 
 @dataclass(frozen=True)
 class Clip:
-    """A plant's growth, ready to be played.
+    """A plant's growth, ready to be played."""
 
-    origin:     (3,) world position of the local coordinates' zero, float64.
-    up:         one of x, y, z, -x, -y, -z: which way the plant grows in the input's own frame.
-    unit:       the length unit of the positions, "" where unknown.
-    time_unit:  "days", or "scans" where the times are only an order.
-    floor:      height along `up` (local coordinates) where lost organs come to rest.
-    spacing:    median distance between neighbouring points, in the length unit.
-    held_out:   scans that were left out of the bake, by time; empty where none were.
-    provenance: options, versions, input names and digests; never paths or dates of the bake.
-    """
-
-    scans: tuple[ScanMark, ...]
-    intervals: tuple[Interval, ...]
-    track_table: tuple[Track, ...]
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    up: str = "z"
-    unit: str = ""
-    time_unit: str = "days"
-    floor: float = 0.0
-    spacing: float = 0.0
-    held_out: tuple[HeldOutScan, ...] = ()
+    scans: tuple[ScanMark, ...]  #: by time
+    intervals: tuple[Interval, ...]  #: from the first scan's time to the last's
+    track_table: tuple[Track, ...]  #: by id
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: world position of local zero
+    up: str = "z"  #: x, y, z, -x, -y or -z: which way the plant grows in the input's own frame
+    unit: str = ""  #: length unit of the positions, "" where unknown
+    time_unit: str = "days"  #: or "scans" where the times are only an order
+    floor: float = 0.0  #: height along `up`, local, where lost organs come to rest
+    spacing: float = 0.0  #: median distance between neighbouring points
+    held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, by time
     provenance: dict[str, Any] = field(default_factory=dict)
+    #: options, versions, input names and digests; never paths or dates of the bake
 
     @property
     def times(self) -> list[float]:
@@ -200,29 +86,121 @@ class Clip:
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lowest and highest corner of all movers, control points included, about the origin."""
-        lows, highs = zip(*(_extent(interval) for interval in self.intervals), strict=True)
+        lows, highs = zip(*(interval.bounds for interval in self.intervals), strict=True)
         return np.min(lows, axis=0), np.max(highs, axis=0)
 
     def at(self, day: float) -> Frame:
-        """The plant at a time; times outside the series give its first or last state.
+        """Evaluate the clip at a time.
 
-        At a scan's own time the positions are exactly that scan's points, as a set. Within an
-        interval the movers come in the same order at every time.
+        Parameters
+        ----------
+        day : float
+            In the clip's unit; outside the series it gives the first or the last state.
+
+        Returns
+        -------
+        Frame
+            At a scan's own time its positions are exactly that scan's points, as a set. Within an
+            interval the movers come in the same order at every time.
         """
-        from gclip.evaluate import frame_at
-
         return frame_at(self, day)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the clip: whole or not at all. Raises ClipError where `path` can't be written."""
-        from gclip.file import save_clip
+        """Write the clip, whole or not at all.
 
-        save_clip(self, path)
+        Parameters
+        ----------
+        path : str or path-like
+            The file.
+
+        Raises
+        ------
+        ClipError
+            If `path` can't be written, or the clip says what `gclip.open` would refuse; `path` is
+            then as it was.
+        """
+        buffers = _buffers(self)
+        text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
+        try:
+            read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
+        except ClipError as error:
+            raise ClipError(printable(f"{os.fspath(path)} can't be written: {error}.")) from None
+        write_container(text, buffers, Path(path))
 
 
-def _extent(interval: Interval) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    if interval.box is not None:
-        return np.asarray(interval.box.low, float), np.asarray(interval.box.high, float)
-    low = np.min([points.min(axis=0) for points in interval.curve], axis=0)
-    high = np.max([points.max(axis=0) for points in interval.curve], axis=0)
-    return low.astype(float), high.astype(float)
+def open(path: str | os.PathLike[str]) -> Clip:
+    """Open a clip, memory-mapped; everything the file says is checked before it is returned.
+
+    Its checksums are not: that would read all of it (see `gclip.check`).
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    Clip
+        Its buffers are read-only views of the file.
+
+    Raises
+    ------
+    ClipError
+        With one sentence that names the file and what is wrong with it.
+    """
+    try:
+        container = open_container(Path(path))
+        return clip_in(container, read_document(container.text, container.size))
+    except ClipError as error:
+        raise ClipError(printable(f"{os.fspath(path)}: {error}.")) from None
+
+
+def clip_in(container: Container, document: Document) -> Clip:
+    """The clip that a container holds. Raises ClipError without the file's name."""
+    intervals = tuple(
+        read_interval(container, index, entry, len(document.tracks))
+        for index, entry in enumerate(document.intervals)
+    )
+    held_out = tuple(
+        HeldOutScan(s.name, s.time, s.date, read_positions(container, _held_out(i), s.points))
+        for i, s in enumerate(document.held_out)
+    )
+    if container.unread:
+        raise ClipError(f'it holds a buffer "{min(container.unread)[:40]}" that nothing names')
+    tracks = (_attributes(track, TrackEntry.__struct_fields__) for track in document.tracks)
+    return Clip(
+        intervals=intervals,
+        track_table=tuple(Track(id=index, **track) for index, track in enumerate(tracks)),
+        held_out=held_out,
+        **_attributes(document, SHARED),
+    )
+
+
+def _content(clip: Clip) -> dict[str, Any]:
+    """What the document says of a clip."""
+    held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
+    return {
+        **_attributes(clip, SHARED),
+        "tracks": [_attributes(t, TrackEntry.__struct_fields__) for t in clip.track_table],
+        "intervals": [_attributes(i, IntervalEntry.__struct_fields__) for i in clip.intervals],
+        **({"held_out": held_out} if held_out else {}),
+    }
+
+
+def _attributes(holder: object, names: Iterable[str]) -> dict[str, Any]:
+    return {name: getattr(holder, name) for name in names}
+
+
+def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
+    """All buffers of a clip by name, in C order."""
+    buffers: dict[str, NDArray[Any]] = {}
+    for index, interval in enumerate(clip.intervals):
+        buffers |= interval.buffers(index)
+    for index, scan in enumerate(clip.held_out):
+        buffers[_held_out(index)] = np.asarray(scan.positions, np.float32)
+    return {name: np.ascontiguousarray(buffer) for name, buffer in buffers.items()}
+
+
+def _held_out(index: int) -> str:
+    """The name of the buffer of a scan that was left out."""
+    return f"held_out/{index:04d}"

@@ -5,55 +5,47 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, Group, Interval, Motion
-from gclip.color import blend_srgb
-from gclip.container import check_whole
+from gclip.file import check_whole
+from gclip.schema import Group, Motion
+
+if TYPE_CHECKING:
+    from gclip.clip import Clip
+    from gclip.interval import Interval
 
 LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One run of movers that is visible at a time: all that a renderer needs to know.
-
-    parameter: u in [0, 1], where on their curves the movers are (motion's ease applied).
-    blend:     share of the end's colour, in [0, 1].
-    alpha:     opacity in (0, 1].
-    litter:    lying on the ground, no longer part of the plant.
-    """
+    """One run of movers that is visible at a time: all that a renderer needs to know."""
 
     interval: int
     group: Group
-    parameter: float
-    blend: float
-    alpha: float
-    litter: bool = False
+    parameter: float  #: u in [0, 1], where on their curves the movers are, motion's ease applied
+    blend: float  #: share of the end's colour, in [0, 1]
+    alpha: float  #: opacity in (0, 1]
+    litter: bool = False  #: lying on the ground, no longer part of the plant
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The plant at one time.
-
-    positions: (N, 3) float32 in the frame of the input (`origin` added).
-    local:     (N, 3) float32 about `origin`: use it where world coordinates are large.
-    colors:    (N, 4) uint8 sRGB and alpha.
-    tracks:    (N,) track ids.
-    litter:    fallen organs on the ground that have not faded yet, no longer part of the plant.
-    """
+    """The plant at one time."""
 
     day: float
-    local: NDArray[np.float32]
-    colors: NDArray[np.uint8]
-    tracks: NDArray[np.integer]
+    local: NDArray[np.float32]  #: (N, 3) about `origin`: for where world coordinates are large
+    colors: NDArray[np.uint8]  #: (N, 4) sRGB and alpha
+    tracks: NDArray[np.integer]  #: (N,) track ids
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    litter: Frame | None = None
+    litter: Frame | None = None  #: fallen organs on the ground that have not faded yet
 
     @property
     def positions(self) -> NDArray[np.float32]:
+        """(N, 3) in the frame of the input."""
         return (self.local + np.asarray(self.origin)).astype(np.float32)
 
     def __len__(self) -> int:
@@ -157,3 +149,30 @@ def evaluate_layer(
         colors = colors.copy()
         colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
     return positions_on_curve(interval, movers, layer.parameter), colors, tracks
+
+
+def srgb_to_linear(srgb: NDArray[np.floating]) -> NDArray[np.floating]:
+    """sRGB in [0, 1] to linear light in [0, 1]."""
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def linear_to_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Linear light in [0, 1] to sRGB in [0, 1]."""
+    return np.where(
+        linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
+    )
+
+
+def blend_srgb(start: NDArray[np.uint8], end: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
+    """Blend (N, 4) uint8 sRGB and alpha from start to end; the ends themselves come out exactly."""
+    if share <= 0.0:
+        return np.asarray(start)
+    if share >= 1.0:
+        return np.asarray(end)
+    light = srgb_to_linear(np.arange(256) / 255.0)
+    blended = np.empty(start.shape, np.uint8)
+    blended[:, :3] = np.round(
+        255.0 * linear_to_srgb((1.0 - share) * light[start[:, :3]] + share * light[end[:, :3]])
+    )
+    blended[:, 3] = np.round((1.0 - share) * start[:, 3] + share * end[:, 3])
+    return blended

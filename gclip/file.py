@@ -1,176 +1,157 @@
-"""Reading and writing `.gclip` files: a safetensors container with one JSON document.
+"""Files of clips: a safetensors container, a JSON document and named buffers (docs/format.md).
 
-Nothing but numbers is stored, and no code runs on opening. See docs/format.md.
+Nothing but numbers is stored, no code runs on opening, and buffers are views of the mapped file.
 """
 
 from __future__ import annotations
 
+import math
+import mmap
 import os
 import re
-from dataclasses import replace
+import stat
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, HeldOutScan, Interval
-from gclip.container import KEY, Container, open_container
-from gclip.document import IntervalHeader, checksum, from_json, to_json
-from gclip.draft import draft_file
 from gclip.errors import ClipError
-from gclip.fields import LARGEST
-from gclip.text import printable
+from gclip.terminal.atomic import atomic_file
+from gclip.terminal.text import printable
+
+KEY = "gclip"
+DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
+MAX_HEADER = 8 << 20  # bytes, and a quarter of the file: a clip is movers before all
+MAX_AXES = 2
 
 
-def save_clip(clip: Clip, path: str | os.PathLike[str]) -> None:
-    """Write `clip` to `path` in one step: a temporary file beside it, flushed, then renamed.
+@dataclass
+class Container:
+    """An open file. Of its buffers nothing is read before it is asked for."""
 
-    Raises ClipError where the folder is missing or can't be written, or where the clip says what
-    `open_clip` would refuse; `path` is then as it was.
+    text: str  #: the document
+    buffers: dict[str, NDArray[Any]]  #: read-only views by name
+    size: int  #: of the file, in bytes
+    unread: set[str] = field(default_factory=set)  #: names that `take` has not returned yet
+
+    def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
+        """The buffer of that name. Raises ClipError if it is not of that shape and a dtype."""
+        if name not in self.buffers:
+            raise ClipError(f'its buffer "{name}" is missing')
+        buffer = self.buffers[name]
+        if buffer.shape != shape or buffer.dtype.type not in dtypes:
+            allowed = " or ".join(np.dtype(dtype).name for dtype in dtypes)
+            raise ClipError(
+                f'its buffer "{name}" is {buffer.dtype.name} {buffer.shape}, '
+                f"not {allowed} {shape} as the document needs"
+            )
+        self.unread.discard(name)
+        return buffer
+
+
+class Mapped(mmap.mmap):
+    """A file in memory."""
+
+    name: str  #: its path
+
+
+def check_whole(buffer: NDArray[Any]) -> None:
+    """Raise ClipError if the file that a buffer is mapped from was cut short in the meantime.
+
+    To be called before a buffer is read: memory beyond the end of a file ends the program (SIGBUS).
     """
+    base: Any = buffer
+    while isinstance(base, np.ndarray):
+        base = base.base
+    mapped = getattr(base, "obj", base)
+    if isinstance(mapped, Mapped) and mapped.size() < len(mapped):
+        raise ClipError(printable(f"{mapped.name}: it was cut short while it was open."))
+
+
+def open_container(path: Path) -> Container:
+    """Map a file. Raises ClipError, without the file's name, if it is no whole container."""
+    if "\0" in os.fspath(path):
+        raise ClipError("no such file")
+    try:
+        before = os.stat(path)
+        if not stat.S_ISREG(before.st_mode):
+            raise ClipError("not a growth clip, not even a file")
+        with open(path, "rb") as file:
+            length = _header_length(file.read(8), before.st_size)
+            mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
+            mapped.name = os.fspath(path)
+            container = _container(path, np.frombuffer(mapped, np.uint8), 8 + length)
+            after = os.fstat(file.fileno())
+    except FileNotFoundError:
+        raise ClipError("no such file") from None
+    except OSError as error:
+        raise ClipError(f"it can't be read: {error.strerror or error}") from None
+    if _identity(before) != _identity(after) or _identity(after) != _identity(os.stat(path)):
+        raise ClipError("it is being written right now; try again")
+    return container
+
+
+def _header_length(start: bytes, size: int) -> int:
+    """Checked before anything of such a length is read."""
+    length = int.from_bytes(start, "little")
+    if len(start) < 8 or length > size - 8:
+        raise ClipError("not a growth clip, or cut short within its header")
+    if length > MAX_HEADER + size // 4:
+        raise ClipError(f"its header is {length} bytes long, too much for a file of {size}")
+    return length
+
+
+def _container(path: Path, data: NDArray[np.uint8], first: int) -> Container:
+    """What is in a file whose buffers begin at byte `first`.
+
+    safetensors checks the header: buffers inside the file, in order, no holes, no overlaps.
+    So each one begins where the last one ended.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(path, framework="numpy") as header:
+            text = (header.metadata() or {}).get(KEY)
+            if text is None:
+                raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
+            buffers: dict[str, NDArray[Any]] = {}
+            for name in header.offset_keys():
+                view = header.get_slice(name)
+                kind, shape = view.get_dtype(), tuple(view.get_shape())
+                if kind not in DTYPES or len(shape) > MAX_AXES:
+                    raise ClipError(
+                        f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes; '
+                        f"{', '.join(DTYPES)} and at most {MAX_AXES} axes are allowed"
+                    )
+                size = math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
+                buffers[name] = data[first : first + size].view(DTYPES[kind]).reshape(shape)
+                first += size
+    except (SafetensorError, ValueError) as error:
+        reason = printable(str(error), 200)
+        raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
+    return Container(text, buffers, len(data), set(buffers))
+
+
+def _identity(state: os.stat_result) -> tuple[int, ...]:
+    """Differs where the file does."""
+    return state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
+
+
+def write_container(text: str, buffers: Mapping[str, NDArray[Any]], path: Path) -> None:
+    """Write a file in one step: a temporary one beside it, flushed to the disk, then renamed.
+
+    Raises ClipError if it can't be written; `path` is then as it was.
+    """
+    from safetensors import SafetensorError
     from safetensors.numpy import save_file
 
-    target = Path(path)
-    tensors = _tensors(clip)
-    document = to_json(clip, {name: checksum(buffer) for name, buffer in tensors.items()})
     try:
-        from_json(document, len(document) + sum(buffer.nbytes for buffer in tensors.values()))
-    except ClipError as error:
-        raise ClipError(printable(f"{target} can't be written: {error}.")) from None
-    try:
-        with draft_file(target) as part:
-            save_file(tensors, part, {KEY: document})
-    except Exception as error:
-        if isinstance(error, OSError) or type(error).__name__ == "SafetensorError":
-            reason = getattr(error, "strerror", None) or str(error)
-            reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", reason)
-            raise ClipError(f"{target} can't be written: {reason}.") from None
-        raise
-
-
-def _tensors(clip: Clip) -> dict[str, NDArray[Any]]:
-    """All buffers of a clip by name, in C order."""
-    buffers: dict[str, NDArray[Any]] = {}
-    for index, interval in enumerate(clip.intervals):
-        buffers |= _buffers(index, interval)
-    for index, scan in enumerate(clip.held_out):
-        buffers[_held_out_name(index)] = np.asarray(scan.positions, np.float32)
-    return {name: np.ascontiguousarray(buffer) for name, buffer in buffers.items()}
-
-
-def open_clip(path: str | os.PathLike[str]) -> Clip:
-    """Open a clip, memory-mapped; everything the file says is checked before it is returned.
-
-    Its checksums are not: that would read all of it (see `gclip.check`).
-    Raises ClipError with one sentence that names the file and what is wrong with it.
-    """
-    try:
-        return clip_in(open_container(Path(path)))
-    except ClipError as error:
-        raise ClipError(printable(f"{os.fspath(path)}: {error}.")) from None
-
-
-def clip_in(container: Container) -> Clip:
-    """The clip that a container holds. Raises ClipError without the file's name."""
-    clip, headers, marks = from_json(container.document, container.size)
-    buffers = _Buffers(container)
-    intervals = tuple(
-        _interval(index, header, buffers, len(clip.track_table))
-        for index, header in enumerate(headers)
-    )
-    held_out = tuple(
-        HeldOutScan(mark.name, mark.time, mark.date, _positions(buffers, name, mark.points))
-        for mark, name in ((mark, _held_out_name(index)) for index, mark in enumerate(marks))
-    )
-    if buffers.left:
-        raise ClipError(f'it holds a buffer "{min(buffers.left)[:40]}" that nothing names')
-    return replace(clip, intervals=intervals, held_out=held_out)
-
-
-class _Buffers:
-    """A container's buffers, each taken once; `left` are the names of the others."""
-
-    def __init__(self, container: Container) -> None:
-        self._container = container
-        self.left = set(container.layout)
-
-    def take(self, name: str, shape: tuple[int, ...], kinds: tuple[type, ...]) -> NDArray[Any]:
-        """The buffer of that name, if it is what is expected."""
-        if name not in self.left:
-            raise ClipError(f'its buffer "{name}" is missing')
-        self.left.remove(name)
-        slot = self._container.layout[name]
-        if slot.shape != shape or slot.dtype.type not in kinds:
-            allowed = " or ".join(np.dtype(kind).name for kind in kinds)
-            raise ClipError(
-                f'its buffer "{name}" is {slot.dtype.name} {_shown(slot.shape)}, '
-                f"not {allowed} {_shown(shape)} as the document needs"
-            )
-        return self._container.buffer(name).reshape(shape)
-
-
-def _interval(index: int, header: IntervalHeader, buffers: _Buffers, tracks: int) -> Interval:
-    count = header.groups[-1].stop
-    curve = [
-        _positions(buffers, name, count)
-        if header.box is None
-        else buffers.take(name, (count, 3), (np.uint16,))
-        for name in _names(index, header.degree)
-    ]
-    ids = buffers.take(f"{index:04d}/track", (count,), (np.uint16, np.uint32))
-    if int(ids.max()) >= tracks:
-        raise ClipError(
-            f'its buffer "{index:04d}/track" names track {int(ids.max())}; '
-            f"only {tracks} tracks are named"
-        )
-    paint: list[NDArray[np.uint8] | None] = [None, None]
-    names = [f"{index:04d}/{end}_color" for end in ("start", "end")]
-    if not buffers.left.isdisjoint(names):
-        paint = [buffers.take(name, (count, 4), (np.uint8,)) for name in names]
-    return Interval(
-        start=header.start,
-        end=header.end,
-        box=header.box,
-        groups=header.groups,
-        start_positions=curve[0],
-        end_positions=curve[-1],
-        control_positions=tuple(curve[1:-1]),
-        tracks=ids,
-        start_colors=paint[0],
-        end_colors=paint[1],
-        segments=header.segments,
-    )
-
-
-def _positions(buffers: _Buffers, name: str, count: int) -> NDArray[np.float32]:
-    """(count, 3) positions that are numbers; the lowest and the highest tell, also of NaN."""
-    points = buffers.take(name, (count, 3), (np.float32,))
-    if count and not (points.min() >= -LARGEST and points.max() <= LARGEST):
-        raise ClipError(
-            f'its buffer "{name}" holds a position that is not finite, or beyond {LARGEST:g}'
-        )
-    return points
-
-
-def _names(index: int, degree: int) -> list[str]:
-    """The names of an interval's position buffers, from start to end."""
-    controls = [f"{index:04d}/control{i}" for i in range(1, degree)]
-    return [f"{index:04d}/start", *controls, f"{index:04d}/end"]
-
-
-def _held_out_name(index: int) -> str:
-    return f"held_out/{index:04d}"
-
-
-def _buffers(index: int, interval: Interval) -> dict[str, NDArray[Any]]:
-    buffers = dict(zip(_names(index, interval.degree), interval.curve, strict=True))
-    buffers[f"{index:04d}/track"] = interval.tracks
-    if interval.start_colors is not None and interval.end_colors is not None:
-        buffers[f"{index:04d}/start_color"] = interval.start_colors
-        buffers[f"{index:04d}/end_color"] = interval.end_colors
-    return buffers
-
-
-def _shown(shape: tuple[int, ...]) -> str:
-    return str(shape) if len(shape) < 4 else f"of {len(shape)} axes"
+        with atomic_file(path) as part:
+            save_file(dict(buffers), part, {KEY: text})
+    except (OSError, SafetensorError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", reason)
+        raise ClipError(f"{path} can't be written: {reason}.") from None

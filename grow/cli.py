@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from baker.errors import InputError
-from gclip.console import run_app
+from gclip.terminal.command import run_app
 from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)

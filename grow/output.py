@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from baker.errors import InputError
-from gclip.draft import draft_folder
+from gclip.terminal.atomic import folder_beside
 
 TRUTH = "truth"
 LARGEST_NOISE = 1e6  # mm
@@ -30,7 +30,7 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
         )
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        with draft_folder(folder) as draft:
+        with folder_beside(folder) as draft:
             yield draft
             for path in earlier:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()

@@ -66,7 +66,7 @@ class Errors:
         """
         from scipy.spatial import cKDTree
 
-        from gclip import Group, Interval
+        from gclip import Group, Interval, Motion
 
         clip, scan = self._clip, self._clip.held_out[number]
         frame = clip.at(scan.time)
@@ -75,7 +75,7 @@ class Errors:
             start=clip.times[0],
             end=clip.times[-1],
             box=None,
-            groups=(Group(0, len(scan.positions)),),
+            groups=(Group(0, len(scan.positions), Motion.MOVE),),
             start_positions=scan.positions,
             end_positions=scan.positions,
             control_positions=(),

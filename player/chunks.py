@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gclip.container import check_whole
 from gclip.evaluate import Layer
+from gclip.file import check_whole
 from player.faults import OutOfGpuMemory, check_context
 from player.fetch import Fetcher
 

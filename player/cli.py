@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gclip.console import run_app
-from gclip.text import printable
+from gclip.terminal.command import run_app
+from gclip.terminal.text import printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.keys import help_text

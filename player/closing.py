@@ -101,7 +101,7 @@ class ClosingDistances:
 
 def distinct_count(points: NDArray[np.floating]) -> int:
     """How many different points (N, 3) there are, at least 1."""
-    from gclip.pack import morton_codes
+    from gclip.morton import morton_codes
 
     return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
 
@@ -117,7 +117,7 @@ def closing_distance(points: NDArray[np.floating], roughly: bool = False) -> flo
     between three points each ask for the nearest one: 19 of 20 find it within this distance.
     Gives 0 where there are too few points to tell.
     """
-    from gclip.pack import morton_codes
+    from gclip.morton import morton_codes
 
     if len(points) == 0:
         return 0.0

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.color import srgb_to_linear
-from gclip.container import check_whole
+from gclip.evaluate import srgb_to_linear
+from gclip.file import check_whole
 from player.against import Errors
 from player.errors import PlayerError
 from player.style import Style

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gclip.dates import date_at
+from gclip.terminal.dates import date_at
 
 if TYPE_CHECKING:
     from gclip import ScanMark

@@ -48,7 +48,7 @@ class Fetcher:
     def _read(self, index: int, interval: Interval) -> None:
         import numpy as np
 
-        from gclip.container import check_whole
+        from gclip.file import check_whole
 
         for buffer in (
             *(*interval.curve, interval.tracks),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from gclip.errors import ClipError
-from gclip.text import printable
+from gclip.terminal.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console

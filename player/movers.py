@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Interval, Motion
+from gclip import Interval, Motion
 from gclip.evaluate import Layer, bernstein
 from player.chunks import LENGTH, ChunkBuffers, ChunkStore, Portion
 from player.colors import STEPS, Colors

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from gclip.bars import Bars
+from gclip.terminal.progress import ProgressBars
 
 
-class FrameProgress(Bars):
+class FrameProgress(ProgressBars):
     """An instance is the `progress` callable of `export`: steps done, steps in all."""
 
     def __init__(self, quiet: bool = False, doing: str = "drawing") -> None:

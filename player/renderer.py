@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.evaluate import Layer, layers_at, locate
-from gclip.pack import BLOCK
+from gclip.morton import BLOCK
 from player.backdrop import Backdrop
 from player.camera import Camera, axes, outline
 from player.chunks import Portion

@@ -11,8 +11,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
-from gclip.dates import date_at
-from gclip.text import printable
+from gclip.terminal.dates import date_at
+from gclip.terminal.text import printable
 from gclip.version import __version__
 from traits.traits import Measurement, measure
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.spacing import lowest_point
 from baker.geometry.up_axis import Vertical
-from gclip.pack import extent
+from gclip.morton import extent
 
 ASTRAY = 4.0  # times as far from where most scans have it as it usually is
 FAR = 0.03  # of the plant's size, that it is off by at least

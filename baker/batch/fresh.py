@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from baker.options import Options
-    from gclip.clip import Clip
+    from gclip import Clip
 
 
 def standing_clip(path: Path, folder: Path, options: Options) -> Clip | None:

@@ -19,7 +19,7 @@ from baker.interpolation.resampling import with_even_density
 from baker.matching import IntervalOrgans, Match
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
-from gclip.clip import Interval, Motion
+from gclip import Interval, Motion
 from gclip.pack import pack_interval
 
 

@@ -9,7 +9,7 @@ from baker.batch.cache.colors import colored, numbered
 from baker.batch.cache.key import key_of
 from baker.batch.executor import Executor
 from baker.batch.interval_job import IntervalJob, solve_interval
-from gclip.clip import Interval
+from gclip import Interval
 
 
 def solve_intervals(

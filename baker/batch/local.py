@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from baker.batch.forks import on_cores
 from baker.batch.work import Job, Outcome, bake_plant
-from gclip.console import BAD_INPUT
+from gclip.terminal.command import BAD_INPUT
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

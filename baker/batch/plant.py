@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from baker.batch.cache import IntervalCache
-    from gclip.clip import Clip
+    from gclip import Clip
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from baker.batch.work import Outcome
-from gclip.bars import Bars
-from gclip.text import printable
+from gclip.terminal.progress import ProgressBars
+from gclip.terminal.text import printable
 
 
-class PlantProgress(Bars):
+class PlantProgress(ProgressBars):
     """Tells of each plant as soon as it is done."""
 
     def __init__(self, plants: int, quiet: bool, verbose: bool) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from types import TracebackType
 
-from gclip.bars import Bars
+from gclip.terminal.progress import ProgressBars
 
 
-class StageProgress(Bars):
+class StageProgress(ProgressBars):
     """Shows the stages of a bake one after the other and keeps their durations.
 
     An instance is the `progress` callable of `bake`; `seconds` maps finished stages to durations.

@@ -13,7 +13,7 @@ from baker.matching.labels import LabelUse
 from baker.options import Options
 from baker.scans import Scan, Series
 from baker.segmentation.hierarchy import Hierarchy
-from gclip.clip import Track
+from gclip import Track
 from gclip.version import __version__
 
 

@@ -18,8 +18,7 @@ from baker.batch.table import exit_code, result_lines, sum_line
 from baker.batch.work import Job, Outcome
 from baker.errors import InputError
 from baker.options import Options, worker_count
-from gclip.draft import sweep_all
-from gclip.text import printable
+from gclip.terminal.text import printable
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,6 @@ def bake_all(plants: Sequence[Plant], options: Options, order: Order) -> int:
         outcomes.sort(key=lambda one: place[one.name])
         if table:
             table.save(one.name for one in outcomes if one.state != "failed")
-    sweep_all(order.clips, ".gclip")  # what killed processes had not yet put away
     _tell(outcomes, order, time.perf_counter() - began)
     return exit_code(outcomes)
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from baker.batch.work import Outcome
-from gclip.console import DONE, OUR_FAULT
+from gclip.terminal.command import DONE, OUR_FAULT
 
 COLUMNS = ("scans", "tracks", "points", "seconds")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from gclip.clip import Clip
+    from gclip import Clip
 
 
 def write_traits(

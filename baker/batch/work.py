@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from baker.options import Options
-from gclip.console import OUR_FAULT, verdict
+from gclip.terminal.command import OUR_FAULT, verdict
 
 if TYPE_CHECKING:
     from baker.batch.executor import Executor
     from baker.geometry.parallel import MapLike
-    from gclip.clip import Clip
+    from gclip import Clip
 
 About = tuple[str, str]
 """What measured a plant's traits, and the digest of the clip they are of."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.pack import in_order, morton_codes
+from gclip.morton import morton_order
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -30,7 +30,7 @@ def along_curve(points: NDArray[np.floating]) -> NDArray[np.intp]:
 
     So is making a tree of them.
     """
-    return in_order(morton_codes(points))
+    return morton_order(points)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.pack import in_order, morton_codes
+from gclip.morton import morton_order
 
 NEIGHBORS = 16  # enough for a point at the border of a segment to see the next segment
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
@@ -72,7 +72,7 @@ def nearest_neighbors(
     from scipy.spatial import KDTree
 
     k = min(k, len(points) - 1)
-    order = in_order(morton_codes(points))
+    order = morton_order(points)
     ordered = points[order]
     tree = KDTree(ordered, balanced_tree=False)
     distances, nearest = tree.query(ordered, np.arange(1, k + 2), workers=workers)

@@ -12,7 +12,7 @@ from baker.geometry.up_axis import Vertical
 from baker.interpolation.resampling import surface_half_way
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
-from gclip.clip import Motion, SegmentPair
+from gclip import Motion, SegmentPair
 from gclip.pack import Movers
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from baker.report.organs import ScanOrgans
 from baker.report.pictures import PIXELS, Picture, Plate, Window, take_pictures
 from baker.report.reasons import Nearness, Reason, nearness, reasons
 from baker.report.verification import HoldoutError
-from gclip.clip import Clip, ScanMark
+from gclip import Clip, ScanMark
 
 PLAIN = (122, 146, 110)  # scans without colours of their own, where organs don't matter
 FEW = 12  # intervals up to which the state half-way through each is pictured too

@@ -13,8 +13,8 @@ from baker.errors import InputError
 from baker.options import Options, worker_count
 from baker.record import BakeRecord
 from baker.report.verification import HoldoutError, both_ways, overall, verify
-from gclip.clip import Clip
-from gclip.draft import draft_file, draft_folder
+from gclip import Clip
+from gclip.terminal.atomic import atomic_file, folder_beside
 
 if TYPE_CHECKING:
     from baker.report.pictures import Picture
@@ -48,7 +48,7 @@ def write_report(
     found = verify(clip, record, tell) if errors is None else errors
     target = Path(path)
     try:
-        with draft_folder(target) as folder:
+        with folder_beside(target) as folder:
             page = render_page(clip, record, title, found, seconds, workers, tell, folder)
     except OSError as error:
         raise InputError(f"{target} can't be written: {error.strerror or error}.") from None
@@ -205,7 +205,7 @@ def write_whole(path: Path, text: str) -> None:
 def write_chunks(path: Path, chunks: Iterable[bytes]) -> None:
     """The same for what is too much to hold at once."""
     try:
-        with draft_file(path) as part, part.open("wb") as file:
+        with atomic_file(path) as part, part.open("wb") as file:
             file.writelines(chunks)
     except OSError as error:
         raise InputError(f"{path} can't be written: {error.strerror or error}.") from None

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 PATIENCE = 600.0  # seconds for one batch

@@ -11,7 +11,7 @@ from baker.record import BakeRecord
 from baker.report.organs import ScanOrgans
 from baker.segmentation.hierarchy import Hierarchy
 from baker.transport.tasks import interval_tasks
-from gclip.clip import Clip, SegmentPair
+from gclip import Clip, SegmentPair
 
 SAMPLE = 400  # points of a segment that distances are measured with
 MOST = 2500  # pairs of segments up to which all distances are measured

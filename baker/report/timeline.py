@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from baker.report.organs import ScanOrgans
-from gclip.clip import Clip
+from gclip import Clip
 
 LEFT, RIGHT, TOP, WIDTH = 132.0, 34.0, 34.0, 920.0
 ROW, THIN_ROW, READABLE = 24.0, 7.0, 60

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.spacing import point_spacing
 from baker.record import BakeRecord, HeldOut
-from gclip.clip import Clip
+from gclip import Clip
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -13,7 +13,7 @@ import numpy as np
 
 from baker.errors import InputError
 from baker.scans.cloud import Cloud
-from gclip.pack import extent
+from gclip.morton import extent
 
 OUTLIER_NEIGHBORS = 16
 FINEST = 2.0**-60  # edge of the smallest cubes that can be numbered, in the coordinates' size

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from baker.errors import InputError
 from baker.geometry.parallel import MapLike
 from baker.scans.scan import Scan, Series
-from gclip.text import printable
+from gclip.terminal.text import printable
 
 if TYPE_CHECKING:
     import numpy as np

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.color import linear_to_srgb, srgb_to_linear
+from gclip.evaluate import linear_to_srgb, srgb_to_linear
 
 if TYPE_CHECKING:
     from player.camera import Camera

@@ -124,9 +124,9 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
     import pygltflib as gltf
 
     from gclip import Motion
-    from gclip.container import check_whole
-    from gclip.dates import date_at
     from gclip.evaluate import bernstein
+    from gclip.file import check_whole
+    from gclip.terminal.dates import date_at
 
     interval = clip.intervals[part.interval]
     check_whole(interval.tracks)
@@ -180,7 +180,7 @@ def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.
     """(n, 4) linear light and alpha in 16 bits, half way through the interval: points have one
     colour each.
     """
-    from gclip.color import blend_srgb, srgb_to_linear
+    from gclip.evaluate import blend_srgb, srgb_to_linear
 
     if interval.start_colors is not None and interval.end_colors is not None:
         srgb = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], 0.5)

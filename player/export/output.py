@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
-from gclip.draft import draft_file, draft_folder, replace_folder, sync
+from gclip.terminal.atomic import atomic_file, folder_beside, sync
 from player.errors import PlayerError
 
 
@@ -20,13 +20,13 @@ def whole_file(path: Path) -> Iterator[Path]:
     Raises PlayerError where it can't be written.
     """
     check_folder(path)
-    with _said(path), draft_file(path) as part:
+    with _said(path), atomic_file(path) as part:
         yield part
 
 
 @contextmanager
 def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
-    """Where to write the numbered files of `path`, like %04d.png: all appear at once.
+    """Where to write the numbered files of `path`, like %04d.png: renamed once all are done.
 
     The folder they go to is made if only itself is missing. What else is in it stays. Raises
     PlayerError where nothing can be written there.
@@ -34,36 +34,21 @@ def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
     home = path.parent
     if not home.parent.is_dir():
         raise PlayerError(f"{path}: the folder {home} does not exist.")
+    if home.exists() and not home.is_dir():
+        raise PlayerError(f"{path}: {home} is a file, not a folder.")
     names: list[str] = []
 
     def file(number: int) -> Path:
         names.append(path.name % number)
         return draft / names[-1]
 
-    if home.exists() and not home.is_dir():
-        raise PlayerError(f"{path}: {home} is a file, not a folder.")
-    at_once = _replaceable(home)
-    with _said(path), draft_folder(home.resolve() if at_once else path) as draft:
+    with _said(path), folder_beside(path if home.exists() else home) as draft:
         yield file
         for name in names:
             sync(draft / name)
-        if at_once and _replaceable(home) and replace_folder(draft, home.resolve()):
-            return
         home.mkdir(exist_ok=True)
         for name in names:
             os.replace(draft / name, home / name)
-
-
-def _replaceable(folder: Path) -> bool:
-    """Whether a folder can be replaced as a whole: nobody stands in it, and all in it are files."""
-    if not os.access(folder.parent, os.W_OK):
-        return False
-    if not folder.exists():
-        return True
-    inside = Path.cwd().resolve().is_relative_to(folder.resolve())
-    return not (inside or os.path.ismount(folder)) and all(
-        entry.is_file(follow_symlinks=False) for entry in os.scandir(folder)
-    )
 
 
 def check_folder(path: Path) -> None:

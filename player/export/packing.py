@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.container import check_whole
+from gclip.file import check_whole
 
 if TYPE_CHECKING:
     from gclip import Interval

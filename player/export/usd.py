@@ -71,8 +71,8 @@ def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length:
     from pxr import Sdf, UsdGeom, Vt
 
     from gclip import Motion
-    from gclip.container import check_whole
     from gclip.evaluate import positions_on_curve
+    from gclip.file import check_whole
 
     if group.motion is Motion.REMOVE or not group.count:
         return
@@ -117,7 +117,7 @@ def _linear_colors(
     clip: Clip, interval: Interval, movers: slice
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """(n, 3) linear light at the interval's start, and at its end where that differs."""
-    from gclip.color import srgb_to_linear
+    from gclip.evaluate import srgb_to_linear
 
     def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)

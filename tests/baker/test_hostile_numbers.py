@@ -27,7 +27,7 @@ from baker.transport.correspondences import movers
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 from baker.transport.wasserstein import Moments, gaussian_distance, wasserstein
-from gclip.clip import Motion
+from gclip import Motion
 from gclip.pack import Movers
 from tests.baker.hostile_series import ROUGH, SHAPES, Scan
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker import InputError, Options, bake
-from gclip.clip import Motion
+from gclip import Motion
 
 PLAIN = Options(align="none", up="z", workers=1)
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 ClipMaker = Callable[..., Clip]

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.clip import Clip, HeldOutScan, Motion, ScanMark, Track
+from gclip import Clip, HeldOutScan, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 INJECTIONS = (

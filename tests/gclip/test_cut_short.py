@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import gclip
-from gclip.container import check_whole
+from gclip.file import check_whole
 
 
 def test_a_clip_cut_short_while_open_is_a_sentence(make_clip, tmp_path: Path) -> None:

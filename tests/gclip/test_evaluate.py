@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion
+from gclip import Clip, Motion
 from gclip.evaluate import LITTER_FADE, bernstein, layers_at
 
 

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 import gclip
 from gclip.check import check
-from gclip.text import printable
+from gclip.terminal.text import printable
 from tests.gclip.hostile import BOMBS, hostile
 
 UNTIMED = settings(
@@ -178,29 +178,21 @@ def test_places_that_are_no_files(tmp_path: Path) -> None:
         assert words in refusal(tmp_path / name)
 
 
-def test_a_file_replaced_while_it_is_opened_is_opened_again(
+def test_a_file_replaced_while_it_is_opened_is_refused(
     make_clip, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import gclip.container as container
+    import gclip.file as file
 
     path, other = tmp_path / "x.gclip", tmp_path / "y.gclip"
     make_clip(degree=1).save(path)
     make_clip(degree=3).save(other)
-    real, replaced = container._header, []
+    real = file._header_length
 
-    def header(where: Path, first: int):  # type: ignore[no-untyped-def]
-        found = real(where, first)
-        if not replaced:
-            replaced.append(os.replace(other, path))
-        return found
+    def replacing(start: bytes, size: int) -> int:
+        os.replace(other, path)
+        return real(start, size)
 
-    monkeypatch.setattr(container, "_header", header)
+    monkeypatch.setattr(file, "_header_length", replacing)
+    assert refusal(path)
+    monkeypatch.undo()
     assert gclip.open(path).intervals[0].degree == 3
-
-    def always(where: Path, first: int):  # type: ignore[no-untyped-def]
-        os.utime(path, ns=(0, len(replaced)))
-        replaced.append(None)
-        return real(where, first)
-
-    monkeypatch.setattr(container, "_header", always)
-    assert "it is being written right now" in refusal(path)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from gclip.clip import Motion
-from gclip.pack import BLOCK, Movers, extent, in_order, morton_codes, pack_interval
+from gclip import Motion
+from gclip.morton import BLOCK
+from gclip.pack import Movers, pack_interval
 
 
 def pack(points: np.ndarray, spacing: float, **more):
@@ -47,20 +48,6 @@ def test_neighbours_in_a_block_are_neighbours_in_space():
     assert np.prod(np.ptp(block, axis=0)) < 0.2
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 3, 64, 1000, 65_536])
-def test_codes_in_order_are_sorted_by_their_leading_bits_and_equal_ones_stay(count):
-    random = np.random.default_rng(count)
-    codes = random.integers(0, 2**63, count, np.uint64)
-    codes[::2] = codes[0] if count else 0  # many are equal
-    leading = codes >> np.uint64(count.bit_length())
-    np.testing.assert_array_equal(in_order(codes), np.argsort(leading, kind="stable"))
-
-
-def test_morton_codes_interleave_bits():
-    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
-    assert np.array_equal(np.argsort(morton_codes(corners)), np.arange(8))
-
-
 @pytest.mark.parametrize("count", [0xFFFF, 0x10000])
 def test_track_ids_widen_when_they_must(count):
     points = np.random.default_rng(0).random((count + 1, 3))
@@ -95,26 +82,3 @@ def test_movers_of_lower_degree_are_raised_to_the_highest():
     ]
     middle = interval.box.low + interval.box.step * interval.control_positions[0][:2]
     assert np.allclose(middle, 0.5, atol=1e-4)
-
-
-@pytest.mark.parametrize("extent", [1e-29, 1e-31, 1e-38, 1e-44])
-def test_morton_codes_of_the_smallest_plants(extent):
-    random = np.random.default_rng(0)
-    points = random.random((50, 3))
-    points[:2] = [[0, 0, 0], [1, 1, 1]]
-    found = morton_codes((points * extent).astype(np.float32))
-    assert found[0] == 0
-    assert found[1] == found.max() == 2**63 - 1
-    if extent > 1e-36:  # below, float32 has few numbers left
-        assert np.array_equal(np.argsort(found), np.argsort(morton_codes(points)))
-
-
-@pytest.mark.parametrize("count", [1, 63, 64, 65, 1000])
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_the_extent_of_points(count: int, dtype: type) -> None:
-    points = np.random.default_rng(count).normal(size=(count, 3)).astype(dtype)
-    for given in (points, np.asfortranarray(points), points[::-1]):
-        low, high = extent(given)
-        np.testing.assert_array_equal(low, points.min(axis=0))
-        np.testing.assert_array_equal(high, points.max(axis=0))
-        assert low.dtype == high.dtype == dtype

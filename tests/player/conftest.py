@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.context import headless
 from tests.player.shown import SIZE, Shown, small_clip

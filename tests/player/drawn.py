@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gclip.clip import Clip
+from gclip import Clip
 from player.camera import Camera
 from player.renderer import Renderer
 from player.style import Style

@@ -11,9 +11,10 @@ import pytest
 
 import player.chunks
 import player.movers
-from gclip.clip import Clip, Motion
+from gclip import Clip, Motion
 from gclip.evaluate import layers_at
-from gclip.pack import BLOCK, Movers, pack_interval
+from gclip.morton import BLOCK
+from gclip.pack import Movers, pack_interval
 from player.camera import Camera
 from player.chunks import ChunkStore, Portion, estimate
 from player.fetch import Fetcher

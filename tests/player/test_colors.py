@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from gclip.color import srgb_to_linear
+from gclip.evaluate import srgb_to_linear
 from player.camera import Camera
 from player.colors import Colors, Value, chosen, rounded_up
 from player.dots import Way

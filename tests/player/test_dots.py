@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import player.renderer
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.dots import Way
 from player.renderer import Renderer

@@ -11,7 +11,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from gclip.clip import Clip
+from gclip import Clip
 from player import render
 from player.errors import PlayerError
 from player.export import Film, export

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion
-from gclip.color import linear_to_srgb
+from gclip import Clip, Motion
+from gclip.evaluate import linear_to_srgb
 from player.export import Film, export
 
 KINDS = {5126: np.float32, 5123: np.uint16}

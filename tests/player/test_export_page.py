@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import sync_playwright
 
-from gclip.clip import Clip, HeldOutScan, Motion, Track
+from gclip import Clip, HeldOutScan, Motion, Track
 from player.export import Film, export
 from player.export.packing import pack
 from player.style import Style

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from plyfile import PlyData
 
-from gclip.clip import Motion
+from gclip import Motion
 from player.errors import PlayerError
 from player.export import Film, export
 

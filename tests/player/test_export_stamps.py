@@ -11,7 +11,7 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion, Track
+from gclip import Clip, Motion, Track
 from player.cli import main as play
 from player.colors import Colors
 from player.errors import PlayerError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gclip.clip import Motion
+from gclip import Motion
 from player.errors import PlayerError
 from player.export import Film, export
 from player.export import usd as usd_export

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import gclip
-from gclip.clip import Clip
+from gclip import Clip
 from gclip.errors import UserError
 from player.cli import main
 from player.export import Film, export

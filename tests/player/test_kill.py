@@ -89,7 +89,7 @@ def test_a_full_disk_is_one_sentence(clip: Path, folder: Path, name: str) -> Non
     assert intact(folder)
 
 
-def test_a_sequence_appears_at_once_and_spares_what_else_is_there(clip: Path, folder: Path) -> None:
+def test_a_sequence_spares_what_else_is_in_its_folder(clip: Path, folder: Path) -> None:
     from player.cli import main
 
     (folder / "frames" / "notes.txt").write_text("mine")
@@ -103,7 +103,7 @@ def test_a_sequence_appears_at_once_and_spares_what_else_is_there(clip: Path, fo
 
 
 @pytest.mark.parametrize("place", ["stood in", "with folders", "linked to"])
-def test_a_sequence_goes_where_a_folder_cannot_be_replaced(
+def test_a_sequence_goes_into_folders_of_every_kind(
     clip: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
     from player.cli import main

@@ -11,9 +11,8 @@ import moderngl
 import numpy as np
 import pytest
 
-from gclip.clip import Clip, Motion
-from gclip.color import blend_srgb
-from gclip.evaluate import LITTER_FADE
+from gclip import Clip, Motion
+from gclip.evaluate import LITTER_FADE, blend_srgb
 from gclip.pack import Movers, pack_interval
 from player.context import headless
 from player.renderer import Renderer

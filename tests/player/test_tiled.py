@@ -8,7 +8,7 @@ import pytest
 
 import player.context
 import player.tiled
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.style import Style
 from player.tiled import by_tile

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker import Options, bake
-from gclip.clip import Clip
+from gclip import Clip
 
 
 def farthest_apart(a: np.ndarray, b: np.ndarray) -> float:

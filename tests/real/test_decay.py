@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from baker import Options, bake
-from gclip.clip import Motion
+from gclip import Motion
 
 
 @pytest.mark.parametrize("decay", ["fall", "remove"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
-from gclip.clip import Clip, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series

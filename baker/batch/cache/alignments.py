@@ -16,7 +16,7 @@ from baker.alignment.register import Progress
 from baker.batch.cache.digest import digest, program_digest
 from baker.batch.cache.intervals import IntervalCache
 from baker.geometry.parallel import MapLike
-from gclip.draft import draft_file
+from gclip.terminal.atomic import atomic_file
 
 
 def aligned(
@@ -52,7 +52,7 @@ def _write(path: Path, name: str, alignment: Alignment) -> None:
         "notes": list(alignment.notes),
     }
     path.parent.mkdir(exist_ok=True)
-    with draft_file(path) as part:
+    with atomic_file(path) as part:
         part.write_text(json.dumps([entry, _checksum(entry)]), "utf-8")
 
 

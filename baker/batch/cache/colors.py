@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.batch.interval_job import IntervalJob
-from gclip.clip import Interval
+from gclip import Interval
 
 NUMBER = np.dtype("<u4")
 OF_END = NUMBER.type(1 << 31)  # set in the number of a point of the interval's second scan

@@ -10,7 +10,7 @@ import numpy as np
 from baker.batch.cache.key import NUMBERED, Key
 from baker.batch.interval_job import IntervalJob
 from baker.errors import InputError
-from gclip.clip import Clip, Interval, ScanMark, Track
+from gclip import Clip, Interval, ScanMark, Track
 from gclip.errors import ClipError
 from gclip.pack import packed_alike
 

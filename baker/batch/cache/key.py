@@ -11,7 +11,7 @@ from baker.batch.interval_job import IntervalJob
 from baker.matching import IntervalOrgans
 from baker.segmentation.hierarchy import Hierarchy
 from baker.transport.problem import Method, TransportOptions
-from gclip.clip import Interval, Motion
+from gclip import Interval, Motion
 
 NUMBERED = (0.0, 1.0)  # the times that a kept interval has
 

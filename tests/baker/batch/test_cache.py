@@ -14,7 +14,7 @@ from baker.batch.cache import IntervalCache
 from baker.batch.cache.alignments import aligned
 from baker.batch.cache.digest import digest
 from baker.pipeline import bake_recorded
-from gclip.clip import Motion
+from gclip import Motion
 from gclip.pack import Movers, pack_interval, packed_alike
 
 PLAIN = Options(align="none", up="z", workers=1)

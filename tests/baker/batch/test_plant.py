@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from baker.cli import main
-from gclip.clip import Clip
-from gclip.file import save_clip
+from gclip import Clip
 
 
 @pytest.fixture
@@ -41,8 +40,11 @@ def test_a_small_bake_keeps_nothing(command, tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.iterdir()} == before
 
 
+SAVE = Clip.save
+
+
 def _stop(clip: Clip, path: Path) -> None:
     """Instead of `Clip.save`: all is done but the clip itself."""
     if path.name == "plant.gclip":
         raise KeyboardInterrupt
-    save_clip(clip, path)
+    SAVE(clip, path)

@@ -12,7 +12,7 @@ from baker.interpolation import attached
 from baker.interpolation.movers import Moved
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from gclip.clip import Motion
+from gclip import Motion
 from gclip.evaluate import bernstein
 from gclip.pack import Movers
 

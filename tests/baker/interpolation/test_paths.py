@@ -11,7 +11,7 @@ from baker.interpolation import Bending
 from baker.interpolation.movers import Moved
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from gclip.clip import Motion
+from gclip import Motion
 from gclip.pack import Movers
 from tests.baker.interpolation.shapes import leaf, sample
 

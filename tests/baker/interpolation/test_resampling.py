@@ -16,7 +16,7 @@ from baker.interpolation.resampling import (
     surface_half_way,
     with_even_density,
 )
-from gclip.clip import Motion
+from gclip import Motion
 from gclip.pack import Movers, raised
 
 

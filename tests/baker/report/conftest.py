@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from baker.record import BakeRecord
-from gclip.clip import Clip
+from gclip import Clip
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def player_draws(tmp_path_factory) -> None:
     """Skip where the player has no OpenGL to draw with."""
     import numpy as np
 
-    from gclip.clip import Motion, ScanMark, Track
+    from gclip import Motion, ScanMark, Track
     from gclip.pack import Movers, pack_interval
 
     points = np.random.default_rng(0).random((50, 3))

@@ -1,19 +1,17 @@
 """Text from files that anyone may have written: safe to print, in any terminal and any log."""
 
-from __future__ import annotations
-
 import unicodedata
 
 # Control characters, surrogates, separators of lines, and formats such as those that turn the
-# writing's direction; joiners are formats too, and some scripts need them.
-_UNSAFE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
-_JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
+# direction of writing; joiners are formats too, and some scripts need them.
+UNSAFE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 
 def printable(text: str, most: int | None = None) -> str:
-    """`text` on one line, without anything that a terminal obeys instead of showing.
+    """`text` on one line, with U+FFFD for what a terminal would obey instead of showing.
 
-    Unsafe characters become U+FFFD. most: characters to keep; "…" stands for what follows them.
+    most: characters to keep; "…" stands for what follows them.
     """
     if most is not None and len(text) > most:
         text = text[: most - 1] + "…"
@@ -23,4 +21,4 @@ def printable(text: str, most: int | None = None) -> str:
 
 
 def _unsafe(character: str) -> bool:
-    return unicodedata.category(character) in _UNSAFE and character not in _JOINERS
+    return unicodedata.category(character) in UNSAFE and character not in JOINERS

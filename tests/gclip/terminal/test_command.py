@@ -10,8 +10,8 @@ from collections.abc import Callable
 import pytest
 import typer
 
-from gclip.console import run, run_app
 from gclip.errors import ClipError, UserError
+from gclip.terminal.command import run, run_app
 
 
 def raising(error: BaseException) -> Callable[[], None]:
@@ -65,7 +65,7 @@ def test_a_fault_of_our_own_can_be_looked_at(monkeypatch: pytest.MonkeyPatch) ->
 def test_a_reader_that_goes_away_is_no_fault() -> None:
     """As `play plant.gclip --info | head -1` has it."""
     code = (
-        "import sys; from gclip.console import run\n"
+        "import sys; from gclip.terminal.command import run\n"
         "def work():\n"
         "    while True: print('x' * 1000, flush=True)\n"
         "sys.exit(run('play', work))"
@@ -104,4 +104,24 @@ def test_words_that_typer_refuses_are_a_sentence(capsys: pytest.CaptureFixture[s
     assert run_app(app, "play", ["--code", "2"]) == 2
     assert run_app(app, "play", ["--code", "130"]) == 130
     assert run_app(app, "play", ["--stop"]) == 130
-    assert capsys.readouterr().err.count("stopped;") == 2
+    assert capsys.readouterr().err.count("stopped;") == 1
+
+
+def test_a_typer_app_may_write_to_a_reader_that_goes_away() -> None:
+    code = (
+        "import sys, typer; from gclip.terminal.command import run_app\n"
+        "app = typer.Typer(add_completion=False)\n"
+        "@app.command()\n"
+        "def work():\n"
+        "    while True: print('x' * 1000, flush=True)\n"
+        "sys.exit(run_app(app, 'play', []))"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from gclip.clip import ScanMark
-from gclip.dates import date_at
+from gclip import ScanMark
+from gclip.terminal.dates import date_at
 
 SCANS = (
     ScanMark("a", 0.0, "2020-03-08", 1),
@@ -52,3 +52,9 @@ def test_dates_without_a_rule_are_times(dates: tuple[str, str]) -> None:
     scans = (ScanMark("a", 0.0, dates[0], 1), ScanMark("b", 1.0, dates[1], 1))
     assert date_at(scans, 0.5) == "0.5"
     assert date_at(scans, 1.0) == dates[1]
+
+
+def test_a_moment_beyond_the_calendar_is_a_time() -> None:
+    dates = ("9999-12-30T00:00+23:59", "9999-12-31T23:59-23:59")
+    scans = [ScanMark(date, float(k), date, 1) for k, date in enumerate(dates)]
+    assert date_at(scans, 0.99) == "1.0"

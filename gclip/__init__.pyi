@@ -1,0 +1,23 @@
+from .clip import Clip, HeldOutScan, Track, open
+from .errors import ClipError, UserError
+from .evaluate import Frame, Layer
+from .interval import Interval
+from .schema import UP_AXES, Box, Group, Motion, ScanMark, SegmentPair
+
+__all__ = [
+    "UP_AXES",
+    "Box",
+    "Clip",
+    "ClipError",
+    "Frame",
+    "Group",
+    "HeldOutScan",
+    "Interval",
+    "Layer",
+    "Motion",
+    "ScanMark",
+    "SegmentPair",
+    "Track",
+    "UserError",
+    "open",
+]

@@ -1,0 +1,1 @@
+"""What every command shares: exit codes, progress, outputs, text that is safe to print."""

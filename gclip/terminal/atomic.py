@@ -1,0 +1,45 @@
+"""Outputs that appear whole or not at all: written in a folder beside the place, then renamed.
+
+Errors and stops remove that folder; only a process that is killed outright leaves it behind
+(`.NAME.xxxxxxxx.part`), where it harms nobody.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+MAX_NAME = 40  # characters of the output's name in the folder's: a name has 255 bytes at most
+
+
+@contextmanager
+def folder_beside(path: Path) -> Iterator[Path]:
+    """A temporary folder on the file system of `path`, removed in the end. Raises OSError."""
+    name = f".{path.name[:MAX_NAME]}."
+    with TemporaryDirectory(".part", name, path.parent, ignore_cleanup_errors=True) as folder:
+        yield Path(folder)
+
+
+@contextmanager
+def atomic_file(path: Path) -> Iterator[Path]:
+    """A file to write, named alike, which takes the place of `path` when all went well.
+
+    Raises OSError if it can't be written; `path` is then as it was.
+    """
+    with folder_beside(path) as folder:
+        part = folder / path.name
+        yield part
+        sync(part)
+        umask = os.umask(0)
+        os.umask(umask)
+        part.chmod(0o666 & ~umask)  # whatever the library that wrote it thinks
+        os.replace(part, path)
+
+
+def sync(part: Path) -> None:
+    """Have a file's bytes on the disk, so that a power cut can't come between them and its name."""
+    with part.open("r+b") as written:
+        os.fsync(written.fileno())

@@ -1,0 +1,75 @@
+"""Progress harms neither the work nor the workers."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from gclip.terminal.progress import ProgressBars
+
+FORK = """
+import os, sys, warnings
+from gclip.terminal.progress import ProgressBars
+with ProgressBars(False, "working") as progress:
+    progress.bars.add_task("", total=None)
+    assert sys.stderr is sys.__stderr__ and sys.stdout is sys.__stdout__
+    progress._console._lock.acquire()  # as when it is drawing in its thread
+    child = os.fork()
+    if child == 0:
+        warnings.warn("something")
+        os._exit(7)
+    progress._console._lock.release()
+    sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
+def test_a_forked_worker_can_print_a_warning() -> None:
+    """While bars are on a terminal, whose lock the fork would wait for in vain."""
+    import pty
+
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.execv(sys.executable, [sys.executable, "-c", FORK])
+    shown = b""
+    try:
+        while chunk := os.read(terminal, 1000):
+            shown += chunk
+    except OSError:
+        pass  # the terminal of a process that has ended
+    os.close(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 7, shown.decode()
+    assert b"something" in shown
+
+
+@pytest.mark.parametrize("out", ["gone", "full"])
+def test_what_nobody_can_take_is_not_said(out: str) -> None:
+    code = (
+        "from gclip.terminal.progress import ProgressBars\n"
+        "with ProgressBars(False) as progress:\n"
+        "    for _ in range(5): progress.say('x' * 1000)\n"
+        "print('done')"
+    )
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            stdout=subprocess.PIPE,
+            stderr=full if out == "full" else writing,
+        )
+    os.close(writing)
+    assert (done.returncode, done.stdout) in ((0, b"done\n"), (120, b"done\n"))
+
+
+def test_lines_take_the_bars_place_in_a_pipe(capsys: pytest.CaptureFixture[str]) -> None:
+    with ProgressBars(False) as progress:
+        assert progress.plain
+        progress.say("a\x1b[2Jb")
+    with ProgressBars(True) as progress:
+        assert not progress.plain
+        progress.say("nothing")
+    assert capsys.readouterr().err == "a\ufffd[2Jb\n"

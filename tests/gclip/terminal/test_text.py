@@ -1,0 +1,13 @@
+"""What is printed can give no orders to a terminal."""
+
+from gclip.terminal.text import printable
+
+
+def test_printable_shows_what_people_write_and_nothing_else() -> None:
+    joined = "می\N{ZERO WIDTH NON-JOINER}روم"
+    spaced = ("葉\N{IDEOGRAPHIC SPACE}1", "a\N{NO-BREAK SPACE}b")
+    for plain in ("", "leaf 3", "Blatt №5 – größer", "🌱", joined, *spaced):
+        assert printable(plain) == plain
+    assert printable("a\x1b[2Jb\nc\u202ed\ud800e\u2028") == "a\ufffd[2Jb\ufffdc\ufffdd\ufffde\ufffd"
+    assert printable("abcdef", 4) == "abc…"
+    assert printable("abcd", 4) == "abcd"
