@@ -98,13 +98,15 @@ def _counts(depth: NDArray[np.float64]) -> NDArray[np.uint16]:
 
 
 def _save(image: NDArray, path: Path) -> None:
-    from PIL import Image
+    import imageio.v3 as iio
 
-    Image.fromarray(image).save(path, compress_level=3)
+    path.write_bytes(
+        iio.imwrite("<bytes>", image, extension=".png", plugin="pillow", compress_level=3)
+    )
 
 
 def _save_labels(label: NDArray[np.int64], path: Path) -> None:
-    """Numbers to read, in colours to look at."""
+    """Numbers to read, in colours to look at: a palette, which imageio does not write."""
     from PIL import Image
 
     from baker.interpolation.palette import organ_colors

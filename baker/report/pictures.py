@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -173,9 +172,10 @@ def _take(storyboard: Path, numbers: range, size: tuple[int, int]) -> list[Pictu
 
 
 def _read(path: Path, size: tuple[int, int]) -> Picture:
-    from PIL import Image
+    import imageio.v3 as iio
 
-    small = BytesIO()
-    with Image.open(path) as picture:
-        picture.save(small, "JPEG", quality=QUALITY, subsampling=0, optimize=True)
-        return Picture(small.getvalue(), size, np.array(json.loads(picture.info["view"])))
+    small = iio.imwrite(
+        "<bytes>", iio.imread(path), extension=".jpg", plugin="pillow",
+        quality=QUALITY, subsampling=0, optimize=True,
+    )  # fmt: skip
+    return Picture(small, size, np.array(json.loads(iio.immeta(path)["view"])))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import re
 import struct
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +24,11 @@ from baker.scans.times import (
     schedule_scans,
 )
 
-if TYPE_CHECKING:
-    from PIL.Image import Image
-
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
+PNG = b"\x89PNG\r\n\x1a\n"
+SIGNATURES = (PNG, b"II*\0", b"MM\0*", b"\xff\xd8\xff", b"BM", *(b"P%d" % n for n in range(1, 7)))
+"""First bytes of `FORMATS`. To decode others, Pillow may run other programs."""
+
 MOST_PIXELS = 100_000_000
 MOST_PACKED = 8 * 1032  # pixels to a byte of PNG: DEFLATE packs 1032 bytes into one
 
@@ -132,20 +131,23 @@ def schedule_frames(
 
 def read_color(path: Path) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 sRGB. InputError if it can't be read, as of all functions below."""
-    return np.asarray(_open(path).convert("RGB"))
+    return _decoded(path, lambda mode: "RGB")
 
 
 def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
     """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
-    image = _open(path)
-    if not image.mode.startswith("I"):
-        raise InputError(
-            f"'{path}' is no depth image: it must have one channel of 16 bits a pixel, not "
-            f"the kind '{image.mode}' (8 bits a channel)."
-            if image.mode in ("1", "L", "LA", "P", "RGB", "RGBA")
-            else f"'{path}' is no depth image: one channel of 16-bit whole numbers is needed."
-        )
-    return np.maximum(np.asarray(image).astype(np.float64), 0) * camera.depth_unit
+
+    def counts(mode: str) -> str:
+        if not mode.startswith("I"):
+            raise InputError(
+                f"'{path}' is no depth image: it must have one channel of 16 bits a pixel, not "
+                f"the kind '{mode}' (8 bits a channel)."
+                if mode in ("1", "L", "LA", "P", "RGB", "RGBA")
+                else f"'{path}' is no depth image: one channel of 16-bit whole numbers is needed."
+            )
+        return mode
+
+    return np.maximum(_decoded(path, counts).astype(np.float64), 0) * camera.depth_unit
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
@@ -153,10 +155,11 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
     Transparent pixels are 0. Raises InputError also for more than `MOST_LABELS` colours.
     """
-    image = _open(path)
-    if image.mode in ("1", "L", "P") or image.mode.startswith("I"):
-        return np.asarray(image).astype(np.int64)
-    pixels = np.asarray(image.convert("RGBA")).astype(np.int64)
+    pixels = _decoded(
+        path, lambda mode: mode if mode in ("1", "L", "P") or mode.startswith("I") else "RGBA"
+    ).astype(np.int64)
+    if pixels.ndim == 2:
+        return pixels
     red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
     labels = np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
     distinct = len(np.unique(labels))
@@ -170,10 +173,9 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
     """(H, W) bool, True where a channel (other than opacity) is not 0."""
-    image = _open(path)
-    if image.mode.startswith("I"):
-        return np.asarray(image) != 0
-    pixels = np.asarray(image.convert("RGBA"))
+    pixels = _decoded(path, lambda mode: mode if mode.startswith("I") else "RGBA")
+    if pixels.ndim == 2:
+        return pixels != 0
     return (pixels[..., :3] != 0).any(axis=-1) & (pixels[..., 3] > 0)
 
 
@@ -196,31 +198,34 @@ def _require_distinct(entries: Sequence[Entry]) -> None:
             )
 
 
-def _open(path: Path) -> Image:
-    """Decoded as a whole; only formats that scanners write, for others may run other programs."""
-    from PIL import Image, UnidentifiedImageError
+def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
+    """An image's pixels; `target` says into which of Pillow's modes the file's is converted."""
+    import imageio.v3 as iio
+    from PIL.Image import DecompressionBombError
 
-    quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
-    try:
-        # From memory, where a part that says it is a gigabyte makes no room for one.
-        content = io.BytesIO(path.read_bytes())
-        with quiet, Image.open(content, formats=FORMATS) as image:
-            if image.width * image.height > MOST_PIXELS:
-                raise Image.DecompressionBombError
-            room = len(content.getbuffer())
-            if image.format == "PNG" and image.width * image.height > MOST_PACKED * room:
-                raise OSError(f"its {room} bytes can't hold so many pixels")
-            image.load()
-            return image
-    except Image.DecompressionBombError:
-        raise InputError(
-            f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can be "
-            "read."
-        ) from None
-    except UnidentifiedImageError:
+    unreadable = (DecompressionBombError, OSError, SyntaxError, ValueError, EOFError, struct.error)
+    # From memory, where a part that says it is a gigabyte makes no room for one.
+    content = path.read_bytes()
+    if not content.startswith(SIGNATURES):
         raise InputError(
             f"'{path}' can't be read as an image: it is none of {', '.join(FORMATS)}, or damaged."
-        ) from None
-    except (OSError, SyntaxError, ValueError, EOFError, struct.error) as error:
-        reason = " ".join(str(error).split())
+        )
+    quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
+    try:
+        with quiet, iio.imopen(content, "r", plugin="pillow") as image:
+            height, width = image.properties(index=0).shape[:2]
+            if width * height > MOST_PIXELS:
+                raise DecompressionBombError
+            if content.startswith(PNG) and width * height > MOST_PACKED * len(content):
+                raise OSError(f"its {len(content)} bytes can't hold so many pixels")
+            mode = image.metadata(index=0)["mode"]
+            return image.read(index=0, mode=target(mode), writeable_output=False)
+    except unreadable as error:
+        cause = error.__cause__ or error  # imageio wraps what Pillow says as it opens a file
+        if isinstance(cause, DecompressionBombError):
+            raise InputError(
+                f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can "
+                "be read."
+            ) from None
+        reason = " ".join(str(cause).split()).rstrip(".")
         raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
