@@ -8,7 +8,7 @@ from pathlib import Path
 
 from baker.errors import InputError, asking
 from baker.scans.formats import SUFFIXES, require_known
-from baker.scans.times import FoundScans, natural_key, without_time
+from baker.scans.times import FoundScans, names_without_times, natural_key
 
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
 """Stems of the text files that often lie beside scans."""
@@ -98,7 +98,7 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
 
     Names without times that have nothing in common (seedling.ply, young.ply) are one series.
     """
-    names = [without_time(scan.stem) for scan in scans]
+    names = names_without_times([scan.stem for scan in scans])
     have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
     patterns = [re.sub(r"\d+", "#", name) for name in names]
 

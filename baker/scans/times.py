@@ -1,12 +1,12 @@
-"""When each scan was taken: from a file with the times, from the names, or just their order.
+"""The order and the times of scans: from a file with the times, from their names, or as given.
 
-A rule counts only if it fits every scan; the first that does, in this order, is used:
+A rule counts only if it fits every scan. The first that does is used:
 
-1. `--times FILE`: a line ``name time`` for each scan, the time a number of days or an ISO date or
+1. ``--times FILE``: a line ``name time`` for each scan, the time a number of days or an ISO date or
    date-time (``2020-03-08``, ``2020-03-08T14:30``).
-2. Dates in the names: ``2020-03-08.ply``, ``maize_20200308_1430.txt``, ``2020-03-08T14-30.las``.
-3. Day numbers in the names: ``day05.txt``, ``plant_D12.txt``, ``DAS 12.5.ply``.
-4. The order: 0, 1, 2, …, natural (9 before 10) in a folder, as given for a list of files.
+2. Dates or numbers of days, weeks or hours in the names; where these have none, in the names of the
+   folders that the scans are in (`baker.scans.name_times`).
+3. The order: 0, 1, 2, ..., natural (9 before 10) in a folder, as given for a list of files.
 """
 
 from __future__ import annotations
@@ -15,28 +15,18 @@ import re
 import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 
 from baker.errors import InputError
+from baker.scans.name_times import Moment, Reading, find_time, parse_date, read_times
 
-LONGEST = 100  # letters of a time
-LARGEST_FILE = 1 << 24  # bytes of a list of times
-FARTHEST = 1e12  # a time beyond is no day of a plant's
-SHORTEST = 1e-9  # between two scans
-_DATE = re.compile(
-    r"""(?<!\d) (?P<year>(?:19|20|21)\d\d) (?P<dash>[-_.]?) (?P<month>\d\d) (?P=dash) (?P<day>\d\d)
-        (?: [T_\ -]? (?P<hour>[01]\d|2[0-3]) [-:_.h]? (?P<minute>[0-5]\d)
-            (?: [-:_.m]? (?P<second>[0-5]\d) )? Z? )?
-        (?!\d)""",
-    re.VERBOSE | re.IGNORECASE,
-)
-# d, day, or days after sowing, germination, planting, emergence, transplanting.
-_DAY = re.compile(
-    r"(?<![a-z0-9])(?:days?|d|da[sgpet])[ _-]?(?P<number>\d+(?:\.\d+)?)", re.IGNORECASE
-)
-_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+MAX_TIME_CHARACTERS = 100  # of a line in a list of times
+MAX_TIMES_FILE_BYTES = 1 << 24
+MAX_ABS_TIME = 1e12  # days
+MIN_TIME_STEP = 1e-9  # days between two scans
+FOLDER_LEVELS = 2  # folders above a scan whose names may hold its time
+MAX_LISTED_NAMES = 12  # of scans whose order is told by name
 
 
 @dataclass(frozen=True)
@@ -45,15 +35,6 @@ class FoundScans:
 
     paths: tuple[Path, ...]
     from_folder: bool
-
-
-@dataclass(frozen=True)
-class Moment:
-    """time: days (since 1970 where `dated`); date: the same as people write it."""
-
-    time: float
-    date: str
-    dated: bool = False
 
 
 @dataclass(frozen=True)
@@ -85,13 +66,13 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
         moments = _moments_from_file(times_file, names)
         return _in_time(found, names, moments, f"times from '{times_file.name}'")
 
-    dates = _all_or_none([_find_date(_stem(name)) for name in names])
-    days = _all_or_none([_find_day(_stem(name)) for name in names])
-    # A date that all names share (that of sowing, say) is no time where day numbers tell more.
-    if dates and not (days and len({moment.time for moment in dates}) == 1):
-        return _in_time(found, names, dates, "times from the dates in the names")
-    if days:
-        return _in_time(found, names, days, "times from the day numbers in the names")
+    read = times_in_names(found.paths)
+    if read is not None:
+        where = "folders' names" if read.folder_level else "names"
+        rule = f"times from the {read.reading.convention.what} in the {where}"
+        schedule = _in_time(found, names, read.reading.moments, rule)
+        doubt = f" Look at this: {read.reading.doubt}." if read.reading.doubt else ""
+        return replace(schedule, rule=schedule.rule + doubt)
     return _in_order(found, names)
 
 
@@ -101,14 +82,55 @@ def natural_key(name: str) -> list[tuple[int, int, str]]:
     return [(0, int(p), p) if p.isdecimal() else (1, 0, p.lower()) for p in parts]
 
 
-def without_time(stem: str) -> str:
-    """`stem` with its date or day number replaced by a star."""
-    return _DAY.sub("*", _DATE.sub("*", stem, count=1), count=1)
+@dataclass(frozen=True)
+class NameTimes:
+    """Times read from names: those of the files (level 0) or of a folder so many levels above."""
+
+    reading: Reading
+    folder_level: int
 
 
-def _all_or_none(moments: Sequence[Moment | None]) -> list[Moment] | None:
-    known = [moment for moment in moments if moment is not None]
-    return known if len(known) == len(moments) else None
+def times_in_names(paths: Sequence[Path]) -> NameTimes | None:
+    """The times that the names of all scans tell, or else those of the folders they are in.
+
+    A clearly written time in a folder's name is preferred to mere numbers in the files' names.
+    """
+    found = []
+    for level in range(FOLDER_LEVELS + 1):
+        texts = [path.stem if level == 0 else _folder(path, level) for path in paths]
+        reading = read_times(texts)
+        if reading is not None and (reading.distinct or level == 0):
+            found.append(NameTimes(reading, level))
+    clear = [read for read in found if read.reading.distinct and read.reading.convention.is_clear]
+    distinct = [read for read in found if read.reading.distinct]
+    return next(iter(clear or distinct or found), None)
+
+
+def _folder(path: Path, level: int) -> str:
+    above = path.resolve().parents
+    return above[level - 1].name if level <= len(above) else ""
+
+
+def names_without_times(stems: Sequence[str]) -> list[str]:
+    """The names with a star for the time, which tell whether they belong to one series.
+
+    What follows the time is left out where some names have it and others nothing: published series
+    mark annotated scans so (``M01_0313_a``, ``M01_0314``).
+    """
+    reading = read_times(stems)
+    if reading is not None and reading.distinct:
+        spans = list(reading.spans)
+    else:
+        matches = [find_time(stem) for stem in stems]
+        spans = [
+            (len(s), len(s)) if m is None else m.span() for s, m in zip(stems, matches, strict=True)
+        ]
+    before = [stem[:start] for stem, (start, _) in zip(stems, spans, strict=True)]
+    stars = ["*" if stop > start else "" for start, stop in spans]
+    after = [stem[stop:] for stem, (_, stop) in zip(stems, spans, strict=True)]
+    if all(stars) and len(set(after)) == 2 and "" in after:
+        after = [""] * len(stems)
+    return [a + b + c for a, b, c in zip(before, stars, after, strict=True)]
 
 
 def _in_time(
@@ -119,10 +141,10 @@ def _in_time(
         for path, name, moment in zip(found.paths, names, moments, strict=True)
     ]
     for entry in entries:
-        if not abs(entry.moment.time) <= FARTHEST:
+        if not abs(entry.moment.time) <= MAX_ABS_TIME:
             raise InputError(
                 f"'{entry.name}' has the time {entry.moment.date} ({rule}); days from "
-                f"{-FARTHEST:g} to {FARTHEST:g} are possible."
+                f"{-MAX_ABS_TIME:g} to {MAX_ABS_TIME:g} are possible."
             )
     in_time = sorted(entries, key=lambda entry: entry.moment.time)
     for before, after in pairwise(in_time):
@@ -131,10 +153,10 @@ def _in_time(
                 f"'{before.name}' and '{after.name}' have the same time, {after.moment.date} "
                 f"({rule}); one moment can have one scan only."
             )
-        if after.moment.time - before.moment.time < SHORTEST:
+        if after.moment.time - before.moment.time < MIN_TIME_STEP:
             raise InputError(
                 f"'{before.name}' and '{after.name}' have nearly the same time ({rule}); "
-                f"{SHORTEST:g} days have to lie between two scans."
+                f"{MIN_TIME_STEP:g} days have to lie between two scans."
             )
     rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
     if in_time != entries and not found.from_folder:
@@ -167,12 +189,19 @@ def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
     entries = tuple(
         Entry(found.paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)
     )
-    rule = f"no times in the names: scans numbered 0 to {len(names) - 1} in {how}"
-    dated = [name for name in names if _find_date(_stem(name)) or _find_day(_stem(name))]
-    if dated:
-        undated = next(name for name in names if name not in dated)
-        rule = rule.replace("no times in the names", f"no time in the name '{undated}'")
-    return Schedule(entries, rule + ".", "scans")
+    untimed = [name for name in names if find_time(_stem(name)) is None]
+    why = (
+        f"no time in the name '{untimed[0]}'"
+        if 0 < len(untimed) < len(names)
+        else "no times in the names"
+    )
+    listed = [entries[k].name for k in range(min(len(entries), MAX_LISTED_NAMES))]
+    more = ", ..." if len(entries) > len(listed) else ""
+    rule = (
+        f"{why}: scans numbered 0 to {len(names) - 1} in {how}: {', '.join(listed)}{more}. "
+        "Growth rates will be per scan; --times FILE tells the days."
+    )
+    return Schedule(entries, rule, "scans")
 
 
 def _require_clear_order(names: Sequence[str]) -> None:
@@ -197,27 +226,6 @@ def _names(paths: Sequence[Path]) -> list[str]:
 
 def _stem(name: str) -> str:
     return name.rpartition(".")[0]
-
-
-def _find_date(text: str) -> Moment | None:
-    match = _DATE.search(text)
-    return _date_of(match) if match else None
-
-
-def _date_of(match: re.Match[str]) -> Moment | None:
-    numbers = [int(n) for n in match.group("year", "month", "day", "hour", "minute", "second") if n]
-    try:
-        moment = datetime(*numbers, tzinfo=UTC)  # type: ignore[arg-type, misc]
-    except ValueError:
-        return None  # 2020-13-40
-    written = moment.strftime("%Y-%m-%d %H:%M:%S")
-    written = written[: {3: 10, 5: 16}.get(len(numbers), 19)]
-    return Moment((moment - _EPOCH).total_seconds() / 86400, written, dated=True)
-
-
-def _find_day(text: str) -> Moment | None:
-    match = _DAY.search(text)
-    return _day(float(match["number"])) if match else None
 
 
 def _day(number: float) -> Moment:
@@ -245,10 +253,10 @@ def _read_times(path: Path) -> dict[str, Moment]:
         state = path.stat()
         if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
             raise InputError(f"'{path}' (times) is not a regular file.")
-        if state.st_size > LARGEST_FILE:
+        if state.st_size > MAX_TIMES_FILE_BYTES:
             raise InputError(
                 f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
-                f"{LARGEST_FILE} at most."
+                f"{MAX_TIMES_FILE_BYTES} at most."
             )
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
@@ -284,10 +292,11 @@ def _read_times(path: Path) -> dict[str, Moment]:
 
 
 def _parse_time(text: str) -> Moment | None:
-    if len(text) > LONGEST:  # which the patterns would try at length
+    if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
         return None
-    if match := _DATE.fullmatch(text):
-        return _date_of(match)
+    date = parse_date(text)
+    if date is not None:
+        return date
     if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
         return _day(float(text))
     return None

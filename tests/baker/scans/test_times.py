@@ -117,7 +117,7 @@ def test_order_of_a_shell_pattern_is_put_right():
 
 def test_numbers_that_contradict_each_other():
     with pytest.raises(InputError, match="can't be told from their names"):
-        schedule("08-03-2020.ply", "10-03-2020.ply", "02-04-2020.ply")
+        schedule("a8_3.ply", "a10_3.ply", "a11_2.ply")
 
 
 @pytest.mark.parametrize(
@@ -203,7 +203,7 @@ def test_folder_passes_over_what_is_no_scan(make_folder):
         ["day1.ply", "day2.ply", "reference.ply"],
         ["plant1_day1.ply", "plant1_day3.ply", "plant2_day2.ply"],
         ["maize_day1.ply", "tomato_day2.ply"],
-        ["M01_0313.ply", "M01_0314.ply", "M01_0315_a.ply"],
+        ["M01_0313.ply", "M01_0314_b.ply", "M01_0315_a.ply"],
     ],
 )
 def test_two_series_in_a_folder(make_folder, names):
@@ -220,6 +220,9 @@ def test_two_series_in_a_folder(make_folder, names):
         ["scan1_2020-03-08.ply", "scan2_2020-03-10.ply"],
         ["2020-03-08.ply", "2020-03-09T12-00.ply"],
         ["s1.LAS", "s2.las"],
+        ["M01_0313_a.ply", "M01_0314.ply", "M01_0315_a.ply"],
+        ["1_maize_D00.txt", "2_maize_D01.txt", "10_maize_D09.txt"],
+        ["p_27Feb2023.ply", "p_01Mar2023.ply", "p_05Mar2023.ply"],
     ],
 )
 def test_one_series_in_a_folder(make_folder, names):
