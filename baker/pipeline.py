@@ -292,7 +292,6 @@ def _interval_jobs(
             limbs=recipe.limbs,
             decay=decay,
             curved=recipe.paths != Paths.straight,
-            attached=not options.paper or recipe.paths != Paths.straight,
             even=recipe.even,
             precision=options.precision,
         )

@@ -102,24 +102,11 @@ class _Late:
 
         import baker.pipeline  # noqa: F401  # all stages that follow the reading
         from baker.geometry.halves import Halves
-        from baker.interpolation.beside import balls, gaps_of
-        from baker.interpolation.coherent import draw
-        from baker.interpolation.drawing import laid
-        from baker.interpolation.follow import follow
-        from baker.interpolation.nearest import nearest_cloud
         from baker.transport.solve import solve
 
         few = np.eye(3)
         Halves.of(few).nearest(1)
         solve(np.tile(few, (2, 1)), few)
-        draw(few, few)
-        laid(few, np.ones((1, 3, 3, 3)), few[0], few, 1.0)
-        nearest_cloud(few[None], few, few, np.ones(1))
-        curve, weights = np.ones((3, 3, 3), np.float32), np.eye(3)
-        moving = curve, balls(curve), weights
-        _, *pair = gaps_of(moving, moving, 1.0)
-        apart = np.ones(3), pair[0], pair[1]
-        follow(curve, weights, moving, apart, 0.5, 0.5, 0.5, 1, 1.0, 1.0)
 
 
 class ForkPool:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
-from baker.interpolation import Bend, Bending, attached
+from baker.interpolation import Bend, Bending
+from baker.interpolation.attachment import attached
 from baker.interpolation.births import Birth
 from baker.interpolation.feet import Feet
 from baker.interpolation.growth_rate import Pace
@@ -36,8 +37,8 @@ class IntervalJob:
     transport: `workers` in it does not count.
     limbs:    whether an organ's limbs are paired and moved one by one.
     decay:    how lost organs leave.
-    curved:   whether organs bend, or go straight.
-    attached: whether organs are kept on what bears them.
+    curved:   whether organs deform along curved paths and stay attached to their parents, or
+              move in straight lines.
     spacing:  the point spacing of the two scans, which says what gaps and bows matter.
     series_spacing: that of all scans, which says how fine the clip's positions have to be.
     even, precision: as in the options.
@@ -60,7 +61,6 @@ class IntervalJob:
     limbs: bool
     decay: Motion
     curved: bool
-    attached: bool
     even: float
     precision: str
 
@@ -123,9 +123,8 @@ def move_interval(
 
 def packed_interval(job: IntervalJob, solved: list[Moved], map: MapLike = map) -> Interval:
     """The interval's movers kept attached, made even and packed for the clip."""
-    if job.attached:
-        plant = (job.match, job.organs)
-        solved = attached(solved, *plant, job.spacing, job.curved, map)
+    if job.curved:
+        solved = attached(solved, job.match, job.organs, job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, job.even),

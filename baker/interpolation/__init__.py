@@ -1,6 +1,5 @@
 """How organs bend and turn between two scans: spines, a coherent warp, curved paths."""
 
-from baker.interpolation.attach import attached
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.paths import Bend, Bending
 
@@ -8,6 +7,5 @@ __all__ = [
     "Bend",
     "Bending",
     "OrganMotion",
-    "attached",
     "fit_motion",
 ]

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.bend import bend
-from baker.interpolation.coherent import draw
+from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shape import OrganShape
 from baker.interpolation.spine import Points, at_levels, fit_spine, unit
 
@@ -88,8 +87,8 @@ def fit_motion(start: OrganShape, end: OrganShape, least: float = 0.0) -> OrganM
     here, there = start.spine.nodes, end.spine.nodes
     if max(_largest(_bows(here, there, pace)) for pace in (0.0, 1.0)) < least:
         return None
-    laid = bend(start.points, end.points, start.spine, end.spine)
-    warped = draw(laid, end.points)
+    carried = spine_deformation(start.points, end.points, start.spine, end.spine)
+    warped = register_nonrigid(carried, end.points)
     uneven = unevenness(start.points, warped)
     if uneven > TORN:
         return None

@@ -76,12 +76,11 @@ def _contact(
 
     contact: how far beyond the smallest gap points still touch.
     """
-    from baker.interpolation.nearest import line, line_along, nearest_on
+    from scipy.spatial import cKDTree
 
     if parent is None:
         lowest = int(np.argmin(((sample - base) ** 2).sum(1)))
         return np.array([lowest]), np.zeros(1)
-    bearer = line(parent.points)
-    gap, touched = nearest_on(line_along(sample, bearer[0]), bearer, contact)
+    gap, touched = cKDTree(parent.points).query(sample)
     seeds = np.flatnonzero(gap <= gap.min() + contact)
     return seeds, parent.lengths[touched[seeds]] + gap[seeds]

@@ -135,7 +135,7 @@ def _bend(
 
     borne: the points, in the second of the clouds, of each segment that the organ bears.
     """
-    from baker.interpolation.nearest import line, line_along, nearest_on
+    from scipy.spatial import cKDTree
 
     assert moved.start_points is not None
     # Movers that start at one point follow one another.
@@ -145,13 +145,13 @@ def _bend(
     way = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
     if (bow**2).sum() > MOST**2 * (way**2).sum():
         return None
-    bearer = line(motion.warped)
+    bearer = cKDTree(motion.warped)
     touched: dict[int, int] = {}
     for segment, members in borne.items():
         if len(members):
             asked = members[:: max(1, len(members) // ASKED)]
             own = clouds[1].take(asked, axis=0).astype(np.float64)
-            gaps, nearest = nearest_on(line_along(own, bearer[0]), bearer, 0.0)
+            gaps, nearest = bearer.query(own)
             touched[segment] = int(nearest[np.argmin(gaps)])
     shifts = at_levels(motion.bows, motion.along[[*touched.values()]])
     return Bend(bow, dict(zip(touched, shifts, strict=True)))

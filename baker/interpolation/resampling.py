@@ -82,9 +82,9 @@ def with_even_density(tasks: Sequence[Moved], growth: float) -> list[Movers]:
     ]
 
 
-def half_way(curve: Sequence[NDArray[np.floating]]) -> NDArray[np.floating]:
-    """(N, 3) positions at the middle of Bézier curves."""
-    weights = bernstein(len(curve) - 1, 0.5)
+def position_at(curve: Sequence[NDArray[np.floating]], u: float) -> NDArray[np.floating]:
+    """(N, 3) positions on Bézier curves at the share `u` of the interval."""
+    weights = bernstein(len(curve) - 1, u)
     return np.tensordot(weights, np.stack(curve), axes=1)
 
 
@@ -106,7 +106,7 @@ def _density(surface: NDArray[np.floating], growth: float) -> float:
 
 def _added(task: Moved, wanted: NDArray[np.floating]) -> Added | None:
     """About `wanted` movers more of each, a little apart from it half-way; None where none are."""
-    middle = half_way(task.movers.curve)
+    middle = position_at(task.movers.curve, 0.5)
     own = _spread_out(middle, wanted)
     if len(task.movers) <= NEIGHBORS or not len(own):
         return None

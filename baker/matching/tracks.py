@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,15 +28,10 @@ class Organ:
 
 @dataclass(frozen=True)
 class IntervalOrgans:
-    """Which organ each segment of an interval's two hierarchies is.
-
-    bearers: what organs of the second grew from when they were seen first, as the clip's tracks
-             tell.
-    """
+    """Which organ each segment of an interval's two hierarchies is."""
 
     first: dict[int, int]
     second: dict[int, int]
-    bearers: dict[int, int] = field(default_factory=dict)
 
 
 def follow_organs(
@@ -60,12 +55,7 @@ def follow_organs(
         kept = {b: first[a] for a, b in match.pairs}
         second = _name(match.second, kept, k + 1, organs, known)
         intervals.append(IntervalOrgans(first, second))
-    return organs, [replace(named, bearers=_bearers(named, organs)) for named in intervals]
-
-
-def _bearers(named: IntervalOrgans, organs: Sequence[Organ]) -> dict[int, int]:
-    parents = ((organ, organs[organ].parent) for organ in named.second.values())
-    return {organ: parent for organ, parent in parents if parent is not None}
+    return organs, intervals
 
 
 def _name(

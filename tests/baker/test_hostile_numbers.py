@@ -8,15 +8,14 @@ import pytest
 
 from baker.alignment import align
 from baker.geometry.spacing import lowest_point, point_spacing, without_outliers
-from baker.interpolation.bend import bend
 from baker.interpolation.births import Birth
-from baker.interpolation.coherent import draw
+from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import Moved
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.organ_shape import FEWEST, OrganShape
 from baker.interpolation.resampling import (
-    half_way,
     point_surface,
+    position_at,
     surface_half_way,
     with_even_density,
 )
@@ -138,7 +137,7 @@ def test_even_density_of_organs_without_surface(start, end, count):
     for known, growth in itertools.product((surface, np.zeros(len(points))), (0.0, 1.0, 10.0)):
         (filled,) = with_even_density([Moved(movers, None, known, points, points)], growth)
         assert len(points) <= len(filled) <= (1 + growth) * len(points) + 1
-        assert np.isfinite(half_way(filled.curve)).all()
+        assert np.isfinite(position_at(filled.curve, 0.5)).all()
         assert known is surface or len(filled) == len(points)
 
 
@@ -168,12 +167,12 @@ def test_spines_and_warps_of_any_shapes_are_finite(shape):
         assert (spine.along >= 0).all()
         assert (spine.along <= 1).all()
         for first, second in ((plant, other), (other, plant), (other, other)):
-            laid = bend(first.points, second.points, first.spine, second.spine)
-            assert np.isfinite(draw(laid, second.points)).all()
+            carried = spine_deformation(first.points, second.points, first.spine, second.spine)
+            assert np.isfinite(register_nonrigid(carried, second.points)).all()
             few = min(len(first.points), len(second.points)) < FEWEST
             motion = None if few else fit_motion(first, second)
             if motion is not None:
-                assert np.isfinite(motion.halfway(first.points, laid)).all()
+                assert np.isfinite(motion.halfway(first.points, carried)).all()
 
 
 @pytest.mark.parametrize("shape", SOUND)

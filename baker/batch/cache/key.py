@@ -60,10 +60,9 @@ def _renumbered(job: IntervalJob, organs: tuple[int, ...]) -> IntervalJob:
     numbers = {organ: number for number, organ in enumerate(organs)}
     first = {segment: numbers[organ] for segment, organ in job.organs.first.items()}
     second = {segment: numbers[organ] for segment, organ in job.organs.second.items()}
-    bearers = {numbers[organ]: numbers[bearer] for organ, bearer in job.organs.bearers.items()}
     return replace(
         job,
-        organs=IntervalOrgans(first, second, bearers),
+        organs=IntervalOrgans(first, second),
         tasks=tuple(replace(task, organ=numbers[task.organ]) for task in job.tasks),
         births={numbers[organ]: birth for organ, birth in job.births.items()},
         paces={numbers[organ]: pace for organ, pace in job.paces.items()},
@@ -72,9 +71,7 @@ def _renumbered(job: IntervalJob, organs: tuple[int, ...]) -> IntervalJob:
 
 def _bare(job: IntervalJob) -> IntervalJob:
     """The job without what its movers do not depend on."""
-    match, organs = job.match, job.organs
-    here = {*organs.first.values(), *organs.second.values()}
-    bearers = {a: b for a, b in organs.bearers.items() if a in here and b in here}
+    match = job.match
     lost = any(task.event == "loss" for task in job.tasks)
     falls = lost and job.decay is Motion.FALL
     return replace(
@@ -87,7 +84,6 @@ def _bare(job: IntervalJob) -> IntervalJob:
             notes=(),
             merges=(),
         ),
-        organs=replace(organs, bearers=bearers),
         floor=job.floor if falls else 0.0,
         decay=job.decay if lost else Motion.FALL,
         transport=_plain(job.transport),

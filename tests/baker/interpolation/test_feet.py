@@ -23,7 +23,7 @@ def plant(count: int) -> tuple[np.ndarray, Hierarchy]:
 def test_the_foot_is_the_point_nearest_to_the_bearer(before, after):
     (start, first), (end, second) = plant(before), plant(after)
     match = from_pairs(first, second, [(0, 0), (1, 1)])
-    feet = Feet((start, end), match, IntervalOrgans({0: 7, 1: 3}, {0: 7, 1: 3}, {}))
+    feet = Feet((start, end), match, IntervalOrgans({0: 7, 1: 3}, {0: 7, 1: 3}))
     leaf = Task("match", 3, first.segments[1], second.segments[1])
     foot = feet.of(leaf)
     assert (foot[0], foot[1]) == (before - 1, after - 1)
@@ -36,7 +36,7 @@ def test_the_foot_is_the_point_nearest_to_the_bearer(before, after):
 def test_neither_roots_nor_births_have_one():
     (start, first), (end, second) = plant(30), plant(40)
     match = from_pairs(first, second, [(0, 0), (1, 1)])
-    feet = Feet((start, end), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}, {}))
+    feet = Feet((start, end), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}))
     assert feet.of(Task("match", 0, first.segments[0], second.segments[0])) is None
     assert feet.of(Task("birth", 5, first.segments[0][:10], second.segments[1])) is None
 
@@ -45,6 +45,6 @@ def test_under_an_empty_root_there_is_none():
     points, hierarchy = plant(30)
     empty = Hierarchy((np.empty(0, int), np.arange(80)), (None, 1), (NO_PARENT, 0), 0)
     match = from_pairs(empty, empty, [(0, 0), (1, 1)])
-    feet = Feet((points, points), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}, {}))
+    feet = Feet((points, points), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}))
     assert feet.of(Task("match", 1, np.arange(80), np.arange(80))) is None
     assert len(hierarchy.segments) == 2

@@ -11,8 +11,8 @@ from baker import Options, bake
 from baker.interpolation.movers import Moved
 from baker.interpolation.resampling import (
     ROOM,
-    half_way,
     point_surface,
+    position_at,
     surface_half_way,
     with_even_density,
 )
@@ -57,7 +57,7 @@ def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_le
     start, _, end = leaf.curve
     ends = {(*a, *b) for a, b in zip(start.tolist(), end.tolist(), strict=True)}
     assert len(ends) == 300
-    assert len(np.unique(half_way(leaf.curve), axis=0)) == len(leaf)
+    assert len(np.unique(position_at(leaf.curve, 0.5), axis=0)) == len(leaf)
 
 
 def test_lost_organs_are_left_as_they_are():
@@ -88,7 +88,7 @@ def test_movers_of_one_point_spread_out_from_their_mean():
     task = Moved(movers, None, np.ones(count), np.zeros(count, int), np.arange(count))
     (filled,) = with_even_density([replace(task, surface=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
     assert len(filled) > count
-    middle = half_way(filled.curve)
+    middle = position_at(filled.curve, 0.5)
     assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
     assert 0.5 < np.abs(middle[:, 0] - 0.5).max() <= 1.0 + 1e-12
     assert np.abs(middle[:, 1:]).max() == 0.0
@@ -104,7 +104,7 @@ def test_no_addition_runs_far_ahead_of_a_tip():
     task = Moved(movers, None, surface, *ends, reach=np.full(count, reach))
     (filled,) = with_even_density([task], 1.0)
     assert len(filled) > count
-    assert half_way(filled.curve)[:, 0].max() <= 1.0 + ROOM * reach + 1e-12
+    assert position_at(filled.curve, 0.5)[:, 0].max() <= 1.0 + ROOM * reach + 1e-12
 
 
 def test_additions_of_what_is_born_stay_with_it(tmp_path):
@@ -141,8 +141,8 @@ def test_surface_follows_spacing_and_caps_outliers():
 @pytest.mark.parametrize("degree", [2, 3])
 def test_raised_curves_are_the_same_curves(degree):
     curve = (np.float32([[0, 0, 0]]), np.float32([[2, 4, 6]]))
-    assert half_way(raised(curve, degree)) == pytest.approx(half_way(curve))
-    assert half_way(raised(raised(curve, 2), 3)) == pytest.approx(half_way(curve))
+    assert position_at(raised(curve, degree), 0.5) == pytest.approx(position_at(curve, 0.5))
+    assert position_at(raised(raised(curve, 2), 3), 0.5) == pytest.approx(position_at(curve, 0.5))
 
 
 @pytest.mark.parametrize("even", [0.0, 1.0])

@@ -47,14 +47,6 @@ def test_organs_keep_their_number_and_know_their_parent():
     assert named[0].second == named[1].first
 
 
-def test_bearers_are_the_organs_that_organs_grow_on():
-    matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
-    organs, named = follow_organs(matches, consistent=True)
-    number = {organ.label: index for index, organ in enumerate(organs)}
-    assert named[0].bearers == {number[5]: number[2], number[2]: number[0], number[3]: number[0]}
-    assert named[1].bearers == {number[1]: number[0], number[2]: number[0]}
-
-
 def test_independent_labels_never_bring_an_organ_back():
     matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
     organs, _ = follow_organs(matches, consistent=False)

@@ -1,0 +1,99 @@
+"""Organs stay attached to their parents between two scans.
+
+Transport takes points near an organ's attachment point to points farther out, and the parent
+deforms in its own way, so on the way the organ may come off. Its control points are shifted by what
+keeps its attachment point, in the least-squares sense, as near to its parent as at the scans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from baker.interpolation.movers import Moved
+from baker.interpolation.resampling import position_at
+from baker.matching import IntervalOrgans, Match
+from baker.segmentation.hierarchy import NO_PARENT
+from gclip.evaluate import bernstein
+from gclip.pack import raised
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+INSTANTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an interval, at which distances are compared
+MAX_WIDENING = 0.25  # point spacings by which a gap may widen half-way; less is not seen
+FOLLOWING_RADIUS = 0.5  # of an organ's root mean square radius: what is nearer follows its base
+
+
+def attached(
+    tasks: Sequence[Moved], match: Match, organs: IntervalOrgans, spacing: float
+) -> list[Moved]:
+    """The solved tasks of an interval, with organs that keep their distance from their parents.
+
+    Parents come before their children, which follow them. Positions at the scans don't change.
+
+    Parameters
+    ----------
+    tasks : sequence of Moved
+        What is lost is left alone.
+    match, organs
+        The interval's hierarchies, and which organ each segment is.
+    spacing : float
+        The point spacing of the scans, in their unit.
+    """
+    done = list(tasks)
+    place = {
+        int(moved.movers.tracks[0]): index
+        for index, moved in enumerate(tasks)
+        if len(moved.movers) and moved.end_points is not None
+    }
+    trees: dict[int, tuple[cKDTree, ...]] = {}
+    for segment in match.second.from_the_root():
+        parent = match.second.parents[segment]
+        if parent == NO_PARENT:
+            continue
+        index, carrier = (place.get(organs.second[s]) for s in (segment, parent))
+        if index is None or carrier is None:
+            continue
+        if carrier not in trees:
+            trees[carrier] = _trees(done[carrier])
+        done[index] = _attached(done[index], trees[carrier], spacing)
+    return done
+
+
+def _trees(moved: Moved) -> tuple[cKDTree, ...]:
+    """k-d trees of an organ's movers at each instant."""
+    from scipy.spatial import cKDTree
+
+    return tuple(cKDTree(position_at(moved.movers.curve, u), balanced_tree=False) for u in INSTANTS)
+
+
+def _attached(moved: Moved, parent: tuple[cKDTree, ...], spacing: float) -> Moved:
+    """An organ shifted on the way, as a whole the less the farther from its attachment point."""
+    places = np.stack([position_at(moved.movers.curve, u) for u in INSTANTS]).astype(float)
+    found = [tree.query(points) for tree, points in zip(parent, places, strict=True)]
+    distances = np.stack([distance for distance, _ in found])
+    gaps = distances.min(axis=1)
+    allowed = max(gaps[0], gaps[-1])
+    if gaps.max() <= allowed + MAX_WIDENING * spacing:
+        return moved
+    base = int(np.argmin(distances.sum(axis=0)))  # near its parent all the way
+    distances = distances[:, base]
+    touched = np.stack(
+        [tree.data[near[base]] for tree, (_, near) in zip(parent, found, strict=True)]
+    )
+    shares = np.maximum(1.0 - allowed / np.maximum(distances, 1e-30), 0.0)
+    shift = shares[:, None] * (touched - places[:, base])
+    radius = FOLLOWING_RADIUS * np.sqrt(places.var(axis=1).sum(axis=1)) + 1e-30
+    squared = ((places - places[:, [base]]) ** 2).sum(axis=2)
+    following = np.exp(-squared / radius[:, None] ** 2)
+    # The inner control points' one shift that comes closest to these at all instants.
+    degree = max(2, len(moved.movers.curve) - 1)
+    weight = np.array([bernstein(degree, u)[1:-1].sum() for u in INSTANTS])
+    inner = np.einsum("k,kn,kd->nd", weight, following, shift) / (weight**2).sum()
+    first, *control, last = raised(moved.movers.curve, degree)
+    control = [(points + inner).astype(np.float32) for points in control]
+    return replace(moved, movers=replace(moved.movers, curve=(first, *control, last)))

@@ -1,0 +1,159 @@
+"""Deform an organ's points at the start of an interval onto its points at the end.
+
+First the organ is carried from one spine onto the other, then a non-rigid registration draws it
+onto the points of the end: iterated closest points, with affine maps blended by a kernel that
+narrows, so that the whole moves before its parts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry import rotation
+from baker.interpolation.spine import Points, Spine, at_levels, levels
+
+ROLLS = np.radians(np.arange(-90, 91, 30))  # of the organ's base about its spine
+TWISTS = np.radians(np.arange(-60, 61, 30))  # of its tip relative to its base
+ROLL_PENALTY = 0.05  # by how much a roll of 90 degrees must bring the clouds closer
+MAX_WIDENING = 3.0  # factor by which cross-sections may widen or narrow
+POINTS_COMPARED = 100  # of either cloud, by which rolls are compared
+
+CENTERS = 60  # of local affine maps
+KERNEL_WIDTHS = (
+    0.8,
+    0.6,
+    0.45,
+    0.35,
+    0.28,
+    0.22,
+    0.18,
+    0.15,
+)  # root mean square radii of the cloud
+ITERATIONS_PER_WIDTH = 2
+STIFFNESS = 0.1  # of the maps against stretching, as a share of the kernel's width squared
+OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts half
+
+
+def spine_deformation(source: Points, target: Points, before: Spine, after: Spine) -> Points:
+    """Carry points from one spine onto the other, each at its place along.
+
+    Each level turns by the smallest rotation between its tangents and by a roll about the tangent,
+    which changes evenly from base to tip. Of 35 rolls that one is taken which brings the clouds
+    closest to each other, small ones first.
+
+    Parameters
+    ----------
+    source, target : (n, 3) and (m, 3) float64
+        The organ's points in both scans.
+    before, after : Spine
+        Through these points.
+
+    Returns
+    -------
+    (n, 3) float64
+    """
+    from scipy.spatial import cKDTree
+    from scipy.spatial.distance import cdist
+
+    turns = rotation.between(before.tangents, after.tangents)
+    offset = source - at_levels(before.nodes, before.along)
+    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, target - _on_spine(after))]
+    width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
+
+    def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
+        rolled = rotation.about(after.tangents, roll + twist * levels()) @ turns
+        along = before.along[chosen]
+        rotated = np.einsum("nij,nj->ni", at_levels(rolled, along), offset[chosen])
+        return at_levels(after.nodes, along) + width * rotated
+
+    choices = [(roll, twist) for roll in ROLLS for twist in TWISTS]
+    some = slice(None, None, max(len(source) // POINTS_COMPARED, 1))
+    clouds = np.stack([carried(roll, twist, some) for roll, twist in choices])
+    sparse = target[:: max(len(target) // POINTS_COMPARED, 1)]
+    distances = cKDTree(target).query(clouds)[0].mean(axis=1)
+    distances += [cdist(sparse, cloud).min(axis=1).mean() for cloud in clouds]
+    turned = np.array([abs(roll) + abs(roll + twist) for roll, twist in choices])
+    return carried(*choices[int(np.argmin(distances * (1.0 + ROLL_PENALTY * turned / np.pi)))])
+
+
+def register_nonrigid(moving: Points, target: Points) -> Points:
+    """Draw points onto a target, near points alike.
+
+    In every iteration each point is paired with the closest one on the other side, both ways.
+    Around each of some centres an affine map is fitted to the pairs' shifts by weighted least
+    squares, and the maps are blended. The kernel that weighs narrows from iteration to iteration.
+
+    Parameters
+    ----------
+    moving, target : (n, 3) and (m, 3) float64
+
+    Returns
+    -------
+    (n, 3) float64
+        Where the moving points come to lie.
+    """
+    from scipy.spatial import cKDTree
+    from scipy.spatial.distance import cdist
+
+    middle = moving.mean(axis=0)
+    size = float(np.sqrt(((moving - middle) ** 2).sum(axis=1).mean())) or 1.0
+    source, target = (moving - middle) / size, (target - middle) / size
+    tree = cKDTree(target)
+    squared = cdist(source[_farthest_points(source, CENTERS)], source, "sqeuclidean")
+    homogeneous = np.c_[source, np.ones(len(source))]
+    products = (homogeneous[:, :, None] * homogeneous[:, None]).reshape(-1, 16)
+    drawn = source
+    for width in KERNEL_WIDTHS:
+        weights = np.exp(-0.5 * squared / width**2) + 1e-12
+        blend = weights / weights.sum(axis=0)
+        ridge = STIFFNESS * width**2 * np.diag([1.0, 1.0, 1.0, 0.0])
+        for _ in range(ITERATIONS_PER_WIDTH):
+            trust, shift = _closest_pairs(source, target, drawn, tree)
+            sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
+            moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
+            maps = np.linalg.solve(
+                sums + ridge * sums[:, 3:, 3:], (weights @ moments).reshape(-1, 4, 3)
+            )
+            local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
+            drawn = source + np.einsum("ni,nij->nj", homogeneous, local)
+    return drawn * size + middle
+
+
+def _on_spine(spine: Spine) -> Points:
+    """(n, 3) the places on a spine of the points that it was fitted to."""
+    return at_levels(spine.nodes, spine.along)
+
+
+def _closest_pairs(
+    source: Points, target: Points, drawn: Points, tree: object
+) -> tuple[NDArray[np.float64], Points]:
+    """(n,) how much the pairs of each point count, and (n, 3) the weighted sum of their shifts.
+
+    Each drawn point is paired with its closest target, each target with its closest drawn point;
+    shifts are from where points are at the source.
+    """
+    from scipy.spatial import cKDTree
+
+    ahead, partners = tree.query(drawn)  # type: ignore[attr-defined]
+    back, points = cKDTree(drawn).query(target)
+    distance = np.concatenate([ahead, back])
+    first = np.concatenate([np.arange(len(source)), points])
+    second = np.concatenate([partners, np.arange(len(target))])
+    scale = OUTLIER_SCALE * float(np.median(distance)) or 1.0
+    trust = 1.0 / (1.0 + (distance / scale) ** 2)
+    pull = trust[:, None] * (target[second] - source[first])
+    mass = np.bincount(first, trust, len(source))
+    return mass, np.stack([np.bincount(first, axis, len(source)) for axis in pull.T], axis=1)
+
+
+def _farthest_points(points: Points, count: int) -> NDArray[np.intp]:
+    """Indices of up to `count` points, each the farthest from those before."""
+    chosen, squared = [0], np.full(len(points), np.inf)
+    while len(chosen) < min(count, len(points)):
+        squared = np.minimum(squared, ((points - points[chosen[-1]]) ** 2).sum(axis=1))
+        farthest = int(np.argmax(squared))
+        if squared[farthest] == 0:
+            break
+        chosen.append(farthest)
+    return np.array(chosen)

@@ -1,0 +1,70 @@
+"""Carrying an organ from spine to spine, and drawing it onto its points in the next scan."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from baker.interpolation.deformation import (
+    _farthest_points,
+    register_nonrigid,
+    spine_deformation,
+)
+from baker.interpolation.spine import fit_spine, path_lengths
+from tests.baker.interpolation.shapes import leaf, sample
+
+
+def spine_of(points: np.ndarray):
+    base = np.array([int(np.argmin((points**2).sum(axis=1)))])
+    return fit_spine(points, path_lengths(points, base, np.zeros(1)))
+
+
+def test_a_spine_carries_its_points_along() -> None:
+    source, target = sample(leaf, 0.0, 700, 1), sample(leaf, 1.0, 700, 2)
+    carried = spine_deformation(source, target, spine_of(source), spine_of(target))
+    before, after = (cKDTree(target).query(points)[0].mean() for points in (source, carried))
+    assert after < 0.2 * before
+
+
+@pytest.mark.parametrize("angle", [-90, -30, 60])
+def test_a_roll_about_the_spine_is_found(angle: float) -> None:
+    strip = np.random.default_rng(0).uniform((0, -8, 0), (100, 8, 0.1), (700, 3))
+    cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    rolled = strip @ np.array([[1, 0, 0], [0, cos, sin], [0, -sin, cos]])
+    carried = spine_deformation(strip, rolled, spine_of(strip), spine_of(rolled))
+    assert cKDTree(rolled).query(carried)[0].mean() < 1.0
+
+
+def test_registration_finds_an_affine_map() -> None:
+    """Its least-squares maps hold every affine map, and blends of equal maps are that map."""
+    source = sample(leaf, 0.5, 700, 1)
+    target = source @ np.diag([1.02, 0.98, 1.01]) + np.array([0.5, -0.3, 0.2])
+    found = register_nonrigid(source, target)
+    assert np.linalg.norm(found - target, axis=1).mean() < 0.1
+
+
+def test_registration_of_a_shifted_cloud_in_any_unit_is_the_same() -> None:
+    source, target = sample(leaf, 0.0, 300, 1), sample(leaf, 0.2, 300, 2)
+    found = register_nonrigid(source, target)
+    np.testing.assert_array_equal(register_nonrigid(1024 * source, 1024 * target), 1024 * found)
+    np.testing.assert_allclose(register_nonrigid(source + 50, target + 50), found + 50, atol=1e-6)
+
+
+def test_clouds_without_extent_are_drawn_onto_each_other() -> None:
+    found = register_nonrigid(np.ones((50, 3)), np.full((30, 3), 2.0))
+    np.testing.assert_allclose(found, 2.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("count", [1, 5, 30, 100])
+def test_each_point_is_the_farthest_from_those_before(count: int) -> None:
+    points = np.random.default_rng(count).normal(size=(30, 3))
+    chosen = _farthest_points(points, count)
+    assert len(chosen) == min(count, 30)
+    for k in range(1, len(chosen)):
+        distance = np.linalg.norm(points[:, None] - points[chosen[:k]], axis=2).min(axis=1)
+        assert chosen[k] == np.argmax(distance)
+
+
+def test_of_points_in_one_place_one_is_enough() -> None:
+    assert _farthest_points(np.repeat(np.eye(3), 4, axis=0), 60).tolist() == [0, 4, 8]
