@@ -7,11 +7,16 @@ narrows, so that the whole moves before its parts.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry import rotation
 from baker.interpolation.spine import Points, Spine, at_levels, levels
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 ROLLS = np.radians(np.arange(-90, 91, 30))  # of the organ's base about its spine
 TWISTS = np.radians(np.arange(-60, 61, 30))  # of its tip relative to its base
@@ -126,7 +131,7 @@ def _on_spine(spine: Spine) -> Points:
 
 
 def _closest_pairs(
-    source: Points, target: Points, drawn: Points, tree: object
+    source: Points, target: Points, drawn: Points, tree: cKDTree
 ) -> tuple[NDArray[np.float64], Points]:
     """(n,) how much the pairs of each point count, and (n, 3) the weighted sum of their shifts.
 
@@ -135,7 +140,7 @@ def _closest_pairs(
     """
     from scipy.spatial import cKDTree
 
-    ahead, partners = tree.query(drawn)  # type: ignore[attr-defined]
+    ahead, partners = tree.query(drawn)
     back, points = cKDTree(drawn).query(target)
     distance = np.concatenate([ahead, back])
     first = np.concatenate([np.arange(len(source)), points])
@@ -143,8 +148,10 @@ def _closest_pairs(
     scale = OUTLIER_SCALE * float(np.median(distance)) or 1.0
     trust = 1.0 / (1.0 + (distance / scale) ** 2)
     pull = trust[:, None] * (target[second] - source[first])
-    mass = np.bincount(first, trust, len(source))
-    return mass, np.stack([np.bincount(first, axis, len(source)) for axis in pull.T], axis=1)
+    count = len(source)
+    sums = [np.bincount(first, values, count) for values in (trust, *pull.T)]
+    found = np.stack(sums, axis=1).astype(np.float64)
+    return found[:, 0], found[:, 1:]
 
 
 def _farthest_points(points: Points, count: int) -> NDArray[np.intp]:

@@ -12,9 +12,9 @@ from baker.interpolation.attachment import attached
 from baker.interpolation.movers import Moved
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from gclip.clip import Motion
 from gclip.evaluate import bernstein
 from gclip.pack import Movers
+from gclip.schema import Motion
 
 COUNT = 200
 TOLERANCE = 2.0  # point spacings

@@ -24,7 +24,7 @@ def paced_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
     matches = [Match(hierarchy, hierarchy, tuple((n, n) for n in numbers), (), ())] * (
         len(times) - 1
     )
-    named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers}, {})] * (
+    named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers})] * (
         len(times) - 1
     )
     by_interval = paces(clouds, matches, named, times, spacing)
@@ -64,7 +64,7 @@ def growing(sizes) -> list[float]:
     clouds = [size * points + [0, 0, 5.0 * k] for k, size in enumerate(sizes)]
     whole = Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)
     matches = [Match(whole, whole, ((0, 0),), (), ())] * (len(sizes) - 1)
-    named = [IntervalOrgans({0: 7}, {0: 7}, {})] * (len(sizes) - 1)
+    named = [IntervalOrgans({0: 7}, {0: 7})] * (len(sizes) - 1)
     return [p[7].growing if 7 in p else 0.0 for p in paces(clouds, matches, named, times, 1e-6)]
 
 
@@ -136,7 +136,7 @@ def test_what_an_organ_grows_by_has_a_pace_of_its_own():
     shape = POINTS - POINTS.mean(axis=0)
     clouds = [10 * size * shape + [0, 0, place] for size, place in zip(sizes, places, strict=True)]
     one = Hierarchy((np.arange(len(POINTS)),), (0,), (NO_PARENT,), 0)
-    organs = [IntervalOrgans({0: 7}, {0: 7}, {})] * 3
+    organs = [IntervalOrgans({0: 7}, {0: 7})] * 3
     pace = paces(clouds, [Match(one, one, ((0, 0),), (), ())] * 3, organs, range(4), 1e-6)[1][7]
     assert pace.ahead == pytest.approx(0, abs=1e-9)
     # Each day half as fast as the day before: 59 % of the way by noon.
