@@ -1,18 +1,19 @@
-"""Traits of real plants, whose truth nobody knows: they must at least be of one piece."""
+"""Traits over time must at least be of one piece."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from baker import Options, bake
+from tests.real.series import labelled
 from traits import measure
 
-SCANS = ("day04.txt", "day06.txt", "day08.txt")
 
-
-def test_nothing_jumps_at_a_scan_of_a_real_tomato(shared_data: Path) -> None:
-    folder = shared_data / "tomato1_control2_plant1"
-    clip = bake([folder / name for name in SCANS], Options(paths="straight", workers=1))
+@pytest.mark.parametrize("name", labelled("tomato1_control2_plant1"))
+def test_nothing_jumps_at_a_scan(series: Callable[[str], Path], name: str) -> None:
+    files = sorted(series(name).glob("*.txt"))[2:5]
+    clip = bake(files, Options(paths="straight", workers=1))
     day = clip.times[1]
     before, at, after = (
         {one.track: one for one in measure(clip, day + step)} for step in (-1e-5, 0.0, 1e-5)

@@ -1,15 +1,18 @@
-"""Real scans of every kind that lies in ../shared/data are read whole."""
+"""Real scans of every kind are read whole."""
 
-import time
-
+import laspy
 import numpy as np
 import pytest
+from plyfile import PlyData
+from scipy.spatial import cKDTree
 
 from baker.scans import ReadOptions, read_series
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
+from tests.real.series import EXAMPLE, GROWN, SHARED, labelled, present
 
-SERIES = {
+TIMES = {
+    GROWN: (0, 3.5, 7, 10.5, 14),
     "maize_control_plant1": range(9),
     "tomato2_control_plant3": range(9),
     "sorghum_control_plant1": range(2, 15, 2),
@@ -19,13 +22,16 @@ SERIES = {
     "unaligned/tomato2_control_plant3": range(9),
     "unaligned/sorghum_control_plant1": range(2, 15, 2),
 }
+SERIES = [name for name in TIMES if name != GROWN]
+PINES = "treeiso_LPine1_demo.laz"
+TOMATOES = [EXAMPLE, *(SHARED / name for name in present("tomato_fullres"))]
 
 
-@pytest.mark.parametrize("name", SERIES)
-def test_labelled_series(shared_data, name):
-    series = read_series([shared_data / name])
-    assert [scan.time for scan in series.scans] == list(SERIES[name])
-    for scan in series.scans:
+@pytest.mark.parametrize("name", labelled(*SERIES))
+def test_labelled_series(series, name):
+    read = read_series([series(name)])
+    assert [scan.time for scan in read.scans] == list(TIMES[name])
+    for scan in read.scans:
         table = np.loadtxt(scan.path)
         unique = np.unique(table[:, :3].astype(np.float32), axis=0)
         np.testing.assert_array_equal(np.unique(scan.points, axis=0), unique)
@@ -34,45 +40,63 @@ def test_labelled_series(shared_data, name):
         assert scan.origin.tolist() == [0, 0, 0]
 
 
-@pytest.mark.parametrize("name", [name for name in SERIES if "/" not in name])
-def test_labels_of_careful_hands_are_hardly_touched(shared_data, name):
+@pytest.mark.parametrize("name", labelled(*(name for name in SERIES if "/" not in name)))
+def test_labels_of_careful_hands_are_hardly_touched(series, name):
     as_is, mended = (
-        read_series([shared_data / name], ReadOptions(look_around=mend)).scans
-        for mend in (False, True)
+        read_series([series(name)], ReadOptions(look_around=mend)).scans for mend in (False, True)
     )
     for one, other in zip(as_is, mended, strict=True):
         assert (one.labels != other.labels).sum() <= 1e-3 * len(one)
 
 
-def test_full_resolution_tomato(shared_data):
-    folder = shared_data / "tomato_fullres"
-    read_series([folder])  # imports
-    start = time.perf_counter()
-    series = read_series([folder])
-    assert time.perf_counter() - start < 2
+@pytest.mark.parametrize("folder", TOMATOES, ids=lambda folder: folder.name)
+def test_nothing_is_lost_far_from_the_origin(folder):
+    """At y near -745 mm, where one step of single precision is 0.00006 mm."""
+    read = read_series([folder])
+    assert [scan.date for scan in read.scans] == ["2020-03-08", "2020-03-10"]
+    assert [scan.time - read.scans[0].time for scan in read.scans] == [0, 2]
+    for scan in read.scans:
+        vertices = PlyData.read(scan.path)["vertex"]
+        there = np.column_stack([vertices[axis] for axis in "xyz"])
+        assert len(scan) == len(np.unique(there, axis=0))
+        world = scan.points.astype(float) + scan.origin
+        assert cKDTree(there).query(world)[0].max() < 1e-5
+        assert len(np.unique(world, axis=0)) == len(scan)
+        assert (scan.labels is None) == (folder == EXAMPLE)
 
-    assert [scan.date for scan in series.scans] == ["2020-03-08", "2020-03-10"]
-    assert [scan.time - series.scans[0].time for scan in series.scans] == [0, 2]
-    for scan, announced in zip(series.scans, (179_757, 261_379), strict=True):
-        vertices = np.asarray(read_columns(scan.path).values["y"], np.float64)
-        assert len(vertices) == announced
-        world = scan.points[:, 1] + scan.origin[1]
-        assert set(world.tolist()) <= set(vertices.tolist())  # nothing lost at y near -745
-        assert scan.labels.min() == 0
 
-
-def test_voxel_thins_the_full_resolution(shared_data):
-    full = read_series([shared_data / "tomato_fullres"], ReadOptions())
-    thin = read_series([shared_data / "tomato_fullres"], ReadOptions(voxel=0.25))
+@pytest.mark.parametrize("folder", TOMATOES, ids=lambda folder: folder.name)
+def test_one_point_stays_of_each_voxel_and_organ(folder):
+    side = 1.0
+    full = read_series([folder], ReadOptions())
+    thin = read_series([folder], ReadOptions(voxel=side))
     for before, after in zip(full.scans, thin.scans, strict=True):
-        cells = np.column_stack([np.floor(before.points / 0.25), before.labels])
-        assert len(after) == len(np.unique(cells, axis=0)) < len(before) / 10
-        assert set(after.labels.tolist()) == set(before.labels.tolist())
+        labels = np.zeros(len(before)) if before.labels is None else before.labels
+        cells = np.column_stack([np.floor(before.points / side), labels])
+        assert len(after) == len(np.unique(cells, axis=0)) < len(before) / 5
+        if before.labels is not None:
+            assert set(after.labels.tolist()) == set(before.labels.tolist())
 
 
-def test_laz(shared_data):
-    path = shared_data / "treeiso_LPine1_demo.laz"
-    cloud = choose_fields(read_columns(path), path)
-    assert len(cloud) == 1_544_202
-    np.testing.assert_allclose(cloud.points.min(axis=0), [-2.12, -2.48, -1.09], atol=1e-6)
-    assert not cloud.labels.any()  # never classified; a series of such scans has no labels
+@pytest.fixture
+def laz_files(tmp_path):
+    """Path, points, low corner and step: the example as LAZ, and a stand of pines."""
+    scan = read_series([EXAMPLE]).scans[0]
+    world = scan.points + scan.origin
+    header = laspy.LasHeader(point_format=3, version="1.2")
+    header.offsets, header.scales = world.min(axis=0), [1e-4] * 3
+    laz = laspy.LasData(header)
+    laz.x, laz.y, laz.z = world.T
+    laz.write(tmp_path / "tomato.laz")
+    found = [(tmp_path / "tomato.laz", len(world), world.min(axis=0), 1e-4)]
+    if present(PINES):
+        found.append((SHARED / PINES, 1_544_202, [-2.12, -2.48, -1.09], 1e-6))
+    return found
+
+
+def test_laz(laz_files):
+    for path, count, low, step in laz_files:
+        cloud = choose_fields(read_columns(path), path)
+        assert len(cloud) == count
+        np.testing.assert_allclose(cloud.points.min(axis=0), low, atol=step)
+        assert not cloud.labels.any()  # never classified; a series of such scans has no labels
