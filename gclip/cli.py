@@ -29,9 +29,7 @@ def gclip_command(version: VersionOption = False) -> None:
 def check_command(
     clips: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="CLIP...", help="Growth clips, made by `bake`.", readable=False
-        ),  # `check` says so, and goes on to the others
+        typer.Argument(metavar="CLIP...", help="Growth clips, made by `bake`."),
     ],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,
 ) -> None:
@@ -51,10 +49,9 @@ def check_command(
             lines.append(_summary(report))
         for line in lines:
             typer.echo(printable(f"{path}: {line}"))
-    if len(clips) == damaged == 1:
-        raise ClipError("the clip is not whole.")
     if damaged:
-        raise ClipError(f"{damaged} of {len(clips)} clips are not whole.")
+        which = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"
+        raise ClipError(f"{which} not whole.")
 
 
 def _summary(report: Report) -> str:

@@ -10,54 +10,49 @@ import json
 import math
 import sys
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
-from msgspec import Struct, ValidationError, convert, to_builtins
+from msgspec import Meta, Struct, ValidationError, convert, to_builtins
 
 from gclip.errors import ClipError
-from gclip.schema import Document, Text
+from gclip.schema import Document
 from gclip.terminal.text import printable
 
-VERSION = (1, 1)
+MAJOR, MINOR = 1, 1  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that the values may take up beyond twice the file's size
 DOCUMENT, BLANK = "document", "0" * 64
 
 
+class Versioned(Struct):
+    """What documents of every version have in common."""
+
+    version: Annotated[str, Meta(max_length=1000, pattern=r"^[0-9]+(\.|$)")]
+
+
 def read_document(text: str, file_size: int) -> Document:
-    """Read a clip's document.
+    """What a clip's document says, all of it checked.
 
-    Parameters
-    ----------
-    text : str
-        JSON as RFC 8259 has it.
-    file_size : int
-        Bytes of the file, which bound the memory that the values may take up.
-
-    Returns
-    -------
-    Document
-        What it says, all of it checked.
-
-    Raises
-    ------
-    ClipError
-        With one sentence, without a full stop, that names the field and what is wrong with it.
+    The bytes of the file bound the memory that the values may take up. Raises ClipError with one
+    sentence, without a full stop, that names the field and what is wrong with it.
     """
     if footprint(text) > SPARE_MEMORY + 2 * file_size:
         raise ClipError("its document holds far more values than a file of its size needs")
     try:
         found = json.loads(text, object_pairs_hook=_object, parse_constant=_refuse)
-        _check_version(convert(found, _Versioned).version)
+        major = convert(found, Versioned).version.split(".")[0]
+        if int(major) > MAJOR:
+            raise ClipError(
+                f"it was written in clip format {major[:20]}; this program reads up to "
+                f"{MAJOR}.{MINOR}, so a newer version of it is needed"
+            )
         return convert(found, Document)
-    except ValidationError as error:
-        raise ClipError(_sentence(str(error))) from None
-    except json.JSONDecodeError as error:
-        reason = f"{error.msg[:1].lower()}{error.msg[1:]} at character {error.pos}"
-        raise ClipError(f"its document is not valid JSON: {reason}") from None
-    except RecursionError:
-        raise ClipError("its document is not valid JSON: it is nested too deeply") from None
-    except ValueError:
-        raise ClipError("its document is not valid JSON: a number has too many digits") from None
+    except ValidationError as error:  # in the form "reason - at `$.field`"
+        reason, _, field = str(error).partition(" - at `$")
+        place = f", at {field.strip('.`')}" if field else ""
+        sentence = f"its document{place}: {reason[:1].lower()}{reason[1:]}"
+    except (ValueError, RecursionError) as error:
+        sentence = f"its document is not valid JSON: {error}"
+    raise ClipError(printable(sentence, 300))
 
 
 def footprint(text: str) -> int:
@@ -90,40 +85,14 @@ def _refuse(constant: str) -> Any:
     raise ClipError(f"its document is not valid JSON: it holds {constant}")
 
 
-class _Versioned(Struct):
-    version: Text
-
-
-def _check_version(version: str) -> None:
-    major = version.split(".")[0]
-    if not (major.isascii() and major.isdigit()):
-        raise ClipError(f'its version is "{version[:20]}"; "{VERSION[0]}.0" is expected')
-    if len(major) > 6 or int(major) > VERSION[0]:
-        raise ClipError(
-            f"it was written in clip format {version[:20]}; this program reads up to "
-            f"{VERSION[0]}.x, so a newer version of it is needed"
-        )
-
-
-def _sentence(refusal: str) -> str:
-    """What msgspec says, in the form "its document, at FIELD: what is wrong"."""
-    reason, _, place = refusal.partition(" - at `$")
-    where = f", at {place.strip('.`')}" if place else ""
-    return printable(f"its document{where}: {reason[:1].lower()}{reason[1:]}", 300)
-
-
 def write_document(content: Mapping[str, Any], checksums: Mapping[str, str]) -> str:
     """A document as JSON, byte for byte the same for the same content.
 
-    Parameters
-    ----------
-    content : dict
-        What a `Document` holds, but `version` and `sha256`.
-    checksums : dict of str to str
-        Of the buffers by name; the document's own is added.
+    content:   what a `Document` holds, but its version and checksums.
+    checksums: of the buffers by name; the document's own is added.
     """
     fields = to_builtins(content, enc_hook=lambda number: number.item())  # numpy's numbers
-    fields["version"] = f"{VERSION[0]}.{VERSION[1]}"
+    fields["version"] = f"{MAJOR}.{MINOR}"
     fields["sha256"] = {**checksums, DOCUMENT: BLANK}
     fields["sha256"][DOCUMENT] = checksum(_dumped(fields).encode())
     return _dumped(fields)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,10 +71,8 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
     index, share = locate(clip, day)
     plant, litter = [], []
     for group in clip.intervals[index].groups:
-        if group.motion is Motion.MOVE:
+        if group.motion is Motion.MOVE or share == 0.0:
             plant.append(Layer(index, group, share, share, 1.0))
-        elif share == 0.0:
-            plant.append(Layer(index, group, 0.0, 0.0, 1.0))
         elif group.motion is Motion.FALL and share < 1.0:
             plant.append(Layer(index, group, share**2, share, 1.0))
         elif group.motion is Motion.FALL:
@@ -92,10 +90,8 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
 
 def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
     """(degree + 1,) weights of the Bézier points at u; they sum to 1."""
-    u = parameter
-    return np.array(
-        [math.comb(degree, i) * u**i * (1.0 - u) ** (degree - i) for i in range(degree + 1)]
-    )
+    d, u = degree, parameter
+    return np.array([math.comb(d, i) * u**i * (1.0 - u) ** (d - i) for i in range(d + 1)])
 
 
 def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
@@ -117,20 +113,16 @@ def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> N
 def frame_at(clip: Clip, day: float) -> Frame:
     """See `Clip.at`."""
     layers = layers_at(clip, day)
+    plant = [layer for layer in layers if not layer.litter]
     litter = [layer for layer in layers if layer.litter]
-    return _frame(
-        clip,
-        day,
-        [layer for layer in layers if not layer.litter],
-        _frame(clip, day, litter, None) if litter else None,
-    )
+    return replace(_frame(clip, day, plant), litter=_frame(clip, day, litter) if litter else None)
 
 
-def _frame(clip: Clip, day: float, layers: list[Layer], litter: Frame | None) -> Frame:
+def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:
     nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
     parts = [evaluate_layer(clip, layer) for layer in layers] or [nothing]
     local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Frame(day, local, colors, tracks, clip.origin, litter)
+    return Frame(day, local, colors, tracks, clip.origin)
 
 
 def evaluate_layer(
@@ -158,9 +150,8 @@ def srgb_to_linear(srgb: NDArray[np.floating]) -> NDArray[np.floating]:
 
 def linear_to_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
     """Linear light in [0, 1] to sRGB in [0, 1]."""
-    return np.where(
-        linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
-    )
+    curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, linear * 12.92, curve)
 
 
 def blend_srgb(start: NDArray[np.uint8], end: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
@@ -170,9 +161,6 @@ def blend_srgb(start: NDArray[np.uint8], end: NDArray[np.uint8], share: float) -
     if share >= 1.0:
         return np.asarray(end)
     light = srgb_to_linear(np.arange(256) / 255.0)
-    blended = np.empty(start.shape, np.uint8)
-    blended[:, :3] = np.round(
-        255.0 * linear_to_srgb((1.0 - share) * light[start[:, :3]] + share * light[end[:, :3]])
-    )
-    blended[:, 3] = np.round((1.0 - share) * start[:, 3] + share * end[:, 3])
-    return blended
+    color = linear_to_srgb((1.0 - share) * light[start[:, :3]] + share * light[end[:, :3]])
+    alpha = (1.0 - share) * start[:, 3:] + share * end[:, 3:]
+    return np.hstack([np.round(255.0 * color), np.round(alpha)]).astype(np.uint8)

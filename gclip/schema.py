@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from msgspec import Meta, Struct
@@ -27,10 +27,7 @@ Channel = Annotated[int, Meta(ge=0, le=255)]
 Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 Event = Annotated[str, Meta(pattern="^(match|birth|loss)$")]
 Vector = tuple[Number, Number, Number]
-UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
-TimeUnit = Literal["days", "scans"]
-Degree = Literal[1, 2, 3]
-UP_AXES: tuple[str, ...] = get_args(UpAxis)
+UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
 
 
 class Motion(StrEnum):
@@ -88,8 +85,8 @@ class Box:
     high: Vector
 
     def __post_init__(self) -> None:
-        if any(low > high for low, high in zip(self.low, self.high, strict=True)):
-            raise ValueError("its low corner lies above its high corner")
+        ordered = all(low <= high for low, high in zip(self.low, self.high, strict=True))
+        _require(ordered, "its low corner lies above its high corner")
 
     @property
     def step(self) -> NDArray[np.float64]:
@@ -113,34 +110,28 @@ class IntervalEntry(Struct, frozen=True):
 
     start: Number
     end: Number
-    degree: Degree
+    degree: Literal[1, 2, 3]
     groups: tuple[Group, ...]
     box: Box | None = None
     segments: tuple[SegmentPair, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.end - self.start < MIN_DURATION:
-            raise ValueError(
-                f"it lasts from {self.start:g} to {self.end:g}; it must end {MIN_DURATION:g} or "
-                "more after its start"
-            )
         stops = [0, *(group.stop for group in self.groups)]
-        if [group.first for group in self.groups] != stops[:-1]:
-            raise ValueError("its groups do not cover the movers one after the other")
-        if stops[-1] == 0:
-            raise ValueError("it holds no movers; at least one is needed")
+        _require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
+        _require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
+        _require(stops[-1] > 0, "it holds no movers; at least one is needed")
 
 
 class Document(Struct, frozen=True):
     """All that a clip says but its buffers."""
 
     version: Text
-    up: UpAxis
+    up: Literal["x", "y", "z", "-x", "-y", "-z"]
     scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]
     tracks: Annotated[tuple[TrackEntry, ...], Meta(min_length=1)]
-    intervals: tuple[IntervalEntry, ...]
+    intervals: Annotated[tuple[IntervalEntry, ...], Meta(min_length=1)]
     unit: Text = ""
-    time_unit: TimeUnit = "days"
+    time_unit: Literal["days", "scans"] = "days"
     origin: Vector = (0.0, 0.0, 0.0)
     floor: Number = 0.0
     spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
@@ -149,40 +140,40 @@ class Document(Struct, frozen=True):
     provenance: dict[str, Any] = {}
 
     def __post_init__(self) -> None:
-        _check_times(self.scans, self.intervals, self.held_out)
+        starts = [interval.start for interval in self.intervals]
+        ends = [interval.end for interval in self.intervals]
+        times = [scan.time for scan in self.scans]
+        out = [scan.time for scan in self.held_out]
+        _require(_ascending(times), "the scans' times do not ascend")
+        _require(
+            (starts[0], ends[-1]) == (times[0], times[-1]), "the intervals do not span the series"
+        )
+        _require(starts[1:] == ends[:-1], "the intervals do not follow one another without a gap")
+        _require({*times} <= {*starts, *ends}, "a scan's time lies inside an interval")
+        _require(_ascending(out), "the times in held_out do not ascend")
+        _require(
+            all(times[0] <= time <= times[-1] for time in out),
+            "a time in held_out lies outside the series",
+        )
+        count = len(self.tracks)
         for index, track in enumerate(self.tracks):
-            if track.parent is not None and not index != track.parent < len(self.tracks):
-                raise ValueError(
-                    f"tracks[{index}].parent is {track.parent}; "
-                    f"another track's id below {len(self.tracks)} is needed"
-                )
-        used = [pair.track for interval in self.intervals for pair in interval.segments]
-        if max(used, default=0) >= len(self.tracks):
-            raise ValueError(
-                f"a segment's track is {max(used)}; only {len(self.tracks)} tracks are named"
-            )
-        if _depth(self.provenance) > MAX_DEPTH:
-            raise ValueError(f"provenance is nested more than {MAX_DEPTH} levels deep")
+            fine = track.parent is None or index != track.parent < count
+            _require(fine, f"tracks[{index}].parent is {track.parent}, no other track's id")
+        used = max((p.track for i in self.intervals for p in i.segments), default=0)
+        _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
+        _require(
+            _depth(self.provenance) <= MAX_DEPTH,
+            f"provenance is nested more than {MAX_DEPTH} levels deep",
+        )
 
 
-def _check_times(
-    scans: Sequence[ScanMark], intervals: Sequence[IntervalEntry], held_out: Sequence[ScanMark]
-) -> None:
-    times = [scan.time for scan in scans]
-    starts = [interval.start for interval in intervals]
-    ends = [interval.end for interval in intervals]
-    out = [scan.time for scan in held_out]
-    for name, ascending in (("scans", times), ("held_out", out)):
-        if any(a >= b for a, b in pairwise(ascending)):
-            raise ValueError(f"the times of {name} do not ascend")
-    if not intervals or starts[0] != times[0] or ends[-1] != times[-1]:
-        raise ValueError("the intervals do not span the scans' times")
-    if starts[1:] != ends[:-1]:
-        raise ValueError("the intervals do not follow one another without a gap")
-    if not {*times} <= {*starts, ends[-1]}:
-        raise ValueError("a scan's time lies inside an interval")
-    if out and not times[0] <= out[0] <= out[-1] <= times[-1]:
-        raise ValueError("a time in held_out lies outside the series")
+def _require(fine: bool, otherwise: str) -> None:
+    if not fine:
+        raise ValueError(otherwise)
+
+
+def _ascending(times: Sequence[float]) -> bool:
+    return all(a < b for a, b in pairwise(times))
 
 
 def _depth(value: Any) -> int:

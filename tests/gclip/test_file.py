@@ -170,7 +170,7 @@ LIES = {
     "box upside down": (lie("low", [999, 0, 0], "intervals", 0, "box"), "low corner"),
     "box not finite": (lie("low", [float("nan"), 0, 0], "intervals", 0, "box"), "holds NaN"),
     "box missing": (lie("box", None, "intervals", 0), "float32"),
-    "groups overlap": (lie("first", 3, "intervals", 1, "groups", 1), "one after the other"),
+    "groups overlap": (lie("first", 3, "intervals", 1, "groups", 1), "do not cover"),
     "huge count": (lie("count", 2**40, "intervals", 0, "groups", 0), "needs"),
     "motion": (lie("motion", "dance", "intervals", 0, "groups", 0), "motion"),
     "not JSON": (lambda d, b: "{", "JSON"),

@@ -21,6 +21,19 @@ def usual_handler() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
+def test_a_stop_that_python_drops_is_sent_again(capsys: pytest.CaptureFixture[str]) -> None:
+    class Dropped:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def work() -> None:
+        Dropped()
+        time.sleep(20)
+
+    assert run("bake", work) == 130
+    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
+
+
 def test_a_stop_while_a_module_loads_is_not_lost(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
