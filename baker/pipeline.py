@@ -23,7 +23,7 @@ from baker.batch.interval_job import IntervalJob
 from baker.batch.intervals import solve_intervals
 from baker.batch.provenance import describe_provenance, describe_tracks
 from baker.errors import InputError
-from baker.geometry.parallel import MapLike, thread_map
+from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.spacing import Surroundings
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth, births
@@ -32,15 +32,31 @@ from baker.interpolation.growth_rate import Pace, paces
 from baker.interpolation.movers import Keyframe
 from baker.interpolation.resampling import point_surface
 from baker.interpolation.steady import steadied
-from baker.matching import IntervalOrgans, Match, follow_organs, match_series
+from baker.matching import (
+    IntervalOrgans,
+    LabelUse,
+    Match,
+    follow_labels,
+    follow_organs,
+    label_policy,
+    match_series,
+)
 from baker.options import Decay, Options, Paths, worker_count
 from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import Series
 from baker.scans.stage import read_scans, told_by
 from baker.segmentation.from_labels import root_point
-from baker.segmentation.stage import segment_scans
+from baker.segmentation.hierarchy import Hierarchy
+from baker.segmentation.organs import segment_organs
+from baker.segmentation.series import (
+    coarse_hierarchies,
+    labelled_hierarchies,
+    thin_hierarchies,
+    whole_hierarchies,
+)
 from baker.transport.tasks import interval_tasks
+from baker.transport.wasserstein import wasserstein
 from gclip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -110,16 +126,15 @@ def bake_series(
     ]
     if root is None and not chosen.paper:
         bases = standing_bases(clouds, bases, vertical)
-    labels, hierarchies = segment_scans(
-        series.scans, clouds, bases, measured, recipe, chosen, tell, map
-    )
+    labels, hierarchies = _organs_of(series, clouds, bases, measured, recipe, chosen, tell, map)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
         clouds,
         hierarchies,
         by_label=labels.consistent or recipe.whole,
+        distance=wasserstein,
         rules=recipe.rules,
-        tell=partial(tell, "matching"),
+        report_progress=partial(tell, "matching"),
     )
     organs, named = follow_organs(matches, labels.consistent)
     jobs, spacing, floor = _interval_jobs(
@@ -170,6 +185,49 @@ def bake_series(
         bud=(chosen.bud, recipe.bud_least),
     )
     return clip, record
+
+
+def _organs_of(
+    series: Series,
+    clouds: Sequence[NDArray[np.float32]],
+    bases: Sequence[int],
+    measured: Sequence[Surroundings],
+    recipe: Recipe,
+    options: Options,
+    tell: Progress,
+    map: MapLike,
+) -> tuple[LabelUse, list[Hierarchy]]:
+    """How labels are used, and each scan's hierarchy, under labels that name the same organs."""
+    ignored = recipe.whole or options.segment != "auto"
+    labels = label_policy(
+        [scan.labels for scan in series.scans],
+        [scan.name for scan in series.scans],
+        clouds,
+        bases,
+        "ignore" if ignored else options.labels,
+    )
+    if recipe.segment == "whole":
+        return labels, whole_hierarchies(clouds)
+    map = reporting(map, partial(tell, "segmentation"), len(clouds))
+    if labels.labels is None and recipe.segment == "thin":
+        k, threshold = options.graph_neighbors, options.bifurcation
+        return labels, thin_hierarchies(clouds, bases, k, threshold, map)
+    if labels.labels is None or (recipe.match_by_shape and not labels.consistent):
+        own = labels.labels or segment_organs(clouds, bases, map)
+        labels = follow_labels(labels, clouds, coarse_hierarchies(clouds, own, bases), bases)
+    assert labels.labels is not None
+    touching = [around.touching for around in measured if around.touching is not None]
+    return labels, labelled_hierarchies(
+        clouds,
+        labels.labels,
+        bases,
+        consistent=labels.consistent,
+        agreeing=recipe.match_by_shape,
+        virtual_root=options.root == "virtual",
+        spacings=[around.spacing for around in measured],
+        touching=touching if len(touching) == len(clouds) and not labels.renamed else None,
+        map=map,
+    )
 
 
 def _silent(stage: str, done: int, total: int) -> None:

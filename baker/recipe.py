@@ -16,6 +16,7 @@ class Recipe:
 
     align:           how scans are brought together: auto, icp or none.
     whole:           no segments, one transport problem for the whole cloud (Figure 3).
+    segment:         how scans without labels are segmented: whole, thin or organs.
     match_by_shape:  organs numbered anew are matched all at once; else down the hierarchies.
     rules:           of matching down the hierarchies.
     transport:       of each pair of segments.
@@ -27,6 +28,7 @@ class Recipe:
 
     align: str
     whole: bool
+    segment: str
     match_by_shape: bool
     rules: GreedyRules
     transport: TransportOptions
@@ -44,6 +46,7 @@ def recipe_for(options: Options) -> Recipe:
         return Recipe(
             align="icp" if options.align == "auto" else options.align,
             whole=whole,
+            segment=_segmentation(whole, options.segment, "thin"),
             match_by_shape=False,
             rules=PAPER,
             transport=TransportOptions(
@@ -62,6 +65,7 @@ def recipe_for(options: Options) -> Recipe:
     return Recipe(
         align=options.align,
         whole=whole,
+        segment=_segmentation(whole, options.segment, "organs"),
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
@@ -70,3 +74,8 @@ def recipe_for(options: Options) -> Recipe:
         paths=paths,
         bud_least=BUD_LEAST,
     )
+
+
+def _segmentation(whole: bool, requested: str, usual: str) -> str:
+    """How scans without labels are segmented."""
+    return "whole" if whole else usual if requested == "auto" else requested

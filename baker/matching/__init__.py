@@ -1,17 +1,20 @@
 """Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
 
 from baker.matching.hierarchical import PAPER, GreedyRules
-from baker.matching.match import Match, match_by_label
-from baker.matching.series import match_series
+from baker.matching.labels import LabelUse, follow_labels, label_policy
+from baker.matching.match import Match, match_by_label, match_series
 from baker.matching.tracks import IntervalOrgans, Organ, follow_organs
 
 __all__ = [
     "PAPER",
     "GreedyRules",
     "IntervalOrgans",
+    "LabelUse",
     "Match",
     "Organ",
+    "follow_labels",
     "follow_organs",
+    "label_policy",
     "match_by_label",
     "match_series",
 ]

@@ -1,41 +1,63 @@
-"""Matching two sets of alternatives, each of which may stay alone."""
+"""One-to-one assignment of two sets of segments in which segments may stay unmatched."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching.lazy import LazyCosts
-
 
 def assign_with_dummies(
     costs: NDArray[np.floating], loss: NDArray[np.floating], birth: NDArray[np.floating]
 ) -> list[tuple[int, int]]:
-    """Cheapest matching of n rows and m columns in which any of them may stay alone.
+    """Assign rows to columns at the least total cost, with a dummy partner for each of them.
 
-    costs: (n, m); loss: (n,) price of leaving a row alone; birth: (m,) of a column.
+    Parameters
+    ----------
+    costs : (n, m) float ndarray
+        Cost of matching row ``i`` to column ``j``.
+    loss : (n,) float ndarray
+        Cost of leaving a row unmatched.
+    birth : (m,) float ndarray
+        Cost of leaving a column unmatched.
+
+    Returns
+    -------
+    list of (int, int)
+        The matched pairs, by row.
     """
     from scipy.optimize import linear_sum_assignment
 
     n, m = costs.shape
-    never = 1.0 + 2.0 * float(costs.sum() + loss.sum() + birth.sum())
-    square = np.zeros((n + m, n + m))
-    square[:n, :m] = costs
-    square[:n, m:] = np.where(np.eye(n, dtype=bool), loss[:, None], never)
-    square[n:, :m] = np.where(np.eye(m, dtype=bool), birth[None, :], never)
-    rows, columns = linear_sum_assignment(square)
+    forbidden = 1.0 + 2.0 * float(costs.sum() + loss.sum() + birth.sum())
+    padded = np.zeros((n + m, n + m))
+    padded[:n, :m] = costs
+    padded[:n, m:] = np.where(np.eye(n, dtype=bool), loss[:, None], forbidden)
+    padded[n:, :m] = np.where(np.eye(m, dtype=bool), birth[None, :], forbidden)
+    rows, columns = linear_sum_assignment(padded)
     return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if i < n and j < m]
 
 
-def assign_by_minima(costs: LazyCosts) -> list[tuple[int, int]]:
-    """The paper's way: leave out as many as there are too many, the farthest first, match the rest.
+def assign_by_minima(costs: NDArray[np.floating]) -> list[tuple[int, int]]:
+    """Assign as the paper does: the surplus of the larger side is left out first (section 3.3.1).
 
-    costs: (n, m); of the larger side the |n - m| whose nearest partner is farthest stay alone.
+    Of the larger side, the ``|n - m|`` segments whose nearest partner is farthest stay unmatched.
+
+    Parameters
+    ----------
+    costs : (n, m) float ndarray
+
+    Returns
+    -------
+    list of (int, int)
+        ``min(n, m)`` pairs, by row.
     """
+    from scipy.optimize import linear_sum_assignment
+
     n, m = costs.shape
     rows, columns = np.arange(n), np.arange(m)
     if n > m:
-        rows = np.sort(np.argsort(costs.minima(axis=1), kind="stable")[:m])
+        rows = np.sort(np.argsort(costs.min(axis=1), kind="stable")[:m])
     elif m > n:
-        columns = np.sort(np.argsort(costs.minima(axis=0), kind="stable")[:n])
-    return costs.assignment(rows, columns)
+        columns = np.sort(np.argsort(costs.min(axis=0), kind="stable")[:n])
+    i, j = linear_sum_assignment(costs[np.ix_(rows, columns)])
+    return list(zip(rows[i].tolist(), columns[j].tolist(), strict=True))

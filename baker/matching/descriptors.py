@@ -1,4 +1,4 @@
-"""The organs of one scan for matching: where each begins, which way and how far it goes."""
+"""Descriptors of a scan's organs for matching: attachment point, size, direction, order."""
 
 from __future__ import annotations
 
@@ -7,121 +7,137 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segmentation.from_labels import hierarchy_from_labels
-from baker.segmentation.hierarchy import NO_PARENT, split_by_label
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
-CONTACTS, SAMPLE = 400, 128  # points of an organ that its attachment and its distances are found by
-ATTACHED = 5  # of the latter, how many make its base
-APART = 0.025  # from where on two bases are told apart, as a share of the organs' size
-MANY = 10  # organs whose order along the stem counts in full
+SAMPLE_SIZE = 128  # points of an organ that its descriptors and distances are found from
+ATTACHMENT_POINTS = 5  # of these, the nearest to the parent, whose mean is the attachment point
+ORDER_SOFTNESS = 0.025  # distance along the stem that tells two organs apart, in organ sizes
+ORDERED_ORGANS = 10  # organs of a plant up to which their order along the stem counts in full
 
 
 @dataclass(frozen=True)
-class Shapes:
-    """A scan's n organs.
+class OrganDescriptors:
+    """What a scan's n organs look like.
 
-    labels:     ascending, one an organ.
-    samples:    (s, 3) float64 points of each, at most SAMPLE.
-    bases:      (n, 3) where each leaves the organ that it grows from; of the root, the stem's base.
-    sizes:      (n,) root mean square distance of an organ's points from its base.
-    directions: (n, 3) unit vectors from the base to the organ's mean.
-    below:      (n,) how many organs leave the stem before this one does, 0 where there is no stem.
-    height:     (n,) distance of the base from the stem's, 1 that of the last organ; 0 without stem.
+    Attributes
+    ----------
+    samples : list of (s, 3) float64 ndarray
+        Points of each organ, at most `SAMPLE_SIZE`.
+    attachments : (n, 3) float64 ndarray
+        Attachment point of each organ on its parent; of the root organ, the base of the plant.
+    sizes : (n,) float64 ndarray
+        Root mean square distance of an organ's points from its attachment point, in length units.
+    directions : (n, 3) float64 ndarray
+        Unit vectors from the attachment point to the organ's centroid.
+    order : (n,) float64 ndarray
+        Number of organs that leave the stem below this one; 0 where there is no stem.
+    height : (n,) float64 ndarray
+        Distance of the attachment point from the base of the plant, 1 that of the last organ; 0
+        where there is no stem.
     """
 
-    labels: list[int]
     samples: list[NDArray[np.float64]]
-    bases: NDArray[np.float64]
+    attachments: NDArray[np.float64]
     sizes: NDArray[np.float64]
     directions: NDArray[np.float64]
-    below: NDArray[np.float64]
+    order: NDArray[np.float64]
     height: NDArray[np.float64]
 
+    def __len__(self) -> int:
+        return len(self.samples)
 
-def shapes_of(
-    cloud: NDArray[np.floating],
-    labels: NDArray[np.integer],
-    root_point: int,
-    stem: bool = False,
-) -> Shapes:
-    """The organs of an (N, 3) cloud with (N,) labels, the stem's base at point `root_point`.
 
-    stem: whether the organ there is known to be the stem, however the others seem to hang together.
+def describe_organs(
+    cloud: NDArray[np.floating], hierarchy: Hierarchy, root_point: int, stem: bool = False
+) -> OrganDescriptors:
+    """Describe the organs of a scan.
+
+    Parameters
+    ----------
+    cloud : (N, 3) float ndarray
+    hierarchy : Hierarchy
+        The scan's segments that have points are its organs, in their order.
+    root_point : int
+        Index of the point at the base of the plant.
+    stem : bool
+        Whether the organ there is known to be the stem of all others, whatever the hierarchy says.
+
+    Returns
+    -------
+    OrganDescriptors
     """
-    names, members = split_by_label(labels)
-    root = names.index(int(labels[root_point]))
-    parents = _parents(cloud, members, root)
-    samples = [cloud[_thinned(own, SAMPLE)].astype(np.float64) for own in members]
-    foot = cloud[root_point].astype(np.float64)
-    bases = np.array(
+    members, root, parents = _organs(hierarchy, root_point)
+    samples = [cloud[own[:: -(-len(own) // SAMPLE_SIZE)]].astype(np.float64) for own in members]
+    base = cloud[root_point].astype(np.float64)
+    attachments = np.array(
         [
-            foot if parent == NO_PARENT else _base(sample, samples[parent])
+            base if parent == NO_PARENT else _attachment(sample, samples[parent])
             for sample, parent in zip(samples, parents, strict=True)
         ]
     )
-    reach = [sample - base for sample, base in zip(samples, bases, strict=True)]
-    sizes = np.array([np.sqrt((r**2).sum(axis=1).mean()) for r in reach])
-    mean = np.array([r.mean(axis=0) for r in reach])
+    offsets = [sample - point for sample, point in zip(samples, attachments, strict=True)]
+    sizes = np.array([np.sqrt((offset**2).sum(axis=1).mean()) for offset in offsets])
+    mean = np.array([offset.mean(axis=0) for offset in offsets])
     length = np.linalg.norm(mean, axis=1, keepdims=True)
-    along = np.linalg.norm(bases - foot, axis=1)
-    stem = stem or _is_stem(root, parents)
-    return Shapes(
-        labels=names,
+    along = np.linalg.norm(attachments - base, axis=1)
+    count = len(members)
+    softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
+    is_stem = stem or _is_stem(root, parents)
+    return OrganDescriptors(
         samples=samples,
-        bases=bases,
+        attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        below=_number_below(along, root, APART * _overall(sizes)) if stem else np.zeros(len(names)),
-        height=along / max(along.max(), np.finfo(float).tiny) if stem else np.zeros(len(names)),
+        order=_order_along_stem(along, root, softness) if is_stem else np.zeros(count),
+        height=along / max(along.max(), np.finfo(float).tiny) if is_stem else np.zeros(count),
     )
 
 
-def _thinned(members: NDArray[np.intp], most: int) -> NDArray[np.intp]:
-    return members[:: -(-len(members) // most)]
+def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp]], int, list[int]]:
+    """The segments that have points, which of them holds the root point, and their parents.
+
+    The root's parent is NO_PARENT. Segments under a virtual, empty root grow from the root too.
+    """
+    segments = [s for s, own in enumerate(hierarchy.segments) if len(own)]
+    members = [hierarchy.segments[s] for s in segments]
+    root = next(index for index, own in enumerate(members) if root_point in own)
+    index = {segment: organ for organ, segment in enumerate(segments)}
+    parents = [index.get(hierarchy.parents[segment], root) for segment in segments]
+    parents[root] = NO_PARENT
+    return members, root, parents
 
 
-def _parents(cloud: NDArray[np.floating], members: list[NDArray[np.intp]], root: int) -> list[int]:
-    """The organ that each grows from, found on some of the points; the root where unclear."""
-    some = [_thinned(own, CONTACTS) for own in members]
-    owner = np.repeat(np.arange(len(some)), [len(own) for own in some])
-    parents = hierarchy_from_labels(cloud[np.concatenate(some)], owner, root).parents
-    count = len(members)
-    return [
-        NO_PARENT if organ == root else parent if parent < count else root
-        for organ, parent in enumerate(parents[:count])
-    ]
+def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDArray[np.float64]:
+    from scipy.spatial import KDTree
 
-
-def _base(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDArray[np.float64]:
-    from scipy.spatial import cKDTree
-
-    gaps = cKDTree(parent).query(sample)[0]
-    base: NDArray[np.float64] = sample[np.argsort(gaps, kind="stable")[:ATTACHED]].mean(axis=0)
-    return base
+    distances = KDTree(parent).query(sample)[0]
+    nearest = np.argsort(distances, kind="stable")[:ATTACHMENT_POINTS]
+    point: NDArray[np.float64] = sample[nearest].mean(axis=0)
+    return point
 
 
 def _is_stem(root: int, parents: list[int]) -> bool:
     """Whether the order along the root means anything: not where leaves without a stem overlap."""
-    carried = np.bincount([p for p in parents if p != NO_PARENT], minlength=len(parents))
-    others = np.delete(carried, root)
-    most = others.max(initial=0)
-    alone = (carried > 0).sum() <= 1
-    return bool(alone or carried[root] > most or most > 0.5 * (len(parents) - 1))
+    children = np.bincount([p for p in parents if p != NO_PARENT], minlength=len(parents))
+    most = np.delete(children, root).max(initial=0)
+    no_other_parent = (children > 0).sum() <= 1
+    return bool(no_other_parent or children[root] > most or most > 0.5 * (len(parents) - 1))
 
 
-def _number_below(along: NDArray[np.float64], root: int, apart: float) -> NDArray[np.float64]:
+def _order_along_stem(
+    along: NDArray[np.float64], root: int, softness: float
+) -> NDArray[np.float64]:
     """How many organs other than the root begin nearer to the stem's base; a tie counts half.
 
-    Of many organs, as of MANY: where hundreds branch off, a few more below mean little.
+    In a plant of hundreds of organs a few more below mean little: the count is scaled to
+    `ORDERED_ORGANS`.
     """
     from scipy.special import expit
 
-    nearer = expit((along[:, None] - along) / apart) if apart else np.full([len(along)] * 2, 0.5)
-    np.fill_diagonal(nearer, 0.0)
-    nearer[:, root] = 0.0
-    number: NDArray[np.float64] = nearer.sum(axis=1)
-    return number * min(1.0, MANY / len(along))
-
-
-def _overall(sizes: NDArray[np.float64]) -> float:
-    return float(np.sqrt((sizes**2).mean()))
+    below = (
+        expit((along[:, None] - along) / softness) if softness else np.full([len(along)] * 2, 0.5)
+    )
+    np.fill_diagonal(below, 0.0)
+    below[:, root] = 0.0
+    order: NDArray[np.float64] = below.sum(axis=1)
+    return order * min(1.0, ORDERED_ORGANS / len(along))

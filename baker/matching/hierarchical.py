@@ -1,69 +1,136 @@
-"""Matching where labels are not consistent: down the hierarchies, by the paper (section 3.3.1).
+"""Matching down the hierarchies where labels are not consistent (paper section 3.3.1).
 
-Root meets root. Each new match is merged with children as long as that brings the two segments
-nearer to each other, then the remaining children are matched; whole subtrees are born or lost.
+The roots are matched. Each matched pair is merged with children for as long as that brings the two
+segments nearer to each other; then the remaining children are matched. Whole subtrees are born or
+lost.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.assignment import assign_by_minima, assign_with_dummies
-from baker.matching.lazy import LazyCosts, least
-from baker.matching.match import Match, Merge, from_pairs
 from baker.segmentation.hierarchy import Hierarchy
-from baker.transport.wasserstein import Moments
 
-Distance = Callable[[NDArray[np.floating], NDArray[np.floating]], float]
-Bound = Callable[[Moments, Sequence[Moments]], NDArray[np.floating]]
+Points = NDArray[np.floating]
+Distance = Callable[[Points, Points], float]
 
 
-def _unbounded(one: Moments, others: Sequence[Moments]) -> NDArray[np.floating]:
-    return np.zeros(len(others))
+@dataclass(frozen=True)
+class Merge:
+    """A child merged into its parent's segment, because that brought the match nearer.
+
+    Attributes
+    ----------
+    side : int
+        0 in the first scan, 1 in the second.
+    head, child : int
+        Segments, as the hierarchies that matching was given number them.
+    before, after : float
+        Distance of the matched segments, in length units.
+    """
+
+    side: int
+    head: int
+    child: int
+    before: float
+    after: float
+
+    def __str__(self) -> str:
+        return (
+            f"segment {self.child} of the {('first', 'second')[self.side]} scan merged into "
+            f"segment {self.head}: distance {self.before:.3g} to {self.after:.3g}"
+        )
 
 
 @dataclass(frozen=True)
 class GreedyRules:
-    """What the paper leaves open (rulings 11 and 14).
+    """What the paper leaves open (docs/method.md, rows 11 and 14).
 
-    merge_first: also merge segments of the first scan, whichever gains most; the paper merges in
-                 the second scan only.
-    least_gain:  share of the distance that a merge has to save.
-    dummies:     children may stay unmatched on both sides at once, where a bud that unfolds and an
-                 organ that goes come cheaper; else as many as the numbers differ, farthest first.
+    Attributes
+    ----------
+    merge_first : bool
+        Also merge segments of the first scan, whichever gains most; the paper merges in the second
+        scan only.
+    min_gain : float
+        Share of the distance that a merge has to save.
+    dummies : bool
+        Children may stay unmatched on both sides at once, where that costs less than matching them;
+        else only the surplus of the larger side does.
     """
 
     merge_first: bool = True
-    least_gain: float = 0.001
+    min_gain: float = 0.001
     dummies: bool = True
 
 
-PAPER = GreedyRules(merge_first=False, least_gain=0.0, dummies=False)
+PAPER = GreedyRules(merge_first=False, min_gain=0.0, dummies=False)
+
+
+def match_hierarchies(
+    points: tuple[Points, Points],
+    hierarchies: tuple[Hierarchy, Hierarchy],
+    distance: Distance,
+    rules: GreedyRules,
+    report_matched: Callable[[int], None] = lambda segments: None,
+) -> tuple[Hierarchy, Hierarchy, list[tuple[int, int]], tuple[Merge, ...]]:
+    """Match the segment hierarchies of two scans from the roots on.
+
+    Parameters
+    ----------
+    points : pair of (N, 3) float ndarray
+        Both scans, aligned.
+    hierarchies : pair of Hierarchy
+    distance : callable
+        Distance of two segments, (n, 3) and (m, 3), in length units: the Wasserstein distance.
+    rules : GreedyRules
+    report_matched : callable
+        Called before each distance with how many segments of the second scan are matched or merged.
+
+    Returns
+    -------
+    first, second : Hierarchy
+        The hierarchies after merging.
+    pairs : list of (int, int)
+        Matched segments of these; all others are born or lost.
+    merges : tuple of Merge
+        What was merged, in order.
+    """
+
+    def measured(source: Points, target: Points) -> float:
+        report_matched(sum(map(len, second.groups.values())))
+        return distance(source, target)
+
+    first, second = (_Scan(p, h) for p, h in zip(points, hierarchies, strict=True))
+    descent = _Descent(first, second, measured, rules)
+    queue = [(first.hierarchy.root, second.hierarchy.root)]
+    matched, merges = [], []
+    while queue:
+        a, b = queue.pop(0)
+        matched.append((a, b))
+        first.groups[a], second.groups[b] = [a], [b]
+        merges += descent.merge(a, b)
+        queue += descent.match_children(a, b)
+    merged_first, first_index = first.merged()
+    merged_second, second_index = second.merged()
+    pairs = [(first_index[a], second_index[b]) for a, b in matched]
+    return merged_first, merged_second, pairs, tuple(merges)
 
 
 @dataclass
-class _Side:
-    """One scan while it is matched: its hierarchy and what has been merged so far."""
+class _Scan:
+    """A scan while it is matched: its hierarchy and what has been merged into each segment."""
 
-    points: NDArray[np.floating]
+    points: Points
     hierarchy: Hierarchy
     groups: dict[int, list[int]] = field(default_factory=dict)
-    moments: dict[int, Moments] = field(default_factory=dict)
 
-    def cloud(self, group: list[int]) -> NDArray[np.floating]:
+    def cloud(self, group: list[int]) -> Points:
         return self.points[np.concatenate([self.hierarchy.segments[s] for s in group])]
-
-    def moments_of(self, segment: int) -> Moments:
-        if segment not in self.moments:
-            self.moments[segment] = Moments.of(self.cloud([segment]))
-        return self.moments[segment]
-
-    def moments_of_group(self, group: list[int]) -> Moments:
-        return sum((self.moments_of(s) for s in group[1:]), self.moments_of(group[0]))
 
     def children(self, head: int) -> list[int]:
         """Children of a merged segment that are not part of it; an empty one has no shape."""
@@ -76,7 +143,7 @@ class _Side:
         ]
 
     def merged(self) -> tuple[Hierarchy, dict[int, int]]:
-        """The merged hierarchy, and from a group's head to its number there."""
+        """The merged hierarchy, and the index in it of each group's head."""
         inside = {segment for group in self.groups.values() for segment in group}
         alone = [[s] for s in range(len(self.hierarchy.segments)) if s not in inside]
         groups = sorted([*self.groups.values(), *alone], key=lambda group: group[0])
@@ -84,125 +151,70 @@ class _Side:
 
 
 @dataclass(frozen=True)
-class _Greedy:
-    """Both scans, how their segments are compared, and the greedy choices that follow."""
+class _Descent:
+    """The greedy choices: what is merged into a matched pair, and which children match."""
 
-    first: _Side
-    second: _Side
+    first: _Scan
+    second: _Scan
     distance: Distance
-    bound: Bound
     rules: GreedyRules
 
     def merge(self, a: int, b: int) -> list[Merge]:
         """Merge children into the matched segments, the largest gain first, while one gains."""
         merges: list[Merge] = []
-        one, other = self.first.groups[a], self.second.groups[b]
-        if not (len(self.first.cloud(one)) and len(self.second.cloud(other))):
+        source, target = self.first.groups[a], self.second.groups[b]
+        if not (len(self.first.cloud(source)) and len(self.second.cloud(target))):
             return merges
-        current = self.distance(self.first.cloud(one), self.second.cloud(other))
+        current = self.distance(self.first.cloud(source), self.second.cloud(target))
         while True:
             trials = [(1, child) for child in self.second.children(b)]
             if self.rules.merge_first:
                 trials += [(0, child) for child in self.first.children(a)]
-            trials.sort()  # the lowest of those tied
-
-            def joined(trial: int, trials: list[tuple[int, int]] = trials) -> float:
-                side, child = trials[trial]
-                return self.distance(
-                    self.first.cloud(one if side else [*one, child]),
-                    self.second.cloud([*other, child] if side else other),
+            trials.sort()  # ties go to the lowest
+            distances = [
+                self.distance(
+                    self.first.cloud(source if side else [*source, child]),
+                    self.second.cloud([*target, child] if side else target),
                 )
-
-            found = least(
-                self._bounds(one, other, trials),
-                joined,
-                limit=current * (1.0 - self.rules.least_gain),
-            )
-            if found is None:
+                for side, child in trials
+            ]
+            nearest = min(distances, default=np.inf)
+            if not nearest < current * (1.0 - self.rules.min_gain):
                 return merges
-            best, (side, child) = found[0], trials[found[1]]
-            (other if side else one).append(child)
-            merges.append(Merge(side, b if side else a, child, current, best))
-            current = best
-
-    def _bounds(
-        self, one: list[int], other: list[int], trials: Sequence[tuple[int, int]]
-    ) -> NDArray[np.floating]:
-        """What two merged segments' distances are at least with one more child in either."""
-        own, its = self.first.moments_of_group(one), self.second.moments_of_group(other)
-        found = np.zeros(len(trials))
-        for side, whole, across, scan in ((1, its, own, self.second), (0, own, its, self.first)):
-            chosen = [k for k, trial in enumerate(trials) if trial[0] == side]
-            if chosen:
-                joined = [whole + scan.moments_of(trials[k][1]) for k in chosen]
-                found[chosen] = self.bound(across, joined)
-        return found
+            side, child = trials[distances.index(nearest)]
+            (target if side else source).append(child)
+            merges.append(Merge(side, b if side else a, child, current, nearest))
+            current = nearest
 
     def match_children(self, a: int, b: int) -> list[tuple[int, int]]:
         """Pairs of the children of two matched segments."""
         first, second = self.first, self.second
-        ours, theirs = first.children(a), second.children(b)
-        if not ours or not theirs:
+        source, target = first.children(a), second.children(b)
+        if not source or not target:
             return []
-        moments = [second.moments_of(q) for q in theirs]
-        costs = LazyCosts(
-            np.array([self.bound(first.moments_of(p), moments) for p in ours]),
-            lambda i, j: self.distance(first.cloud([ours[i]]), second.cloud([theirs[j]])),
+        costs = np.array(
+            [[self.distance(first.cloud([p]), second.cloud([q])) for q in target] for p in source]
         )
         if self.rules.dummies:
             pairs = assign_with_dummies(
-                costs.all(),
-                np.array([_to_bud(first, p, first.cloud(first.groups[a])) for p in ours]),
-                np.array([_to_bud(second, q, second.cloud(second.groups[b])) for q in theirs]),
+                costs,
+                np.array([_size(first, p, first.cloud(first.groups[a])) for p in source]),
+                np.array([_size(second, q, second.cloud(second.groups[b])) for q in target]),
             )
         else:
             pairs = assign_by_minima(costs)
-        return [(ours[i], theirs[j]) for i, j in pairs]
+        return [(source[i], target[j]) for i, j in pairs]
 
 
-def match_greedily(
-    points: tuple[NDArray[np.floating], NDArray[np.floating]],
-    hierarchies: tuple[Hierarchy, Hierarchy],
-    distance: Distance,
-    rules: GreedyRules,
-    bound: Bound = _unbounded,
-    done: Callable[[int], None] = lambda segments: None,
-) -> Match:
-    """Match two scans' hierarchies from the roots on.
+def _size(scan: _Scan, segment: int, parent: Points) -> float:
+    """Wasserstein distance of a segment from its own attachment point, the nearest to its parent.
 
-    distance: d_w of two clouds (n, 3) and (m, 3), in length units.
-    bound:    what it is at least, by the clouds' moments: few distances are then worked out, and
-              the match is the same.
-    done:     called after each distance, with how many of the second scan's segments are matched
-              or merged so far.
+    That is what it costs to shrink the segment into a bud: the root mean square distance.
     """
+    from scipy.spatial import KDTree
 
-    def measured(one: NDArray[np.floating], other: NDArray[np.floating]) -> float:
-        done(sum(map(len, second.groups.values())))
-        return distance(one, other)
-
-    first, second = (_Side(p, h) for p, h in zip(points, hierarchies, strict=True))
-    greedy = _Greedy(first, second, measured, bound, rules)
-    queue = [(first.hierarchy.root, second.hierarchy.root)]
-    matched, merges = [], []
-    while queue:
-        a, b = queue.pop(0)
-        matched.append((a, b))
-        first.groups[a], second.groups[b] = [a], [b]
-        merges += greedy.merge(a, b)
-        queue += greedy.match_children(a, b)
-    merged_first, number_first = first.merged()
-    merged_second, number_second = second.merged()
-    pairs = [(number_first[a], number_second[b]) for a, b in matched]
-    return from_pairs(merged_first, merged_second, pairs, tuple(merges))
-
-
-def _to_bud(side: _Side, segment: int, parent: NDArray[np.floating]) -> float:
-    """d_w of a segment from its bud: all its mass at the point of it nearest to its parent."""
-    from scipy.spatial import cKDTree
-
-    cloud = side.cloud([segment])
+    cloud = scan.cloud([segment])
     bud = cloud.mean(axis=0)
     if len(parent):
-        bud = cloud[np.argmin(cKDTree(parent).query(cloud)[0])]
+        bud = cloud[np.argmin(KDTree(parent).query(cloud)[0])]
     return float(np.sqrt(((cloud - bud) ** 2).sum(axis=1).mean()))

@@ -1,109 +1,193 @@
-"""What the scans' labels are good for: names of organs, or numbers given anew in every scan."""
+"""What the scans' labels mean: the same organs in all scans, or numbers given anew in each.
+
+Labels that are not consistent are made so by following the organs through the series
+(`baker.matching.tracking`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.geometry.contacts import MOST_ORGANS
-from baker.matching.glimpses import without_glimpses
-from baker.matching.pieces import agreement, consistent_pieces
+from baker.matching.assignment import assign_with_dummies
 from baker.matching.tracking import track_organs
-from baker.scans.scan import Scan
-from baker.segmentation.hierarchy import Hierarchy
+from baker.segmentation.hierarchy import Hierarchy, split_by_label
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+Points = NDArray[np.floating]
+Labels = NDArray[np.int64]
+
+MIN_AGREEMENT = 0.5  # share of organs whose labels and shapes agree, above which labels are names
+SAMPLE_SIZE = 400  # points of an organ that covering distances are measured with
+# Cost of leaving an organ unmatched, as a share of its distance from its attachment point.
+LOSS_COST, BIRTH_COST = 0.4, 0.75
 
 
 @dataclass(frozen=True)
 class LabelUse:
     """The labels to bake with.
 
-    labels:     for each scan (N,) int64; None where the scans are segmented without labels.
-    consistent: the same organ has the same label in all scans.
-    sentence:   how they came about, for the user.
-    renamed:    they are numbers of ours, not the scans' own.
-    found:      the organs themselves are our finding.
+    Attributes
+    ----------
+    labels : tuple of (N,) int64 ndarray, or None
+        One array for each scan; None where the scans are segmented without labels.
+    consistent : bool
+        The same organ has the same label in all scans.
+    sentence : str
+        How the labels came about, for the user.
+    renamed : bool
+        They are track numbers, not the scans' own labels.
+    found : bool
+        The organs themselves were found without labels.
     """
 
-    labels: tuple[NDArray[np.int64], ...] | None
+    labels: tuple[Labels, ...] | None
     consistent: bool
     sentence: str
     renamed: bool = False
     found: bool = False
 
 
-def use_of_labels(
-    scans: Sequence[Scan],
-    clouds: Sequence[NDArray[np.floating]],
+def label_policy(
+    labels: Sequence[Labels | None],
+    names: Sequence[str],
+    clouds: Sequence[Points],
     root_points: Sequence[int],
-    wanted: str,
-    match_by_shape: bool,
+    requested: str,
 ) -> LabelUse:
-    """Decide how labels are used; `wanted` is auto, consistent, independent or ignore.
+    """Decide how the scans' labels are used.
 
-    clouds: aligned positions, (N, 3) each. root_points: each scan's stem base.
+    Parameters
+    ----------
+    labels : sequence of (N,) int64 ndarray or None
+        The labels of each scan, as they were read.
+    names : sequence of str
+        The scans' names, for messages.
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    root_points : sequence of int
+        Index of the point at the base of each scan's plant.
+    requested : {"auto", "consistent", "independent", "ignore"}
+        ``auto`` takes labels as consistent where most organs match, by what they cover, the organ
+        of the same label in the next scan.
 
-    match_by_shape: give organs that are numbered anew consistent labels at once; else leave them as
-    they are, to be matched down the hierarchies.
+    Returns
+    -------
+    LabelUse
+        Labels that are independent are left as they are; `follow_labels` makes them consistent.
 
-    auto takes labels as names where most organs match the one of the same label in the next scan.
-    Raises InputError where labels are asked for and a scan has none, or more than `MOST_ORGANS`.
+    Raises
+    ------
+    InputError
+        Labels are asked for and a scan has none, or a scan has more than `MOST_ORGANS`.
     """
-    if wanted == "ignore":
+    if requested == "ignore":
         return LabelUse(None, False, "labels ignored, as asked")
-    labels = [scan.labels for scan in scans if scan.labels is not None]
-    if len(labels) < len(scans):
-        if wanted != "auto":
-            without = next(scan.name for scan in scans if scan.labels is None)
-            raise InputError(f"{without} has no labels; --labels {wanted} needs them.")
+    given = [own for own in labels if own is not None]
+    if len(given) < len(labels):
+        if requested != "auto":
+            without = next(name for name, own in zip(names, labels, strict=True) if own is None)
+            raise InputError(f"{without} has no labels; --labels {requested} needs them.")
         return LabelUse(None, False, "the scans have no labels")
-    for scan, names in zip(scans, labels, strict=True):
-        if (count := len(np.unique(names))) > MOST_ORGANS:
+    for name, own in zip(names, given, strict=True):
+        if (count := len(np.unique(own))) > MOST_ORGANS:
             raise InputError(
-                f"'{scan.name}' has {count} different labels, but at most {MOST_ORGANS} can be "
+                f"'{name}' has {count} different labels, but at most {MOST_ORGANS} can be "
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
-    share = agreement(clouds, labels, root_points) if wanted == "auto" else 0.0
-    if wanted == "consistent" or share > 0.5:
-        found = "as asked" if wanted != "auto" else f"{share:.0%} of the organs match by shape too"
-        return LabelUse(tuple(labels), True, f"labels name the same organs in all scans: {found}")
-    found = "as asked" if wanted != "auto" else f"only {share:.0%} of the organs match by shape"
-    if match_by_shape:
-        labels = track_organs(clouds, labels, root_points)
-    sentence = f"labels are numbered anew in every scan: {found}"
-    return LabelUse(tuple(labels), match_by_shape, sentence, renamed=match_by_shape)
+    share = label_agreement(clouds, given, root_points) if requested == "auto" else 0.0
+    if requested == "consistent" or share > MIN_AGREEMENT:
+        why = "as asked" if requested != "auto" else f"{share:.0%} of the organs match by shape too"
+        return LabelUse(tuple(given), True, f"labels name the same organs in all scans: {why}")
+    why = "as asked" if requested != "auto" else f"only {share:.0%} of the organs match by shape"
+    return LabelUse(tuple(given), False, f"labels are numbered anew in every scan: {why}")
 
 
-def labels_of_organs(
-    clouds: Sequence[NDArray[np.floating]],
-    numbers: Sequence[NDArray[np.int64]],
-    root_points: Sequence[int],
-    origin: str,
-) -> LabelUse:
-    """Organs that were found without labels, named the same in all scans.
-
-    numbers: (N,) of each scan. origin: why there were no labels, for the sentence.
-    """
-    named = without_glimpses(clouds, track_organs(clouds, numbers, root_points, stem=True))
-    sentence = f"{origin}: organs found and matched by shape"
-    return LabelUse(tuple(named), True, sentence, renamed=True, found=True)
-
-
-def labels_of_pieces(
-    clouds: Sequence[NDArray[np.floating]],
+def follow_labels(
+    use: LabelUse,
+    clouds: Sequence[Points],
     hierarchies: Sequence[Hierarchy],
     root_points: Sequence[int],
-    origin: str,
 ) -> LabelUse:
-    """Organs from segments that were found without labels, named the same in all scans.
+    """Consistent labels from independent ones, or from organs that were found without labels.
 
-    origin: why there were no labels, for the sentence.
+    Parameters
+    ----------
+    use : LabelUse
+        What `label_policy` decided; its labels are None where the organs were found.
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    hierarchies : sequence of Hierarchy
+        Each scan's segments.
+    root_points : sequence of int
+
+    Returns
+    -------
+    LabelUse
+        The track number of every point, from 0 in order of first appearance.
     """
-    pieces = [hierarchy.numbers() for hierarchy in hierarchies]
-    named = consistent_pieces(clouds, pieces, root_points)
-    sentence = f"{origin}: segmented at the forks, organs matched by shape"
-    return LabelUse(tuple(named), True, sentence, renamed=True)
+    found = use.labels is None
+    tracks = track_organs(clouds, hierarchies, root_points, stem=found)
+    sentence = f"{use.sentence}: organs found and matched by shape" if found else use.sentence
+    return replace(
+        use, labels=tuple(tracks), consistent=True, sentence=sentence, renamed=True, found=found
+    )
+
+
+def label_agreement(
+    clouds: Sequence[Points], labels: Sequence[NDArray[np.integer]], root_points: Sequence[int]
+) -> float:
+    """Share of organs that match the organ of the same label in the next scan, of those it has.
+
+    Organs are matched by the mean distance of the younger organ's points from the older organ:
+    what grows covers what it was.
+    """
+    scans = [_Organs.of(c, n, r) for c, n, r in zip(clouds, labels, root_points, strict=True)]
+    same = [
+        first.labels[i] == second.labels[j]
+        for first, second in pairwise(scans)
+        for i, j in _matched(first, second)
+        if first.labels[i] in second.labels
+    ]
+    return float(np.mean(same)) if same else 0.0
+
+
+@dataclass(frozen=True)
+class _Organs:
+    """A scan's organs: labels, samples of their points, and their root mean square sizes."""
+
+    labels: list[int]
+    samples: list[Points]
+    trees: list[KDTree]
+    sizes: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, cloud: Points, labels: NDArray[np.integer], root_point: int) -> _Organs:
+        from scipy.spatial import KDTree
+
+        names, members = split_by_label(labels)
+        samples = [cloud[own[:: -(-len(own) // SAMPLE_SIZE)]] for own in members]
+        trees = [KDTree(sample) for sample in samples]
+        stem = trees[names.index(int(labels[root_point]))]
+        begins = [sample[np.argmin(stem.query(sample)[0])] for sample in samples]
+        sizes = [
+            float(np.sqrt(((sample - begin) ** 2).sum(axis=1).mean()))
+            for sample, begin in zip(samples, begins, strict=True)
+        ]
+        return cls(names, samples, trees, np.array(sizes))
+
+
+def _matched(first: _Organs, second: _Organs) -> list[tuple[int, int]]:
+    """Pairs of organs, by index; all others are born or lost."""
+    costs = np.array([[tree.query(s)[0].mean() for tree in second.trees] for s in first.samples])
+    return assign_with_dummies(costs, LOSS_COST * first.sizes, BIRTH_COST * second.sizes)

@@ -1,45 +1,40 @@
-"""The segments of two successive scans, matched."""
+"""The segments of successive scans, matched (paper section 3.3)."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
+from baker.matching.hierarchical import (
+    Distance,
+    GreedyRules,
+    Merge,
+    Points,
+    match_hierarchies,
+)
 from baker.segmentation.hierarchy import Hierarchy
-
-
-@dataclass(frozen=True)
-class Merge:
-    """A child joined to its parent's segment, because that brought the match nearer.
-
-    side:        0 in the first scan, 1 in the second.
-    head, child: segments as the hierarchies number them that matching was given.
-    before, after: distance of the matched segments, in length units.
-    """
-
-    side: int
-    head: int
-    child: int
-    before: float
-    after: float
-
-    def __str__(self) -> str:
-        return (
-            f"segment {self.child} of the {('first', 'second')[self.side]} scan merged into "
-            f"segment {self.head}: distance {self.before:.3g} to {self.after:.3g}"
-        )
 
 
 @dataclass(frozen=True)
 class Match:
     """The segments of two successive scans, matched one to one.
 
-    first, second: the hierarchies that the numbers below refer to; matching may have merged
-            segments of the hierarchies it was given.
-    pairs:  (segment of the first scan, segment of the second).
-    births: segments of the second scan that the first does not have, parents before children.
-    losses: segments of the first scan that the second no longer has.
-    notes:  why segments were matched as they were, one sentence each, for the report.
-    merges: what matching merged, in its order.
+    Attributes
+    ----------
+    first, second : Hierarchy
+        The hierarchies that the indices below refer to. Matching may have merged segments of the
+        hierarchies that it was given.
+    pairs : tuple of (int, int)
+        Segment of the first scan, segment of the second.
+    births : tuple of int
+        Segments of the second scan that the first does not have, parents before their children.
+    losses : tuple of int
+        Segments of the first scan that the second no longer has.
+    notes : tuple of str
+        Why segments were matched as they were, one sentence each, for the report.
+    merges : tuple of Merge
+        In the order in which they were made.
     """
 
     first: Hierarchy
@@ -55,13 +50,13 @@ class Match:
         return next((a for a, b in self.pairs if b == end), None)
 
 
-def from_pairs(
+def match_from_pairs(
     first: Hierarchy,
     second: Hierarchy,
-    pairs: list[tuple[int, int]],
+    pairs: Sequence[tuple[int, int]],
     merges: tuple[Merge, ...] = (),
 ) -> Match:
-    """The match of these pairs; whatever is in none of them is born or lost."""
+    """The match of these pairs; every other segment is born or lost."""
     starts, ends = {a for a, _ in pairs}, {b for _, b in pairs}
     return Match(
         first=first,
@@ -77,6 +72,68 @@ def from_pairs(
 def match_by_label(first: Hierarchy, second: Hierarchy) -> Match:
     """Consistent labels: the same label is the same organ (section 3.3, cases 1 and 2)."""
     ends = {label: index for index, label in enumerate(second.labels)}
-    return from_pairs(
+    return match_from_pairs(
         first, second, [(a, ends[label]) for a, label in enumerate(first.labels) if label in ends]
     )
+
+
+def match_series(
+    clouds: Sequence[Points],
+    hierarchies: Sequence[Hierarchy],
+    *,
+    by_label: bool,
+    distance: Distance,
+    rules: GreedyRules | None = None,
+    report_progress: Callable[[int, int], None] = lambda done, total: None,
+) -> list[Match]:
+    """Match each scan of a series to the next one.
+
+    What is merged in a scan for the interval before it stays merged in the interval after it.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    hierarchies : sequence of Hierarchy
+        One for each scan.
+    by_label : bool
+        Labels are consistent: match by them. Else match down the hierarchies.
+    distance : callable
+        Of two segments, (n, 3) and (m, 3), in length units; used where labels are not consistent.
+    rules : GreedyRules, optional
+        Of matching down the hierarchies.
+    report_progress : callable
+        Called with the number of segments matched and the number of all.
+
+    Returns
+    -------
+    list of Match
+        One for each interval.
+
+    References
+    ----------
+    Section 3.3 of the paper.
+    """
+    matches: list[Match] = []
+    sizes = [len(hierarchy.segments) for hierarchy in hierarchies[1:]]
+    report_progress(0, sum(sizes))
+    for k, following in enumerate(hierarchies[1:]):
+        current = matches[-1].second if matches else hierarchies[0]
+        if by_label:
+            match = match_by_label(current, following)
+        else:
+            first, second, pairs, merges = match_hierarchies(
+                (clouds[k], clouds[k + 1]),
+                (current, following),
+                distance,
+                rules or GreedyRules(),
+                partial(_report, report_progress, sum(sizes[:k]), sum(sizes)),
+            )
+            match = match_from_pairs(first, second, pairs, merges)
+        matches.append(match)
+        report_progress(sum(sizes[: k + 1]), sum(sizes))
+    return matches
+
+
+def _report(report: Callable[[int, int], None], before: int, total: int, matched: int) -> None:
+    report(before + matched, total)

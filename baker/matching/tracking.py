@@ -1,8 +1,9 @@
-"""Organs followed through a whole series at once, the labels numbered anew in every scan.
+"""Organs followed through a whole series at once, where their labels are not consistent.
 
 Each organ has at most one successor, in the next scan or, where it was hidden there, in one of the
 two after that; each is the successor of at most one. Of all such choices over the whole series the
-one of greatest worth is taken: a minimum weight path cover, solved as one sparse assignment.
+one of the largest total score is taken: a minimum weight path cover, solved as one sparse
+assignment.
 """
 
 from __future__ import annotations
@@ -12,86 +13,111 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching.descriptors import shapes_of
-from baker.matching.score import gains
+from baker.matching.descriptors import describe_organs
+from baker.matching.score import match_scores
+from baker.segmentation.hierarchy import Hierarchy
 
-# Worth of a successor in the next scan, and in those after it, where the organ hides in between.
-TRUST = (1.0, 0.9, 0.8)
+# Factor of the score of a successor in the next scan, and in the two after it.
+GAP_FACTORS = (1.0, 0.9, 0.8)
 
 
 def track_organs(
     clouds: Sequence[NDArray[np.floating]],
-    labels: Sequence[NDArray[np.integer]],
+    hierarchies: Sequence[Hierarchy],
     root_points: Sequence[int],
     stem: bool = False,
 ) -> list[NDArray[np.int64]]:
-    """Number organs the same in all scans, whatever each scan calls them.
+    """Number the organs of a series the same in all scans, whatever their labels.
 
-    clouds: aligned scans, (N, 3) each; labels: (N,) each; root_points: each scan's stem base.
-    stem: whether the organ at the base is known to be the stem of all others.
-    Returns (N,) organ numbers for each scan, from 0 in order of first appearance. In a scan,
-    different labels have different numbers.
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    hierarchies : sequence of Hierarchy
+        The segments of each scan: its organs.
+    root_points : sequence of int
+        Index of the point at the base of each scan's plant.
+    stem : bool
+        Whether the organ there is known to be the stem of all others.
+
+    Returns
+    -------
+    list of (N,) int64 ndarray
+        Each point's track number, from 0 in order of first appearance; each organ of a scan has its
+        own.
     """
-    scans = zip(clouds, labels, root_points, strict=True)
-    shapes = [shapes_of(*scan, stem=stem) for scan in scans]
-    worth = {
-        (k, k + gap): trust * gains(shapes[k], shapes[k + gap])
-        for k in range(len(shapes))
-        for gap, trust in enumerate(TRUST, start=1)
-        if k + gap < len(shapes)
+    scans = zip(clouds, hierarchies, root_points, strict=True)
+    organs = [describe_organs(*scan, stem=stem) for scan in scans]
+    scores = {
+        (k, k + gap): factor * match_scores(organs[k], organs[k + gap])
+        for k in range(len(organs))
+        for gap, factor in enumerate(GAP_FACTORS, start=1)
+        if k + gap < len(organs)
     }
-    numbers = follow([len(scan.labels) for scan in shapes], worth)
-    return [
-        number[np.searchsorted(scan.labels, names)]
-        for number, scan, names in zip(numbers, shapes, labels, strict=True)
-    ]
+    tracks = []
+    for numbers, hierarchy in zip(follow([*map(len, organs)], scores), hierarchies, strict=True):
+        sizes = [len(segment) for segment in hierarchy.segments if len(segment)]
+        track = np.empty(sum(sizes), np.int64)
+        track[np.concatenate(hierarchy.segments)] = np.repeat(numbers, sizes)
+        tracks.append(track)
+    return tracks
 
 
 def follow(
-    counts: Sequence[int], worth: Mapping[tuple[int, int], NDArray[np.float64]]
+    counts: Sequence[int], scores: Mapping[tuple[int, int], NDArray[np.float64]]
 ) -> list[NDArray[np.int64]]:
-    """Chain organs into tracks of the greatest worth together.
+    """Chain organs into tracks of the largest total score.
 
-    counts: organs of each scan. worth: for an earlier and a later scan (n, m), what it is worth to
-        make one organ the next sight of another; what isn't above 0 is never done.
-    Returns each scan's (n,) track numbers, from 0 in order of first appearance.
+    Parameters
+    ----------
+    counts : sequence of int
+        Number of organs of each scan.
+    scores : mapping of (int, int) to (n, m) float64 ndarray
+        For an earlier and a later scan, the score of each pair of their organs; only pairs above 0
+        are ever chained.
+
+    Returns
+    -------
+    list of (n,) int64 ndarray
+        Each organ's track number, from 0 in order of first appearance.
     """
     starts = np.concatenate([[0], np.cumsum(counts)])
-    before = _predecessors(starts, worth)
+    predecessors = _predecessors(starts, scores)
     tracks = np.empty(starts[-1], np.int64)
-    born = 0
+    count = 0
     for organ in range(starts[-1]):
-        if before[organ] >= 0:
-            tracks[organ] = tracks[before[organ]]
+        if predecessors[organ] >= 0:
+            tracks[organ] = tracks[predecessors[organ]]
         else:
-            tracks[organ] = born
-            born += 1
+            tracks[organ] = count
+            count += 1
     return np.split(tracks, starts[1:-1])
 
 
 def _predecessors(
-    starts: NDArray[np.intp], worth: Mapping[tuple[int, int], NDArray[np.float64]]
+    starts: NDArray[np.intp], scores: Mapping[tuple[int, int], NDArray[np.float64]]
 ) -> NDArray[np.intp]:
-    """For each organ of the series, scan after scan, which one it was before; -1 for none."""
+    """For each organ of the series, scan after scan, which organ it was before; -1 for none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
     total = int(starts[-1])
-    alone = np.arange(total)
-    rows, columns, value = [alone], [total + alone], [np.zeros(total)]
-    for (k, later), matrix in worth.items():
+    organs = np.arange(total)
+    rows, columns, value = [organs], [total + organs], [np.zeros(total)]
+    for (k, later), matrix in scores.items():
         i, j = np.nonzero(matrix > 0)
         rows.append(starts[k] + i)
         columns.append(starts[later] + j)
         value.append(matrix[i, j])
     values = np.concatenate(value)
-    # A full matching: who has no successor is matched to nobody. Zeros would be no edges.
+    # The matching is full: an organ without successor is matched to a dummy. Zeros would not be
+    # stored as edges.
     costs = coo_array(
         (1.0 + values.max() - values, (np.concatenate(rows), np.concatenate(columns))),
         shape=(total, 2 * total),
     ).tocsr()
     first, second = min_weight_full_bipartite_matching(costs)
     found = second < total
-    before = np.full(total, -1, np.intp)
-    before[second[found]] = first[found]
-    return before
+    predecessors = np.full(total, -1, np.intp)
+    predecessors[second[found]] = first[found]
+    return predecessors

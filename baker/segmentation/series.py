@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import repeat
 
@@ -17,8 +18,10 @@ from baker.segmentation.from_labels import (
     under_virtual_root,
 )
 from baker.segmentation.from_spanning_tree import segment_thin
-from baker.segmentation.hierarchy import Hierarchy, whole
+from baker.segmentation.hierarchy import Hierarchy, split_by_label, whole
 from baker.segmentation.parents import agreed_gaps
+
+COARSE_POINTS = 400  # of an organ, that its place in the coarse hierarchy is found by
 
 
 def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]:
@@ -69,6 +72,36 @@ def labelled_hierarchies(
     ]
     hang = partial(hierarchy_from_labels, agreed=agreed)
     return list(map(hang, clouds, labels, roots, spacings, repeat(1), gaps))
+
+
+def coarse_hierarchies(
+    clouds: Sequence[NDArray[np.floating]],
+    labels: Sequence[NDArray[np.integer]],
+    bases: Sequence[int],
+) -> list[Hierarchy]:
+    """Hierarchies for following organs, by few points of each: a dense organ counts as a thin one.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+    labels : sequence of (N,) int ndarray
+        They need not be consistent.
+    bases : sequence of int
+        Index of the point at the base of each scan's plant.
+
+    Returns
+    -------
+    list of Hierarchy
+        Of all points; who grows from whom is found from `COARSE_POINTS` of each organ.
+    """
+    found = []
+    for cloud, names, base in zip(clouds, labels, bases, strict=True):
+        values, members = split_by_label(names)
+        some = np.concatenate([own[:: -(-len(own) // COARSE_POINTS)] for own in members])
+        coarse = hierarchy_from_labels(cloud[some], names[some], int(names[base]))
+        empty = [np.empty(0, np.intp)] * (len(coarse.segments) - len(values))  # a virtual root
+        found.append(replace(coarse, segments=(*members, *empty)))
+    return found
 
 
 def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:

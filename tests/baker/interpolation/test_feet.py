@@ -5,7 +5,7 @@ import pytest
 
 from baker.interpolation.feet import Feet
 from baker.matching import IntervalOrgans
-from baker.matching.match import from_pairs
+from baker.matching.match import match_from_pairs
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.tasks import Task
 
@@ -22,7 +22,7 @@ def plant(count: int) -> tuple[np.ndarray, Hierarchy]:
 @pytest.mark.parametrize(("before", "after"), [(30, 60), (200, 1000)])
 def test_the_foot_is_the_point_nearest_to_the_bearer(before, after):
     (start, first), (end, second) = plant(before), plant(after)
-    match = from_pairs(first, second, [(0, 0), (1, 1)])
+    match = match_from_pairs(first, second, [(0, 0), (1, 1)])
     feet = Feet((start, end), match, IntervalOrgans({0: 7, 1: 3}, {0: 7, 1: 3}))
     leaf = Task("match", 3, first.segments[1], second.segments[1])
     foot = feet.of(leaf)
@@ -35,7 +35,7 @@ def test_the_foot_is_the_point_nearest_to_the_bearer(before, after):
 
 def test_neither_roots_nor_births_have_one():
     (start, first), (end, second) = plant(30), plant(40)
-    match = from_pairs(first, second, [(0, 0), (1, 1)])
+    match = match_from_pairs(first, second, [(0, 0), (1, 1)])
     feet = Feet((start, end), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}))
     assert feet.of(Task("match", 0, first.segments[0], second.segments[0])) is None
     assert feet.of(Task("birth", 5, first.segments[0][:10], second.segments[1])) is None
@@ -44,7 +44,7 @@ def test_neither_roots_nor_births_have_one():
 def test_under_an_empty_root_there_is_none():
     points, hierarchy = plant(30)
     empty = Hierarchy((np.empty(0, int), np.arange(80)), (None, 1), (NO_PARENT, 0), 0)
-    match = from_pairs(empty, empty, [(0, 0), (1, 1)])
+    match = match_from_pairs(empty, empty, [(0, 0), (1, 1)])
     feet = Feet((points, points), match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1}))
     assert feet.of(Task("match", 1, np.arange(80), np.arange(80))) is None
     assert len(hierarchy.segments) == 2

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from baker.matching.assignment import assign_by_minima, assign_with_dummies
-from baker.matching.hierarchical import PAPER, GreedyRules, match_greedily
-from baker.matching.lazy import LazyCosts
-from baker.matching.series import match_series
+from baker.matching.hierarchical import PAPER, GreedyRules, match_hierarchies
+from baker.matching.match import Match, match_from_pairs, match_series
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from baker.transport.wasserstein import least_distance, wasserstein
+from baker.transport.wasserstein import wasserstein
 
 
 def rms_distance(a, b):
@@ -37,9 +36,9 @@ LEFT, RIGHT = rod([0, 0, 5], [4, 0, 7]), rod([0, 0, 5], [-4, 0, 7])
 LOWER_STEM, UPPER_STEM = rod([0, 0, 0], [0, 0, 5]), rod([0, 0, 5], [0, 0, 10])
 
 
-def matched(first, second, rules):
+def matched(first, second, rules, distance=rms_distance) -> Match:
     (p, h), (q, g) = first, second
-    return match_greedily((p, q), (h, g), rms_distance, rules)
+    return match_from_pairs(*match_hierarchies((p, q), (h, g), distance, rules))
 
 
 @pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
@@ -91,20 +90,14 @@ def test_birth_and_loss_may_share_an_interval_by_default():
 def test_a_very_deep_hierarchy_is_no_recursion():
     pieces = [rod([0, 0, z], [0, 0, z + 0.9]) for z in range(1500)]
     chain = scan([NO_PARENT, *range(1499)], *pieces)
-    match = match_greedily(
-        (chain[0], chain[0]), (chain[1], chain[1]), lambda a, b: abs(len(a) - len(b)), PAPER
-    )
+    match = matched(chain, chain, PAPER, lambda a, b: abs(len(a) - len(b)))
     assert len(match.pairs) == 1500
-
-
-def lazily(costs):
-    return LazyCosts(np.zeros_like(costs), lambda i, j: float(costs[i, j]))
 
 
 def test_assignment_by_minima_leaves_out_the_farthest():
     costs = np.array([[1.0, 9.0, 2.0], [8.0, 9.0, 1.0]])
-    assert assign_by_minima(lazily(costs)) == [(0, 0), (1, 2)]
-    assert assign_by_minima(lazily(costs.T)) == [(0, 0), (2, 1)]
+    assert assign_by_minima(costs) == [(0, 0), (1, 2)]
+    assert assign_by_minima(costs.T) == [(0, 0), (2, 1)]
 
 
 def rosette(count, turn, seed):
@@ -119,25 +112,15 @@ def rosette(count, turn, seed):
 
 
 @pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
-def test_bounds_change_nothing_but_how_many_distances_are_worked_out(rules):
-    (p, h), (q, g) = rosette(30, 0.0, 1), rosette(26, 0.05, 2)
-    asked, told = [], []
-
-    def distance(a, b):
-        asked.append(1)
-        return wasserstein(a, b)
-
-    every = match_greedily((p, q), (h, g), distance, rules)
-    full, asked = len(asked), []
-    few = match_greedily((p, q), (h, g), distance, rules, least_distance, told.append)
-    assert (few.pairs, few.merges) == (every.pairs, every.merges)
-    assert [s.tolist() for s in few.second.segments] == [s.tolist() for s in every.second.segments]
-    assert len(few.pairs) > 20
-    if rules is PAPER:
-        assert len(asked) < full / 4
-    assert told == sorted(told)
-    assert len(told) == len(asked)
-    assert told[-1] >= 1
+def test_the_leaves_of_a_rosette_meet_the_nearest(rules):
+    first, second = rosette(12, 0.0, 1), rosette(10, 0.05, 2)
+    match = matched(first, second, rules, wasserstein)
+    leaves = [(a, b) for a, b in match.pairs if (a, b) != (0, 0)]
+    for a, b in leaves:
+        before = first[0][match.first.segments[a]].mean(axis=0)
+        after = second[0][match.second.segments[b]].mean(axis=0)
+        assert np.linalg.norm(after - before) < 1.0
+    assert len(leaves) >= 8
 
 
 def test_dummies_are_used_where_they_are_cheaper():
@@ -158,8 +141,9 @@ def test_progress_goes_up_to_all_segments(by_label):
         [points for points, _ in scans],
         [hierarchy for _, hierarchy in scans],
         by_label=by_label,
+        distance=rms_distance,
         rules=PAPER,
-        tell=lambda done, total: told.append((done, total)),
+        report_progress=lambda done, total: told.append((done, total)),
     )
     assert (told[0], told[-1]) == ((0, 13), (13, 13))
     assert told == sorted(told)

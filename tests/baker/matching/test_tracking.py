@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from baker.matching.descriptors import shapes_of
-from baker.matching.score import gains
+from baker.matching.descriptors import OrganDescriptors, describe_organs
+from baker.matching.score import match_scores
 from baker.matching.tracking import follow, track_organs
+from baker.segmentation.from_labels import hierarchy_from_labels
 from grow import plant
 
 
@@ -30,6 +31,20 @@ def series():
     return [points for points, _ in scans], [labels for _, labels in scans]
 
 
+def tracks_of(clouds, labels, roots):
+    """Each point's track; organs are the points of one label."""
+    hierarchies = [
+        hierarchy_from_labels(cloud, names, int(names[root]))
+        for cloud, names, root in zip(clouds, labels, roots, strict=True)
+    ]
+    return track_organs(clouds, hierarchies, roots)
+
+
+def described(cloud, labels, root: int, stem: bool = False) -> OrganDescriptors:
+    hierarchy = hierarchy_from_labels(cloud, labels, int(labels[root]))
+    return describe_organs(cloud, hierarchy, root, stem)
+
+
 def shuffled(labels, seed=1):
     rng = np.random.default_rng(seed)
     return [rng.permutation(names.max() + 1)[names] for names in labels]
@@ -51,18 +66,18 @@ def assert_same_organs(truth, tracks):
 
 def test_leaves_of_a_whorl_keep_their_tracks(series):
     clouds, truth = series
-    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_backwards_the_same_organs(series):
     clouds, truth = (list(reversed(part)) for part in series)
-    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_the_up_axis_and_the_unit_do_not_matter(series):
     clouds, truth = series
     turned = [cloud[:, [1, 2, 0]] * 0.001 + 7.0 for cloud in clouds]
-    assert_same_organs(truth, track_organs(turned, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, tracks_of(turned, shuffled(truth), feet(clouds)))
 
 
 @pytest.mark.parametrize("scans", [(2,), (2, 3)])
@@ -71,7 +86,7 @@ def test_an_organ_hidden_in_a_scan_comes_back_as_itself(series, scans):
     for scan in scans:
         seen = truth[scan] != 1
         clouds[scan], truth[scan] = clouds[scan][seen], truth[scan][seen]
-    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_half_a_leaf_is_still_the_leaf(series):
@@ -79,12 +94,12 @@ def test_half_a_leaf_is_still_the_leaf(series):
     reach = np.abs(clouds[2][:, 0])
     seen = (truth[2] != 2) | (reach < np.median(reach[truth[2] == 2]))
     clouds[2], truth[2] = clouds[2][seen], truth[2][seen]
-    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_numbers_go_by_first_appearance(series):
     clouds, truth = series
-    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
+    tracks = tracks_of(clouds, shuffled(truth), feet(clouds))
     highest = -1
     for numbers in tracks:
         assert numbers.dtype == np.int64
@@ -99,7 +114,7 @@ def test_plants_that_grow(kind):
     days = subject.default_days[::2]
     scans = [subject.cloud(day, 4000, colors=False) for day in days]
     clouds, truth = [s.points for s in scans], [s.labels for s in scans]
-    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
+    tracks = tracks_of(clouds, shuffled(truth), feet(clouds))
     right, shared = 0, 0
     for k in range(1, len(days)):
         for organ in np.intersect1d(truth[k - 1], truth[k]):
@@ -113,16 +128,16 @@ def test_plants_that_grow(kind):
 def test_a_handful_of_points(labels):
     points = np.arange(3.0 * len(labels)).reshape(-1, 3)
     names = np.array(labels)
-    tracks = track_organs([points, points, points], [names] * 3, [0, 0, 0])
+    tracks = tracks_of([points, points, points], [names] * 3, [0, 0, 0])
     assert all(np.array_equal(tracks[0], later) for later in tracks)
 
 
 def test_worth_is_the_same_both_ways(series):
     clouds, truth = series
-    young, old = (shapes_of(clouds[k], truth[k], 0) for k in (1, 3))
-    there, back = gains(young, old), gains(old, young)
+    young, old = (described(clouds[k], truth[k], 0) for k in (1, 3))
+    there, back = match_scores(young, old), match_scores(old, young)
     assert np.array_equal(there, back.T)
-    assert (there.argmax(axis=1) == np.arange(len(young.labels))).all()
+    assert (there.argmax(axis=1) == np.arange(len(young))).all()
 
 
 def test_only_what_shrinks_is_worth_less_for_it(monkeypatch):
@@ -130,12 +145,12 @@ def test_only_what_shrinks_is_worth_less_for_it(monkeypatch):
 
     def scan(*lengths):
         leaves = [np.linspace([0, 0, 15], [length, 0, 15], 100) for length in lengths]
-        return shapes_of(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
+        return described(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
 
     before, after = scan(10.0, 10.0), scan(6.0, 16.0)
-    worth = gains(before, after)
-    monkeypatch.setattr("baker.matching.score.SHRINK", 0.0)
-    lost = (gains(before, after) - worth)[1:, 1:]
+    worth = match_scores(before, after)
+    monkeypatch.setattr("baker.matching.score.SHRINKING_PENALTY", 0.0)
+    lost = (match_scores(before, after) - worth)[1:, 1:]
     assert (lost[:, 0] > 0.05).all()
     assert not lost[:, 1].any()
 
@@ -167,6 +182,6 @@ def test_a_known_stem_orders_its_organs_however_they_hang():
     ends += [([9, 0, 5], [9, y, 7]) for y in (-6, 6)] + [([-9, 0, 9], [-9, y, 9]) for y in (-6, 6)]
     cloud = np.concatenate([np.linspace(a, b, 50) for a, b in ends])
     names = np.repeat(np.arange(len(ends)), 50)
-    unsure, sure = (shapes_of(cloud, names, 0, stem) for stem in (False, True))
-    assert not unsure.below.any()
-    assert sure.below[2] > sure.below[1]
+    unsure, sure = (described(cloud, names, 0, stem) for stem in (False, True))
+    assert not unsure.order.any()
+    assert sure.order[2] > sure.order[1]

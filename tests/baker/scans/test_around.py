@@ -12,6 +12,7 @@ from baker.scans import ReadOptions, read_series
 from baker.scans.around import look_around
 from baker.scans.cloud import Cloud
 from baker.segmentation.from_labels import touching_segments
+from baker.segmentation.series import labelled_hierarchies
 from grow import plant
 from grow.cli import main as grow
 
@@ -60,10 +61,16 @@ def test_scans_are_looked_at_only_where_that_is_asked(tmp_path: Path):
     assert all(scan.around is None for scan in read_series([tmp_path]).scans)
 
 
-def test_a_bake_hangs_organs_by_what_was_looked_up(tmp_path: Path, monkeypatch):
+def test_a_bake_hangs_organs_by_what_was_looked_up(tmp_path: Path):
     grow(["tomato", str(tmp_path), "--scans", "3", "--points", "900", "-q"])
-    options = Options(labels="consistent", align="none", up="z")
-    known = bake_recorded([tmp_path], options)[1].hierarchies
-    monkeypatch.setattr("baker.segmentation.stage._known", lambda touching: None)
-    again = bake_recorded([tmp_path], options)[1].hierarchies
-    assert [h.parents for h in known] == [h.parents for h in again]
+    record = bake_recorded([tmp_path], Options(labels="consistent", align="none", up="z"))[1]
+    again = labelled_hierarchies(
+        [frame.positions for frame in record.keyframes],
+        [scan.labels for scan in record.series.scans],
+        [int(h.segments[h.root][0]) for h in record.hierarchies],
+        consistent=True,
+        agreeing=True,
+        virtual_root=False,
+        spacings=[scan.around.spacing for scan in record.series.scans],
+    )
+    assert [h.parents for h in record.hierarchies] == [h.parents for h in again]

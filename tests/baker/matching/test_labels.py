@@ -1,10 +1,11 @@
-"""Organs numbered anew in every scan are recognised by what they cover."""
+"""Labels are taken as names where shapes agree; else organs are followed through the series."""
 
 import numpy as np
 import pytest
 
-from baker.matching.pieces import agreement, consistent_pieces
-from baker.matching.tracking import track_organs
+from baker.errors import InputError
+from baker.matching.labels import follow_labels, label_agreement, label_policy
+from baker.segmentation.from_labels import hierarchy_from_labels
 
 
 def growing_plant(day: int, rng: np.random.Generator):
@@ -28,11 +29,26 @@ def series():
     return [points for points, _ in scans], [labels for _, labels in scans]
 
 
+def tracked(clouds, labels):
+    """Each point's track, the labels being numbered anew in every scan."""
+    bases, names = [0] * len(clouds), [f"scan {k}" for k in range(len(clouds))]
+    use = label_policy(labels, names, clouds, bases, "independent")
+    assert not use.consistent
+    hierarchies = [
+        hierarchy_from_labels(cloud, own, int(own[0]))
+        for cloud, own in zip(clouds, labels, strict=True)
+    ]
+    use = follow_labels(use, clouds, hierarchies, bases)
+    assert use.consistent
+    assert use.renamed
+    return use.labels
+
+
 def test_shuffled_labels_are_named_again(series):
     clouds, truth = series
     rng = np.random.default_rng(1)
     shuffled = [rng.permutation(labels.max() + 1)[labels] * 7 - 3 for labels in truth]
-    named = track_organs(clouds, shuffled, [0] * len(clouds))
+    named = tracked(clouds, shuffled)
     for labels, names in zip(truth, named, strict=True):
         for organ in np.unique(labels):
             assert len(np.unique(names[labels == organ])) == 1
@@ -47,60 +63,42 @@ def test_shuffled_labels_are_named_again(series):
 def test_agreement_tells_names_from_numbers(series):
     clouds, truth = series
     bases = [0] * len(clouds)
-    assert agreement(clouds, truth, bases) == 1.0
+    assert label_agreement(clouds, truth, bases) == 1.0
     turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
-    assert agreement(clouds, turned, bases) < 0.5
+    assert label_agreement(clouds, turned, bases) < 0.5
     nothing_shared = [labels + 100 * k for k, labels in enumerate(truth)]
-    assert agreement(clouds, nothing_shared, bases) == 0.0
+    assert label_agreement(clouds, nothing_shared, bases) == 0.0
 
 
 def test_birth_and_loss_in_one_interval(series):
     clouds, truth = series
     keep = truth[1] != 1  # leaf 1 is gone in the second scan, leaf 2 is new in it
-    named = track_organs([clouds[0], clouds[1][keep]], [truth[0], truth[1][keep]], [0, 0])
+    named = tracked([clouds[0], clouds[1][keep]], [truth[0], truth[1][keep]])
     lost = named[0][truth[0] == 1][0]
     assert lost not in named[1]
     assert named[1].max() == named[0].max() + 1
-
-
-def test_pieces_of_an_organ_are_neither_born_nor_lost():
-    """A stem cut in two in one scan only: the piece too many goes to the stem in that scan."""
-    rng = np.random.default_rng(3)
-    plants = [growing_plant(day, rng) for day in (3, 4, 5)]
-    old = [labels <= 2 for _, labels in plants]  # a bud beside the cut could be taken for a piece
-    clouds = [points[kept] for (points, _), kept in zip(plants, old, strict=True)]
-    truth = [labels[kept] for (_, labels), kept in zip(plants, old, strict=True)]
-    for cut in (0, 1, 2):
-        pieces = [labels.copy() for labels in truth]
-        upper = (truth[cut] == 0) & (clouds[cut][:, 2] > 7)
-        pieces[cut][upper] = 99
-        named = consistent_pieces(clouds, pieces, [0] * len(clouds))
-        stem = named[cut][(truth[cut] == 0) & ~upper][0]
-        assert set(named[cut][upper]) == {stem}
-        assert all(set(n[t == 0]) == {stem} for n, t in zip(named, truth, strict=True))
-
-
-def test_an_organ_born_in_pieces_is_one_when_it_is_seen_whole():
-    rng = np.random.default_rng(3)
-    plants = [growing_plant(day, rng) for day in (2, 5, 6)]
-    old = [labels <= 5 for _, labels in plants]
-    clouds = [points[kept] for (points, _), kept in zip(plants, old, strict=True)]
-    truth = [labels[kept] for (_, labels), kept in zip(plants, old, strict=True)]
-    leaf = truth[1] == 5
-    assert not (truth[0] == 5).any()
-    pieces = [labels.copy() for labels in truth]
-    outer = leaf & (np.linalg.norm(clouds[1][:, :2], axis=1) > 1.7)
-    pieces[1][outer] = 99
-    named = consistent_pieces(clouds, pieces, [0] * len(clouds))
-    (name,) = set(named[2][truth[2] == 5])
-    assert set(named[1][leaf]) == {name}
-    for organ in range(5):
-        assert len({int(n[t == organ][0]) for n, t in zip(named, truth, strict=True)}) == 1
 
 
 def test_whole_organs_are_never_merged(series):
     clouds, truth = series
     pieces = [labels.copy() for labels in truth]
     pieces[1][(truth[1] == 0) & (clouds[1][:, 2] > 7)] = 99
-    named = track_organs(clouds, pieces, [0] * len(clouds))
+    named = tracked(clouds, pieces)
     assert len(np.unique(named[1])) == len(np.unique(pieces[1]))
+
+
+def test_the_policy_says_why(series):
+    clouds, truth = series
+    bases, names = [0] * len(clouds), [f"day {k}" for k in range(len(clouds))]
+    assert label_policy(truth, names, clouds, bases, "auto").consistent
+    turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
+    assert not label_policy(turned, names, clouds, bases, "auto").consistent
+    assert label_policy(turned, names, clouds, bases, "consistent").consistent
+    assert label_policy(truth, names, clouds, bases, "ignore").labels is None
+    missing = [*truth[:-1], None]
+    assert label_policy(missing, names, clouds, bases, "auto").labels is None
+    with pytest.raises(InputError, match="day 4 has no labels"):
+        label_policy(missing, names, clouds, bases, "consistent")
+    points, many = [np.arange(1001) for _ in names], [np.eye(3)[np.zeros(1001, int)] for _ in names]
+    with pytest.raises(InputError, match="different labels"):
+        label_policy(points, names, many, bases, "auto")
