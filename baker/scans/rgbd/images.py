@@ -212,7 +212,8 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
         )
     quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
     try:
-        with quiet, iio.imopen(content, "r", plugin="pillow") as image:
+        with quiet:
+            image = iio.imopen(content, "r", plugin="pillow")
             height, width = image.properties(index=0).shape[:2]
             if width * height > MOST_PIXELS:
                 raise DecompressionBombError
