@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -111,25 +112,42 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
 
 def _film(write: Callable[[Iterator[NDArray], Film, Path], None]) -> Writer:
     def draw_and_write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-        with _offscreen(clip, film) as offscreen:
-            write(_counted(film, clip, offscreen, progress), film, path)
+        with closing(_drawn(clip, film, progress)) as pictures:
+            write(pictures, film, path)
 
     return draw_and_write
 
 
 def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    with _offscreen(clip, film) as offscreen:
-        days = film.days(clip)
-        chosen = days[:: max(1, len(days) // video.PALETTE_SAMPLES)]
-        draw = film.painter(clip, offscreen)
-        samples = [draw(day, film.camera(clip, day)) for day in chosen]
-        video.write_gif(_counted(film, clip, offscreen, progress), film, path, samples)
+    days = film.days(clip)
+    samples = days[:: max(1, len(days) // video.PALETTE_SAMPLES)]
+    with closing(_drawn(clip, film, progress, samples)) as pictures:
+        video.write_gif(pictures, film, path, len(samples))
 
 
 def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
+    with closing(_drawn(clip, film, progress)) as pictures:
+        image.write_sequence(pictures, path, views)
+
+
+def _drawn(
+    clip: Clip, film: Film, progress: Progress, before: Sequence[float] = ()
+) -> Generator[NDArray, None, None]:
+    """The film's frames, each drawn as it is asked for; first of all pictures of days `before`.
+
+    OpenGL starts with the first one: an encoder is started before, since drivers have threads and
+    locks that a fork may hang on (imageio-ffmpeg, issue 58).
+    """
+    total = film.frame_count(clip)
     with _offscreen(clip, film) as offscreen:
-        image.write_sequence(_counted(film, clip, offscreen, progress), path, views)
+        draw = film.painter(clip, offscreen)
+        for day in before:
+            yield draw(day, film.camera(clip, day))
+        progress(0, total)
+        for done, picture in enumerate(film.frames(clip, offscreen), start=1):
+            yield picture
+            progress(done, total)
 
 
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -145,14 +163,6 @@ def _offscreen(clip: Clip, film: Film) -> Offscreen:
     from player.offscreen import Offscreen
 
     return Offscreen(clip, film.size)
-
-
-def _counted(film: Film, clip: Clip, offscreen: Offscreen, progress: Progress) -> Iterator[NDArray]:
-    total = film.frame_count(clip)
-    progress(0, total)
-    for done, picture in enumerate(film.frames(clip, offscreen), start=1):
-        yield picture
-        progress(done, total)
 
 
 def _from(module: str, name: str = "write") -> Writer:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -61,43 +61,31 @@ def write_webm(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path) ->
     _encode(pictures, film, path, "libvpx-vp9", "yuv420p", [*VP9, *BT709])
 
 
-def write_gif(
-    pictures: Iterable[NDArray[np.uint8]],
-    film: Film,
-    path: Path,
-    samples: Sequence[NDArray[np.uint8]],
-) -> None:
+def write_gif(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path, samples: int) -> None:
     """Write a GIF that loops, with one palette for the whole film.
 
     Parameters
     ----------
     pictures : iterable of (height, width, 4) uint8
-        The frames in sRGB; taken one at a time.
+        In sRGB, taken one at a time: samples for the palette, then the frames.
     film : Film
         Tells size and frames a second.
     path : Path
         Appears whole or not at all.
-    samples : sequence of (height, width, 4) uint8
-        Some of the frames, from which the palette is made.
+    samples : int
+        How many of the pictures go before the film and are not shown.
 
     Raises
     ------
     PlayerError
         If ffmpeg is missing or gives up, or the file can't be written.
     """
-    # The samples go first, so that ffmpeg has the palette before the film and keeps no frame.
-    count = len(samples)
     palette = (
-        f"split[sampled][all];[sampled]trim=end_frame={count},palettegen[palette];"
-        f"[all]trim=start_frame={count},setpts=PTS-STARTPTS[film];"
+        f"split[sampled][all];[sampled]trim=end_frame={samples},palettegen[palette];"
+        f"[all]trim=start_frame={samples},setpts=PTS-STARTPTS[film];"
         "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
     )
-
-    def both() -> Iterator[NDArray[np.uint8]]:
-        yield from samples
-        yield from pictures
-
-    _encode(both(), film, path, "gif", "pal8", ["-vf", palette, "-loop", "0"], unseen=count)
+    _encode(pictures, film, path, "gif", "pal8", ["-vf", palette, "-loop", "0"], unseen=samples)
 
 
 def _encode(
