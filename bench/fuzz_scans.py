@@ -5,15 +5,16 @@
     --minutes M   stop after that long
     --only KIND   series or files
 
-Prints each kind of failure once, with its traceback and the case that shows it, and how many cases
-were baked, read or refused. A case that takes longer than `--limit` seconds ends the run, as one
-that hangs might. Exit code 1 where anything failed.
+Cases run in child processes, so that a reader which ends its process is seen and counted. Prints
+each kind of failure once, with its traceback and the case that shows it, and how many cases were
+baked, read or refused. A case that takes longer than `--limit` seconds is a failure too. Exit code
+1 where anything failed.
 """
 
 from __future__ import annotations
 
 import argparse
-import faulthandler
+import multiprocessing
 import re
 import sys
 import tempfile
@@ -22,10 +23,11 @@ import traceback
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-CHUNK = 100  # cases that hypothesis draws from one seed
+CHUNK = 250  # cases that hypothesis draws from one seed, in one child process
 
 
 @dataclass
@@ -39,6 +41,19 @@ class Tally:
     slow_case: str = ""
     sentences: Counter[str] = field(default_factory=Counter)
 
+    def add(self, case: str, outcome: str, failure: tuple[str, str] | None, seconds: float) -> None:
+        """Count a case; failure: where it failed, and the traceback."""
+        self.cases += 1
+        if failure:
+            self.outcomes["failed"] += 1
+            self.failures.setdefault(failure[0], f"{case}\n{failure[1]}")
+        else:
+            is_sentence = outcome not in ("baked", "read")
+            self.outcomes["refused" if is_sentence else outcome] += 1
+            self.sentences[_gist(outcome)] += is_sentence
+        if seconds > self.slowest:
+            self.slowest, self.slow_case = seconds, case
+
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -48,16 +63,75 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--only", choices=("series", "files"))
     parser.add_argument("--kind", default="", help="only files of kinds that begin so")
-    asked = parser.parse_args()
+    options = parser.parse_args()
 
-    kinds = [asked.only] if asked.only else ["files", "series"]
-    until = time.monotonic() + 60 * asked.minutes
+    kinds = [options.only] if options.only else ["files", "series"]
+    until = time.monotonic() + 60 * options.minutes
     failed = False
     for kind in kinds:
-        tally = fuzz(*_subject(kind, asked.kind), asked.cases, asked.seed, until, asked.limit)
-        _tell(kind, tally)
+        tally = Tally()
+        chunk = 0
+        while tally.cases < options.cases and time.monotonic() < until:
+            count = min(CHUNK, options.cases - tally.cases)
+            seed = (options.seed << 20) + chunk
+            _fuzz_in_child(tally, (kind, options.kind, seed, count), until, options.limit)
+            chunk += 1
+        _report(kind, tally)
         failed |= bool(tally.failures)
     return int(failed)
+
+
+def _fuzz_in_child(
+    tally: Tally, work: tuple[str, str, int, int], until: float, limit: float
+) -> None:
+    """Count the cases of one child process, and its death as one of them."""
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    child = context.Process(target=_fuzz, args=(*work, sender))
+    child.start()
+    sender.close()
+    case = "before the first case"
+    try:
+        while time.monotonic() < until:
+            if not receiver.poll(limit + 60 * (case == "before the first case")):
+                child.kill()
+                tally.add(case, "", (f"took more than {limit:g} s", ""), limit)
+                break
+            case, *rest = receiver.recv()
+            if rest:
+                tally.add(case, *rest)
+    except EOFError:
+        child.join()
+        if child.exitcode:
+            tally.add(case, "", (f"the process ended with {child.exitcode}", ""), 0.0)
+    child.kill()
+    child.join()
+
+
+def _fuzz(kind: str, begins: str, seed: int, count: int, results: Connection) -> None:
+    """Check so many cases; sends each case, and again with what came of it."""
+    import hypothesis
+
+    strategy, check = _subject(kind, begins)
+
+    def one(case: Any) -> None:
+        results.send((str(case),))
+        began, failure, outcome = time.monotonic(), None, ""
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                outcome = check(case, Path(folder))
+            except Exception as error:
+                failure = _place(error), traceback.format_exc()
+        results.send((str(case), outcome, failure, time.monotonic() - began))
+
+    settings = hypothesis.settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        phases=[hypothesis.Phase.generate],
+        suppress_health_check=list(hypothesis.HealthCheck),
+    )
+    hypothesis.seed(seed)(settings(hypothesis.given(strategy)(one)))()
 
 
 def _subject(kind: str, begins: str) -> tuple[Any, Callable[[Any, Path], str]]:
@@ -69,56 +143,6 @@ def _subject(kind: str, begins: str) -> tuple[Any, Callable[[Any, Path], str]]:
     from tests.baker.hostile_files import all_files, check_file
 
     return all_files(begins), check_file
-
-
-def fuzz(
-    strategy: Any,
-    check: Callable[[Any, Path], str],
-    cases: int,
-    seed: int,
-    until: float,
-    limit: float,
-) -> Tally:
-    """Check cases drawn from the strategy until there were so many, or time is up."""
-    import hypothesis
-
-    tally = Tally()
-
-    def one(case: Any) -> None:
-        if tally.cases >= cases or time.monotonic() > until:
-            return
-        tally.cases += 1
-        began = time.monotonic()
-        print(case, file=log, flush=True)
-        faulthandler.dump_traceback_later(limit, exit=True)
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                outcome = check(case, Path(folder))
-                is_sentence = outcome not in ("baked", "read")
-                tally.outcomes["refused" if is_sentence else outcome] += 1
-                tally.sentences[_gist(outcome)] += is_sentence
-            except Exception as error:
-                tally.outcomes["failed"] += 1
-                tally.failures.setdefault(_place(error), f"{case}\n{traceback.format_exc()}")
-        faulthandler.cancel_dump_traceback_later()
-        took = time.monotonic() - began
-        if took > tally.slowest:
-            tally.slowest, tally.slow_case = took, str(case)
-
-    settings = hypothesis.settings(
-        max_examples=CHUNK,
-        deadline=None,
-        database=None,
-        phases=[hypothesis.Phase.generate],
-        suppress_health_check=list(hypothesis.HealthCheck),
-    )
-    with tempfile.NamedTemporaryFile("w", prefix="fuzz_scans_", suffix=".txt") as log:
-        print(f"the case at work stands at the end of {log.name}")
-        chunk = 0
-        while tally.cases < cases and time.monotonic() < until:
-            hypothesis.seed((seed << 20) + chunk)(settings(hypothesis.given(strategy)(one)))()
-            chunk += 1
-    return tally
 
 
 def _place(error: BaseException) -> str:
@@ -133,7 +157,7 @@ def _gist(sentence: str) -> str:
     return re.sub(r"[-+]?\d[\d.e+]*|'[^']*'", "_", sentence)[:100]
 
 
-def _tell(kind: str, tally: Tally) -> None:
+def _report(kind: str, tally: Tally) -> None:
     for place, story in tally.failures.items():
         print(f"\n--- {place}\n{story}")
     for sentence, count in tally.sentences.most_common(20):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from baker.errors import InputError, asking
-from baker.scans.formats import SUFFIXES, require_known
+from baker.errors import InputError, asking, excerpt
+from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
 from baker.scans.times import FoundScans, names_without_times, natural_key
 
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
@@ -74,20 +75,37 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
                 "camera sees; it needs at least fx, fy, cx and cy, in pixels."
             )
         below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
-        raise InputError(f"'{folder}' holds no scans ({', '.join(SUFFIXES)}){below}.")
+        raise InputError(f"'{folder}' holds no scans{below}{_unknown(entries)}.")
     if len(scans) == 1:
         raise InputError(
-            f"'{folder}' holds only one scan, '{scans[0].name}'; growth needs at least two."
+            f"'{folder}' holds only one scan, '{scans[0].name}'; growth needs at least "
+            f"two{_unknown(entries)}."
         )
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
 
 
+def _unknown(entries: Sequence[Path]) -> str:
+    """What lies in a folder that can't be read, and what to export instead."""
+    kinds = Counter(
+        path.suffix.lower()
+        for path in entries
+        if path.is_file() and path.suffix and suffix_of(path) not in READERS
+    )
+    if not kinds:
+        return f"; known are {KNOWN}"
+    listed = [f"{n} {excerpt(kind)} file{'s' * (n > 1)}" for kind, n in kinds.most_common(3)]
+    return (
+        f"; it holds {', '.join(listed)}, which can't be read: export point clouds as PLY, LAS or "
+        f"E57, meshes as PLY, OBJ or GLB (known are {KNOWN})"
+    )
+
+
 def _is_scan(path: Path) -> bool:
     return (
         not path.name.startswith(".")
-        and path.suffix.lower() in SUFFIXES
+        and suffix_of(path) in READERS
         and path.stem.lower() not in NOT_SCANS
         and path.is_file()
     )
@@ -103,7 +121,7 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
     patterns = [re.sub(r"\d+", "#", name) for name in names]
 
     for kinds, may_all_differ in (
-        ([scan.suffix.lower() for scan in scans], False),
+        ([suffix_of(scan) for scan in scans], False),
         (names, True),
         (patterns, not have_times),
     ):

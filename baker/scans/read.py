@@ -259,9 +259,7 @@ def _load(path: Path, options: ReadOptions) -> Cloud:
 
 def _agree(scans: list[Scan], options: ReadOptions) -> tuple[Scan, ...]:
     """Labels in all scans or in none (else an error); colours in all or in none (else dropped)."""
-    from baker.scans.las import never_classified
-
-    if options.label_field is None and never_classified(scans):
+    if options.label_field is None and _never_classified(scans):
         scans = [_without(scan, "labels", "classification is 0 everywhere") for scan in scans]
 
     unlabelled = [scan.name for scan in scans if scan.labels is None]
@@ -279,6 +277,18 @@ def _agree(scans: list[Scan], options: ReadOptions) -> tuple[Scan, ...]:
             _without(scan, "colors", reason) if scan.colors is not None else scan for scan in scans
         ]
     return tuple(scans)
+
+
+def _never_classified(scans: Sequence[Scan]) -> bool:
+    """Whether all scans are LAS whose labels, the classification, are 0 throughout."""
+    from baker.scans.formats import suffix_of
+
+    return all(
+        suffix_of(scan.path) in (".las", ".laz")
+        and scan.labels is not None
+        and not scan.labels.any()
+        for scan in scans
+    )
 
 
 def _without(scan: Scan, what: str, reason: str) -> Scan:

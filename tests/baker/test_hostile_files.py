@@ -17,11 +17,10 @@ from baker.scans.rgbd.images import read_color
 from baker.scans.times import FoundScans, schedule_scans
 from tests.baker.hostile_files import CAMERA, SOUND, File, all_files, check_file
 
-LISTS = ("ply binary, lists before", "ply binary, lists inside", "ply ascii, lists before")
 HUGE = 10**15
 
 
-@pytest.mark.parametrize("kind", [kind for kind in SOUND if kind not in LISTS])
+@pytest.mark.parametrize("kind", [kind for kind in SOUND if kind != "ply binary, lists inside"])
 def test_sound_files_are_read(kind, tmp_path):
     assert check_file(File(kind, ()), tmp_path) == "read"
 
@@ -72,9 +71,7 @@ def refused(path: Path, content: bytes) -> str:
     ],
 )
 def test_counts_that_lie_make_no_room(name, content, tmp_path):
-    assert re.search(
-        r"announces|header line|ends before", refused(tmp_path / name, content.encode())
-    )
+    assert re.search(r"announces|no sound PLY", refused(tmp_path / name, content.encode()))
 
 
 def test_fields_of_many_values_make_no_room(tmp_path):

@@ -1,5 +1,6 @@
 """One way to write a point cloud in every format, to read it back."""
 
+import gzip
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,6 +75,37 @@ def write_las(path: Path, sample: Sample) -> None:
     file.write(path)
 
 
+def write_npz(path: Path, sample: Sample) -> None:
+    arrays = {"points": sample.points, "colors": sample.colors, "labels": sample.labels}
+    np.savez(path, **{name: values for name, values in arrays.items() if values is not None})
+
+
+def write_npy(path: Path, sample: Sample) -> None:
+    columns = sample.columns()
+    np.save(path, np.rec.fromarrays(list(columns.values()), names=list(columns)))
+
+
+def write_e57(path: Path, sample: Sample) -> None:
+    import pye57
+
+    names = {"x": "cartesianX", "y": "cartesianY", "z": "cartesianZ"}
+    names |= {"red": "colorRed", "green": "colorGreen", "blue": "colorBlue"}
+    columns = {names[name]: values for name, values in sample.columns().items() if name in names}
+    file = pye57.E57(str(path), mode="w")
+    file.write_scan_raw({k: np.ascontiguousarray(v) for k, v in columns.items()})
+    file.close()
+
+
+def gzipped(write: "Writer") -> "Writer":
+    """Write a file as `write` does, then gzip it."""
+
+    def write_gzipped(path: Path, sample: Sample) -> None:
+        write(path, sample)
+        path.write_bytes(gzip.compress(path.read_bytes(), mtime=0))
+
+    return write_gzipped
+
+
 Writer = Callable[[Path, Sample], None]
 
 FORMATS: dict[str, tuple[str, Writer]] = {
@@ -90,6 +122,10 @@ FORMATS: dict[str, tuple[str, Writer]] = {
     "pts": (".pts", write_table),
     "las": (".las", write_las),
     "laz": (".laz", write_las),
+    "npz": (".npz", write_npz),
+    "npy": (".npy", write_npy),
+    "xyz, gzipped": (".xyz.gz", gzipped(write_table)),
+    "ply, gzipped": (".ply.gz", gzipped(write_ply)),
 }
 
 

@@ -235,9 +235,15 @@ def test_times_file_says_what_belongs_together(make_folder):
 
 
 def test_folders_without_a_series(make_folder, tmp_path):
-    with pytest.raises(InputError, match=r"holds no scans \(\.ply, .*\)\."):
-        names_in(make_folder({"a.json": ""}, "none"))
-    with pytest.raises(InputError, match=r"holds no scans .*; folders in it are not searched"):
+    with pytest.raises(InputError, match=r"holds no scans; known are \.ply, .*\."):
+        names_in(make_folder({"notes": ""}, "none"))
+    parts = dict.fromkeys(("a.sldprt", "b.SLDPRT", "c.step", "d.sldprt", "README.txt"), "")
+    said = r"3 \.sldprt files, 1 \.step file, which can't be read: export .* meshes as PLY, OBJ"
+    with pytest.raises(InputError, match=rf"holds no scans; it holds {said}"):
+        names_in(make_folder(parts, "parts"))
+    with pytest.raises(InputError, match=rf"at least two; it holds {said}"):
+        names_in(make_folder(parts | {"day1.ply": ""}, "parts"))
+    with pytest.raises(InputError, match=r"holds no scans; folders in it are not searched"):
         names_in(make_folder({"sub/day1.ply": ""}, "below"))
     with pytest.raises(InputError, match=r"only one scan, 'day1\.ply'"):
         names_in(make_folder({"day1.ply": ""}, "one"))
@@ -246,14 +252,14 @@ def test_folders_without_a_series(make_folder, tmp_path):
 
 
 def test_lists_that_are_no_series(make_folder):
-    folder = make_folder({"a.ply": "", "b.ply": "", "c.obj": "", "d.ply/e": ""})
+    folder = make_folder({"a.ply": "", "b.ply": "", "c.step": "", "d.ply/e": ""})
     a, b = folder / "a.ply", folder / "b.ply"
     for inputs, fault in (
         ([], "No scans given"),
         ([a], "only one scan"),
         ([a, folder], "is a folder"),
         ([a, folder / "d.ply"], r"d\.ply' is a folder"),
-        ([a, folder / "c.obj"], r"unknown suffix '\.obj'"),
+        ([a, folder / "c.step"], r"unknown suffix '\.step'"),
         ([a, folder / "x.ply"], "no such file"),
         ([a, b, folder / "." / "a.ply"], "given twice"),
     ):

@@ -8,20 +8,16 @@ of all scans, there are no labels.
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
 from baker.scans.cloud import Columns
 from baker.scans.fields import LABEL_NAMES
-from baker.scans.laz import require_sound_chunks
-from baker.scans.rows import require_room
-from baker.scans.scan import Scan
+from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.laz import require_sound_chunks
 
-SUFFIXES = (".las", ".laz")
 CHUNK = 32 << 20  # bytes of points that are decoded at a time
 SHORTEST_HEADER = 227  # bytes, LAS 1.0 to 1.2
 SHORTEST_RECORD = 54  # bytes of a variable length record without content
@@ -30,17 +26,11 @@ SHORTEST_RECORD = 54  # bytes of a variable length record without content
 def read(path: Path) -> Columns:
     """x, y, z as scaled float64, and all other dimensions under laspy's names.
 
-    Raises InputError where laspy can't read the file, or it ends before its points do.
+    Raises FormatError where laspy can't read the file, or it ends before its points do.
     """
     _check_beginning(path)
-    try:
+    with library_faults("LAS"):
         columns, extra = _read_dimensions(path)
-    except (OSError, InputError, MemoryError, KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # a panic of the LAZ decoder is no Exception
-        reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
-        raise InputError(f"'{path}' is no sound LAS file, or is cut short ({reason}).") from error
-
     if set(extra) & set(LABEL_NAMES) and not columns["classification"].any():
         del columns["classification"]
     colors = ("red", "green", "blue")
@@ -57,20 +47,20 @@ def _read_dimensions(path: Path) -> tuple[dict[str, NDArray], list[str]]:
     with laspy.open(path, read_evlrs=False) as file:
         header = file.header
         if header.point_count == 0:
-            raise InputError(f"'{path}' holds no points.")
+            raise FormatError("holds no points.")
         if header.are_points_compressed:
             require_sound_chunks(path, header)
         else:
             room = path.stat().st_size - header.offset_to_point_data
-            require_room(path, header.point_count, header.point_format.size, room)
+            require_room(header.point_count, header.point_format.size, room)
         # In chunks, so that memory is made only for points that are there.
         chunks = list(file.chunk_iterator(max(1, CHUNK // header.point_format.size)))
 
     found = sum(len(chunk) for chunk in chunks)
     if found != header.point_count:
-        raise InputError(
-            f"'{path}' is cut short, or its header is wrong: it announces {header.point_count} "
-            f"points, but {found} follow."
+        raise FormatError(
+            f"is cut short, or its header is wrong: it announces {header.point_count} points, but "
+            f"{found} follow."
         )
     names = [name for name in header.point_format.dimension_names if name not in ("X", "Y", "Z")]
     with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
@@ -87,25 +77,17 @@ def _check_beginning(path: Path) -> None:
     with path.open("rb") as file:
         start = file.read(SHORTEST_HEADER)
     if len(start) < SHORTEST_HEADER or not start.startswith(b"LASF"):
-        raise InputError(f"'{path}' is not a LAS file: it doesn't begin with 'LASF'.")
+        raise FormatError("is not a LAS file: it doesn't begin with 'LASF'.")
     header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
     size = path.stat().st_size
     if max(header_size, points_offset) > size:
-        raise InputError(
-            f"'{path}' is no sound LAS file, or is cut short (its header says that the points "
+        raise FormatError(
+            f"is no sound LAS file, or is cut short (its header says that the points "
             f"begin at byte {points_offset}, and the file ends at {size})."
         )
     room = points_offset - header_size
     if record_count * SHORTEST_RECORD > room:
-        raise InputError(
-            f"'{path}' is no sound LAS file, or is cut short (its header announces {record_count} "
+        raise FormatError(
+            f"is no sound LAS file, or is cut short (its header announces {record_count} "
             f"records before the points, for which there are {max(room, 0)} bytes)."
         )
-
-
-def never_classified(scans: Sequence[Scan]) -> bool:
-    """Whether all scans are LAS whose labels, the classification, are 0 throughout."""
-    return all(
-        scan.path.suffix.lower() in SUFFIXES and scan.labels is not None and not scan.labels.any()
-        for scan in scans
-    )

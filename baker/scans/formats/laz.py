@@ -10,7 +10,7 @@ import struct
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from baker.errors import InputError
+from baker.scans.formats.faults import FormatError
 
 LAYERED = 3  # the compressor that writes each field of a chunk as a layer of its own
 LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}
@@ -19,7 +19,7 @@ one for each byte."""
 
 
 def require_sound_chunks(path: Path, header: Any) -> None:
-    """InputError unless all sizes in the compressed file of this laspy header fit into the file."""
+    """FormatError unless the sizes that a compressed file tells of its chunks fit into it."""
     import lazrs  # type: ignore[import-untyped, unused-ignore]
 
     record = header.vlrs.get("LasZipVlr")[0].record_data
@@ -38,9 +38,8 @@ def require_sound_chunks(path: Path, header: Any) -> None:
         if is_sound and struct.unpack_from("<H", record)[0] == LAYERED:
             is_sound = _layers_fit(file, begin + 8, chunks, size, _layers(record))
     if not is_sound:
-        raise InputError(
-            f"'{path}' is no sound LAZ file, or is cut short: its compressed chunks don't fit "
-            "into it."
+        raise FormatError(
+            "is no sound LAZ file, or is cut short: its compressed chunks don't fit into it."
         )
 
 

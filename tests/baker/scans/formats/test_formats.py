@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
-from baker.scans.formats import SUFFIXES, read_columns
+from baker.scans.formats import READERS, read_columns
 
 
 def read(path: Path, **options):
@@ -124,7 +124,7 @@ def test_damaged_anywhere_is_read_or_refused(any_format, make_sample, tmp_path, 
         assert cloud.points.shape == (len(cloud), 3)
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", READERS)
 def test_garbage_and_empty_are_refused(tmp_path, suffix):
     path = tmp_path / f"scan{suffix}"
     path.write_bytes(b"")
@@ -136,7 +136,7 @@ def test_garbage_and_empty_are_refused(tmp_path, suffix):
             read(path)
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", READERS)
 def test_missing_and_folder_are_refused(tmp_path, suffix):
     with pytest.raises(InputError, match="No such file"):
         read(tmp_path / f"absent{suffix}")
@@ -158,9 +158,9 @@ def test_forbidden_file_is_one_sentence(tmp_path, monkeypatch):
 
 
 def test_unknown_suffix_names_the_known_ones(tmp_path):
-    (tmp_path / "scan.obj").write_text("v 0 0 0")
-    with pytest.raises(InputError, match=r"unknown suffix '\.obj'; known are \.ply, .*\.laz"):
-        read(tmp_path / "scan.obj")
+    (tmp_path / "scan.sldprt").write_text("v 0 0 0")
+    with pytest.raises(InputError, match=r"unknown suffix '\.sldprt'; known are \.ply, .*\.laz"):
+        read(tmp_path / "scan.sldprt")
 
 
 def test_suffix_in_any_case(tmp_path):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
-from baker.scans.table import read
+from baker.scans.formats import read_columns
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def load(tmp_path):
     def load(content: str | bytes, name: str = "scan.txt", **options):
         path = tmp_path / name
         path.write_bytes(content.encode() if isinstance(content, str) else content)
-        return choose_fields(read(path), path, **options)
+        return choose_fields(read_columns(path), path, **options)
 
     return load
 

@@ -1,0 +1,112 @@
+"""The formats of scans: one module each, behind one registry.
+
+To add a format, write a module here with a function ``read(path: Path) -> Columns``, which raises
+`FormatError` where a file is not sound, and name it in `READERS`. Files in any of the formats may
+be gzipped.
+"""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from baker.errors import InputError
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError
+
+READERS = {
+    ".ply": "ply",
+    ".pcd": "pcd",
+    ".xyz": "text",
+    ".txt": "text",
+    ".csv": "text",
+    ".asc": "text",
+    ".pts": "text",
+    ".las": "las",
+    ".laz": "las",
+    ".e57": "e57",
+    ".npy": "arrays",
+    ".npz": "arrays",
+    ".obj": "mesh",
+    ".stl": "mesh",
+    ".off": "mesh",
+    ".glb": "mesh",
+    ".gltf": "mesh",
+}
+"""Suffix in lower case -> module of this package."""
+
+KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
+GZIP = ".gz"
+LARGEST_UNPACKED = 1 << 32  # bytes of a gzipped scan; more is no scan, but a trap
+
+
+def suffix_of(path: Path) -> str:
+    """The suffix that tells the format, in lower case and without that of gzip."""
+    suffix = path.suffix.lower()
+    return Path(path.stem).suffix.lower() if suffix == GZIP else suffix
+
+
+def require_known(path: Path) -> None:
+    """InputError, with the known suffixes, unless the suffix of `path` (any case) is known."""
+    if suffix_of(path) not in READERS:
+        what = f"has the unknown suffix '{path.suffix}'" if path.suffix else "has no suffix"
+        raise InputError(f"'{path}' {what}; known are {KNOWN}.")
+
+
+def read_columns(path: Path) -> Columns:
+    """All numeric fields of a scan.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its suffix tells the format.
+
+    Returns
+    -------
+    Columns
+        One (N,) array for each field, as it stands in the file.
+
+    Raises
+    ------
+    InputError
+        The suffix is unknown, or the file can't be opened or is not sound.
+    """
+    require_known(path)
+    try:
+        with path.open("rb") as file:  # libraries say little of folders and forbidden files
+            if not file.read(1):
+                raise FormatError("is an empty file.")
+        reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
+        with _unpacked(path) as plain:
+            columns: Columns = reader.read(plain)
+    except FormatError as fault:
+        raise InputError(fault.about(path)) from fault
+    except OSError as error:
+        raise InputError(f"'{path}' can't be read: {error.strerror or error}.") from error
+    return columns
+
+
+@contextmanager
+def _unpacked(path: Path) -> Iterator[Path]:
+    """The file itself, or where it is gzipped one with its content for as long as it is read."""
+    if path.suffix.lower() != GZIP:
+        yield path
+        return
+    with TemporaryDirectory(prefix="bake-") as folder:
+        plain = Path(folder, f"scan{suffix_of(path)}")
+        try:
+            with gzip.open(path) as packed, plain.open("wb") as file:
+                while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]
+                    if file.write(chunk) and file.tell() > LARGEST_UNPACKED:
+                        raise FormatError(f"unpacks to more than {LARGEST_UNPACKED >> 30} GiB.")
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
+        if plain.stat().st_size == 0:
+            raise FormatError("holds an empty file.")
+        yield plain

@@ -1,0 +1,90 @@
+"""NumPy arrays: NPY and NPZ.
+
+An NPZ holds ``points`` (or ``positions``, ``xyz``), (N, 3) or more columns, and may hold ``colors``
+(or ``colours``, ``rgb``), (N, 3) or with alpha (N, 4), and any (N,) arrays, such as ``labels``. An
+NPY holds the points: (N, C), its columns as those of a text without a header, or (N,) records whose
+fields are named. No objects are unpickled.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import excerpt
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.text import USUAL_WIDTHS, usual_names
+
+POINTS = ("points", "positions", "xyz")
+NUMBERS = "biuf"  # kinds of NumPy's types
+COLORS = ("colors", "colours", "rgb")
+
+
+def read(path: Path) -> Columns:
+    """The columns of the arrays. Raises FormatError: not sound, or no points among them."""
+    is_archive = path.suffix.lower() == ".npz"
+    with library_faults(path.suffix[1:].upper()):
+        if is_archive:
+            _require_sound_headers(path)
+            with np.load(path, allow_pickle=False) as file:
+                return Columns(_named(file))
+        array = np.load(
+            path, mmap_mode="r", allow_pickle=False
+        )  # makes no room for what isn't there
+        if array.dtype.names:
+            fields = {name: np.asarray(array[name]) for name in array.dtype.names}
+            return Columns({name: v for name, v in fields.items() if _is_column(v)})
+        if array.ndim != 2 or array.shape[1] not in USUAL_WIDTHS or array.dtype.kind not in NUMBERS:
+            found = f"shape {array.shape} and type {array.dtype}"
+            raise FormatError(f"holds an array of {found}; (N, 3) to (N, 7) numbers are read.")
+        names = usual_names(array)
+        columns = {name: np.asarray(array[:, i]) for i, name in enumerate(names)}
+    return Columns(columns, (f"columns taken as {' '.join(names)}.",))
+
+
+def _named(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
+    points = next((name for name in POINTS if name in arrays), None)
+    if points is None:
+        found = excerpt(", ".join(arrays)) or "none"
+        raise FormatError(f"has no array '{POINTS[0]}' (it has {found}).")
+    positions = arrays[points]
+    count = len(positions)
+    if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in NUMBERS:
+        found = f"shape {positions.shape} and type {positions.dtype}"
+        raise FormatError(f"has an array '{points}' of {found}, not (N, 3) numbers.")
+    columns = dict(zip("xyz", positions.T, strict=True))
+    for name in arrays:
+        values = arrays[name]
+        if name in COLORS and values.ndim == 2 and values.shape[1] in (3, 4):
+            columns |= dict(zip(("red", "green", "blue"), values.T, strict=False))
+        elif name != points and _is_column(values):
+            columns[{"labels": "label"}.get(name, name)] = values
+    for name, values in columns.items():
+        if len(values) != count:
+            raise FormatError(
+                f"has {count} points, but an array '{excerpt(name)}' of {len(values)} values."
+            )
+    return columns
+
+
+def _is_column(values: NDArray) -> bool:
+    return values.ndim == 1 and values.dtype.kind in NUMBERS
+
+
+def _require_sound_headers(path: Path) -> None:
+    """Refuse arrays that announce more than the archive holds, before numpy makes room for them."""
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            with archive.open(member) as file:
+                version = np.lib.format.read_magic(file)
+                read_header = {
+                    (1, 0): np.lib.format.read_array_header_1_0,
+                    (2, 0): np.lib.format.read_array_header_2_0,
+                }[version]
+                shape, _, dtype = read_header(file)
+                require_room(int(np.prod(shape, dtype=object)), dtype.itemsize, member.file_size)

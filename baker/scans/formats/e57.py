@@ -1,0 +1,47 @@
+"""E57 (ASTM E2807) by pye57, which the extra `e57` installs: all scans in the file as one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError, library_faults, require_room
+
+COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
+SMALLEST_POINT = 1 / 8  # bytes; coordinates are packed into as many bits as they need
+
+
+def read(path: Path) -> Columns:
+    """x, y, z in the file's frame and, where all scans have them, red, green, blue.
+
+    Raises FormatError: pye57 is not installed, the file is not sound, or holds no points.
+    """
+    try:
+        import pye57
+    except ImportError:
+        raise FormatError(
+            'can\'t be read without pye57: pip install "plant-growth-clips[e57]".'
+        ) from None
+
+    with library_faults("E57"):
+        file = pye57.E57(str(path))
+        try:
+            count = sum(file.get_header(k).point_count for k in range(file.scan_count))
+            require_room(count, SMALLEST_POINT, path.stat().st_size)
+            scans = [
+                file.read_scan(k, colors=True, ignore_missing_fields=True, transform=True)
+                for k in range(file.scan_count)
+            ]
+        finally:
+            file.close()
+    columns = {
+        name: np.concatenate([scan[field] for scan in scans])
+        for field, name in {f"cartesian{axis.upper()}": axis for axis in "xyz"}.items()
+    }
+    if all(set(COLORS) <= set(scan) for scan in scans):
+        columns |= {
+            name: np.concatenate([scan[field] for scan in scans]) for field, name in COLORS.items()
+        }
+    return Columns(columns)

@@ -1,0 +1,57 @@
+"""What is wrong with a file: said once by the readers, with the file's name by the registry."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class FormatError(Exception):
+    """What is wrong with a file, in words that follow its name: "holds no points."
+
+    Parameters
+    ----------
+    sentence : str
+        The sentence without its subject.
+    line : int, optional
+        Where in a text it is wrong, from 1.
+    """
+
+    def __init__(self, sentence: str, line: int | None = None) -> None:
+        super().__init__(sentence)
+        self.line = line
+
+    def about(self, name: object) -> str:
+        """The whole sentence about the file of that name."""
+        place = "" if self.line is None else f", line {self.line}:"
+        return f"'{name}'{place} {self}"
+
+
+@contextmanager
+def library_faults(kind: str) -> Iterator[None]:
+    """Whatever a library raises about a file of this kind is the file's fault: a FormatError."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except (OSError, FormatError, MemoryError, KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # a panic of the LAZ decoder is no Exception
+        reason = " ".join((str(error) or type(error).__name__).split())[:120]
+        raise FormatError(f"is no sound {kind} file, or is cut short ({reason}).") from error
+
+
+def require_room(count: int, size: float, room: int) -> None:
+    """FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
+
+    To be called before memory is made for as many points as a header announces.
+    """
+    if count == 0:
+        raise FormatError("holds no points.")
+    if count * size > room:
+        raise FormatError(
+            f"is cut short, or its header is wrong: it announces {count} points "
+            f"(at least {math.ceil(count * size)} bytes), but {max(room, 0)} bytes follow."
+        )

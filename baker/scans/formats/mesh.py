@@ -1,0 +1,69 @@
+"""Meshes: OBJ, STL, GLB and glTF by Open3D, OFF here; points are sampled on their surface.
+
+Open3D's reader of OFF ends the process at damaged files (docs/method.md).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError, library_faults
+from baker.scans.formats.surface import points_on_surface
+
+
+def read(path: Path) -> Columns:
+    """x, y, z and, where the vertices are coloured, red, green and blue of points on the surface.
+
+    Raises FormatError: not sound, or no faces to sample points on.
+    """
+    with library_faults(path.suffix[1:].upper()):
+        vertices, colors, faces = _read_off(path) if path.suffix.lower() == ".off" else _open(path)
+        if not len(vertices) or not len(faces):
+            raise FormatError(
+                f"holds no mesh: {len(vertices)} vertices and {len(faces)} faces found; export "
+                "points without faces as PLY."
+            )
+        columns = dict(zip("xyz", vertices.T, strict=True))
+        if len(colors) == len(vertices):
+            columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
+        return points_on_surface(columns, faces)
+
+
+def _open(path: Path) -> tuple[NDArray, NDArray, NDArray]:
+    """(V, 3) vertices, (V, 3) uint8 colours or none, (F, 3) triangles."""
+    import open3d
+
+    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+        mesh = open3d.io.read_triangle_mesh(path)
+    colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
+    return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
+
+
+def _read_off(path: Path) -> tuple[NDArray, NDArray, list[NDArray]]:
+    """OFF and COFF (colours from 0 to 255, or to 1, behind the coordinates).
+
+    Format: http://www.geomview.org/docs/html/OFF.html
+    """
+    lines = [line.partition(b"#")[0].split() for line in path.read_bytes().splitlines()]
+    rows = [line for line in lines if line]
+    kind = rows[0].pop(0)
+    if kind not in (b"OFF", b"COFF"):
+        raise FormatError("is not an OFF file: it doesn't begin with 'OFF' or 'COFF'.")
+    rows = rows if rows[0] else rows[1:]  # the counts may stand in the first line
+    vertex_count, face_count = int(rows[0][0]), int(rows[0][1])
+    if vertex_count + face_count > len(rows) - 1:
+        raise FormatError(
+            f"is cut short, or its header is wrong: it announces {vertex_count} vertices and "
+            f"{face_count} faces, but {len(rows) - 1} lines follow."
+        )
+    vertices = np.array(rows[1 : 1 + vertex_count], float)
+    faces = [
+        np.array(row[1 : 1 + int(row[0])], int) for row in rows[1 + vertex_count :][:face_count]
+    ]
+    colors = vertices[:, 3:6] if vertices.shape[1] >= 6 else np.empty((0, 3))
+    scale = 255 if colors.size and colors.max() <= 1 else 1
+    return vertices[:, :3], np.clip(colors * scale, 0, 255).astype(np.uint8), faces

@@ -1,0 +1,157 @@
+"""PCD (Point Cloud Library), ascii, binary and binary_compressed.
+
+Packed colours (`rgb`, `rgba`: four bytes in one number) come out as red, green and blue.
+Format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
+
+Read here: Open3D's reader ends the process at damaged files, and pypcd4's reads a file that is cut
+short as a smaller one (docs/method.md).
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import excerpt
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError, require_room
+from baker.scans.formats.text import Lines, read_rows
+
+TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
+LONGEST_HEADER = 100  # lines
+MOST_VALUES = 10_000  # of a point; the largest descriptors have some thousand
+LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
+
+
+def read(path: Path) -> Columns:
+    """All fields; of a field with several values a point each value as a field of its own.
+
+    Raises FormatError: not PCD, a header out of order, or a body that doesn't hold what it says.
+    """
+    words, start, lines = _read_header(path)
+    record = _record(words)
+    names = record.names or ()
+    if not re.fullmatch("[0-9]{1,18}", words["POINTS"][0]):
+        raise _header_fault(f"announces '{excerpt(words['POINTS'][0])}' POINTS, which is no number")
+    count, room = int(words["POINTS"][0]), path.stat().st_size - start
+    match words["DATA"][0]:
+        case "ascii":
+            require_room(count, 2 * len(names) - 1, room)
+            return Columns(_unpack_colors(_read_ascii(path, start, lines, record, count)))
+        case "binary":
+            require_room(count, record.itemsize, room)
+            points = np.fromfile(path, record, count, offset=start)
+            return Columns(_unpack_colors({name: points[name] for name in names}))
+        case "binary_compressed":
+            require_room(count, record.itemsize / LZF_RATIO, room - 8)
+            return Columns(_unpack_colors(_read_compressed(path, start, record, count)))
+        case other:
+            known = "ascii, binary, binary_compressed"
+            raise _header_fault(f"names the unknown DATA '{excerpt(other)}'; known are {known}")
+
+
+def _read_ascii(
+    path: Path, start: int, lines: int, record: np.dtype, count: int
+) -> dict[str, NDArray]:
+    names = record.names or ()
+    with path.open(encoding="latin-1") as file:
+        file.seek(start)
+        rows = read_rows(Lines(file, lines), names)
+    if len(rows) != count:
+        raise FormatError(
+            f"is cut short, or its header is wrong: it announces {count} points, but {len(rows)} "
+            "rows follow."
+        )
+    return {name: _as_type(record[name], rows[:, i]) for i, name in enumerate(names)}
+
+
+def _as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:
+    """`values` in the type the header gives them, where they fit it."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        typed = values.astype(kind)
+    return typed if kind.kind == "f" or (typed == values).all() else values
+
+
+def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:
+    """Two sizes (packed and not), then LZF: all values of the first field, of the second, …"""
+    import lzf  # type: ignore[import-not-found, unused-ignore]
+
+    content = path.read_bytes()[start:]
+    packed_size, announced_size = (int(n) for n in np.frombuffer(content[:8], "<u4"))
+    packed, size = content[8 : 8 + packed_size], count * record.itemsize
+    try:
+        body = lzf.decompress(packed, size) if len(packed) == packed_size else None
+    except ValueError:
+        body = None
+    if body is None or len(body) != size or announced_size != size:
+        raise FormatError(
+            f"is cut short or damaged: its compressed data don't unpack to the {count} points "
+            f"({size} bytes) that the header announces."
+        )
+    names = record.names or ()
+    places = np.cumsum([0, *(record[name].itemsize * count for name in names)]).tolist()
+    return {
+        name: np.frombuffer(body, record[name], count, place)
+        for name, place in zip(names, places, strict=False)
+    }
+
+
+def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
+    """Red, green and blue from a packed field, blue in the lowest byte."""
+    for name, values in columns.items():
+        if name.lower() in ("rgb", "rgba") and values.dtype.itemsize == 4:
+            packed = np.ascontiguousarray(values).view("<u4")
+            channels = {"red": 16, "green": 8, "blue": 0}
+            rest = {other: column for other, column in columns.items() if other != name}
+            return rest | {c: (packed >> shift).astype(np.uint8) for c, shift in channels.items()}
+    return columns
+
+
+def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
+    """The words of each line by its first one; the header's size in bytes and in lines."""
+    words: dict[str, list[str]] = {}
+    with path.open("rb") as file:
+        for number in range(1, LONGEST_HEADER):
+            line = file.readline(4096)
+            if not line or b"\0" in line:
+                break
+            key, *values = line.decode("latin-1").split() or ["#"]
+            words[key] = values
+            if key == "DATA":
+                for needed in ("FIELDS", "SIZE", "TYPE", "POINTS", "DATA"):
+                    if not words.get(needed):
+                        raise _header_fault(f"has no line '{needed}'")
+                return words, file.tell(), number
+    raise FormatError("is not a PCD file: its header has no line 'DATA'.")
+
+
+def _record(words: dict[str, list[str]]) -> np.dtype:
+    """One point as it stands in the file: of FIELDS, SIZE, TYPE and COUNT."""
+    fields = words["FIELDS"]
+    columns = [words[key] for key in ("TYPE", "SIZE")] + [words.get("COUNT", ["1"] * len(fields))]
+    for key, values in zip(("TYPE", "SIZE", "COUNT"), columns, strict=True):
+        if len(values) != len(fields):
+            raise _header_fault(f"has {len(fields)} FIELDS, but {len(values)} values of {key}")
+    record: list[tuple[str, str]] = []
+    for name, kind, width, count in zip(fields, *columns, strict=True):
+        if kind + width not in TYPES:
+            unknown = f"{excerpt(kind)} of size {excerpt(width)}"
+            raise _header_fault(f"gives the field '{excerpt(name)}' the unknown type {unknown}")
+        if not re.fullmatch("0*[1-9][0-9]{0,4}", count):
+            raise _header_fault(f"gives the field '{excerpt(name)}' the COUNT {excerpt(count)}")
+        if len(record) + int(count) > MOST_VALUES:
+            raise _header_fault(f"gives a point more than {MOST_VALUES} values")
+        for i in range(int(count)):
+            # Padding is named "_", as often as it occurs; other values of a field are numbered.
+            unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name
+            record.append((unique, f"<{kind.lower()}{width}"))
+    if len({name for name, _ in record}) < len(record):
+        raise _header_fault("names a field twice")
+    return np.dtype(record)
+
+
+def _header_fault(what: str) -> FormatError:
+    return FormatError(f"has a PCD header that {what}.")

@@ -1,0 +1,277 @@
+"""Text tables: XYZ, TXT, CSV, ASC, PTS; three or more columns, a header line or none.
+
+Values are separated by spaces, commas, semicolons or tabs. ``#`` begins a comment, as does ``//``
+before the first row. The header names the columns in any order; it may be a comment. Without a
+header the number of columns decides:
+
+    3  x y z
+    4  x y z label
+    5  x y z label, the fifth is not used
+    6  x y z red green blue       (normals instead of colours where one is negative)
+    7  x y z red green blue label (likewise)
+
+A single whole number before the rows (as in PTS) is the number of points; after it, without a
+header, the fourth of 4 or 7 columns is the intensity that Leica's format has there.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import excerpt
+from baker.scans.cloud import Columns
+from baker.scans.formats.faults import FormatError
+
+LONGEST_LINE = 1 << 17
+USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
+
+
+class Lines:
+    """The lines of an open text; `number` is that of the last one, from 1."""
+
+    def __init__(self, file: TextIO, number: int = 0) -> None:
+        self._file, self.number = file, number
+
+    def __iter__(self) -> Iterator[str]:
+        while line := self._file.readline(LONGEST_LINE):
+            self.number += 1
+            if len(line) == LONGEST_LINE:
+                reason = f"{LONGEST_LINE} characters or more are no row of numbers."
+                raise FormatError(reason, self.number)
+            yield line
+
+
+@dataclass(frozen=True)
+class _Head:
+    """What stands before the rows, and how they look.
+
+    names: of the columns, None where the file doesn't tell; first: the first row as it stands, row:
+    its values; count: the announced number of points, if any.
+    """
+
+    names: Sequence[str] | None
+    delimiter: str | None
+    first: str
+    row: Sequence[str]
+    count: int | None
+
+
+def read(path: Path) -> Columns:
+    """All columns of numbers. Raises FormatError, with the line that doesn't fit."""
+    with path.open(encoding=_encoding(path), errors="replace") as file:
+        lines = Lines(file)
+        head = _read_head(lines)
+        width = len(head.row)
+        if head.names is None and width not in USUAL_WIDTHS:
+            raise FormatError(
+                f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are "
+                "understood, for others name the columns in a header line.",
+                lines.number,
+            )
+        numeric = [i for i, value in enumerate(head.row) if _is_number(value)]
+        if head.names is None and len(numeric) < width:
+            fault = next(value for value in head.row if not _is_number(value))
+            raise FormatError(_not_a_number(fault), lines.number)
+        is_open_ended = head.delimiter is not None and head.first.rstrip().endswith(head.delimiter)
+        chosen = numeric if is_open_ended or len(numeric) < width else None
+        names = head.names or [f"column {i + 1}" for i in range(width)]
+        rows = read_rows(lines, names, head.first, head.delimiter, chosen)
+    if head.count is not None and head.count != len(rows):
+        raise FormatError(
+            f"announces {head.count} points, but {len(rows)} rows follow: it is cut short, or the "
+            "number is wrong."
+        )
+    if head.names is None:
+        names = usual_names(rows, is_leica=head.count is not None)
+        notes = [f"no header line: columns taken as {' '.join(names)}."]
+    else:
+        words = [names[i] for i in range(width) if i not in numeric]
+        listed = excerpt(", ".join(words))
+        notes = [f"columns passed over, as they hold no numbers: {listed}."] * bool(words)
+    return Columns({names[i]: rows[:, k] for k, i in enumerate(numeric)}, tuple(notes))
+
+
+def read_rows(
+    lines: Lines,
+    names: Sequence[str],
+    first: str = "",
+    delimiter: str | None = None,
+    columns: Sequence[int] | None = None,
+) -> NDArray[np.float64]:
+    """The numbers of all rows, (N, C) float64.
+
+    Parameters
+    ----------
+    lines : Lines
+        An open text, read up to its first row.
+    names : sequence of str
+        One for each value of a row.
+    first : str, optional
+        A row that was read already.
+    delimiter : str, optional
+        What stands between values; None is any white space.
+    columns : sequence of int, optional
+        Which values of a row to read, where not all are wanted.
+
+    Raises
+    ------
+    FormatError
+        A row has other values, with its line.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # numpy warns where there are no rows
+        try:
+            rows = np.loadtxt(
+                chain([first], lines),
+                delimiter=delimiter,
+                quotechar='"',
+                usecols=columns,
+                ndmin=2,
+                encoding=None,
+            )
+        except ValueError as error:  # at the line that numpy has asked for last
+            raise FormatError(_reason(str(error), names), lines.number) from error
+    width = len(names if columns is None else columns)
+    if rows.size and rows.shape[1] != width:
+        raise FormatError(_reason(f"{rows.shape[1]} columns", names), lines.number)
+    return rows.reshape(-1, width)
+
+
+def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
+    """Names for 3 to 7 columns without a header; see the module's text."""
+    width = rows.shape[1]
+    start = 4 if is_leica and width == 7 else 3
+    triple = ["red", "green", "blue"]
+    if width >= 6 and (rows[:, start : start + 3] < 0).any():
+        triple = ["nx", "ny", "nz"]
+    names = {
+        3: [],
+        4: ["intensity"] if is_leica else ["label"],
+        5: ["label", "column 5"],
+        6: triple,
+        7: ["intensity", *triple] if is_leica else [*triple, "label"],
+    }
+    return ["x", "y", "z", *names[width]]
+
+
+def _reason(numpys: str, names: Sequence[str]) -> str:
+    """Numpy's sentence about a row in the words of one who has the file before them."""
+    if text := re.search("could not convert string '(.*)' to float64", numpys, re.DOTALL):
+        return _not_a_number(text[1])
+    if found := re.search(r"from \d+ to (\d+)|with (\d+) columns|^(\d+) columns", numpys):
+        count = int(next(filter(None, found.groups())))
+        return (
+            f"{count} value{'s' * (count != 1)} found, but {len(names)} expected "
+            f"({excerpt(' '.join(names))})."
+        )
+    return f"no row of numbers ({excerpt(numpys)})."
+
+
+def _not_a_number(text: str) -> str:
+    hint = "; write decimals with a point" if re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+    return f"'{excerpt(text)}' is not a number{hint}."
+
+
+def _encoding(path: Path) -> str:
+    """UTF-8 or, by its byte order mark, UTF-16. FormatError if `path` is no text."""
+    with path.open("rb") as file:
+        head = file.read(65536)
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if b"\0" in head:
+        raise FormatError("is not a text file, though its suffix says so.")
+    return "utf-8-sig"
+
+
+def _read_head(lines: Lines) -> _Head:
+    """Read up to the first row."""
+    comments: list[str] = []
+    header: list[str] | None = None
+    count: int | None = None
+    header_line = 0
+    for line in lines:
+        text = line.strip()
+        if not text:
+            continue
+        if text.startswith(("#", "//")):
+            comments.append(text.lstrip("#/ \t"))
+            continue
+        delimiter = _delimiter(text)
+        values = _split(text, delimiter)
+        if len(values) == 1 and values[0].isdecimal() and count is None:
+            count = int(values[0][:18])
+        elif sum(map(_is_number, values)) >= min(3, len(values)):
+            if header is None:
+                header = _names_in(comments, delimiter, len(values))
+            elif len(header) != len(values):
+                raise FormatError(
+                    f"the header names {len(header)} columns, but the first row has "
+                    f"{len(values)} values.",
+                    header_line,
+                )
+            return _Head(_distinct(header), delimiter, line, values, count)
+        elif header is None and _names_xyz(values) and not any(map(_is_number, values)):
+            header, header_line = values, lines.number
+        else:
+            fault = next(value for value in values if not _is_number(value))
+            raise FormatError(_not_a_number(fault), lines.number)
+    raise FormatError("holds no points.")
+
+
+def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> list[str] | None:
+    """The names of so many columns, from the last comment that fits."""
+    for comment in reversed(comments):
+        for names in (_split(comment, delimiter), _split(comment, None), _split(comment, ",")):
+            if len(names) == width and _names_xyz(names):
+                return names
+    return None
+
+
+def _distinct(names: list[str] | None) -> list[str] | None:
+    twice = (
+        set()
+        if names is None or len(set(names)) == len(names)
+        else {name for name in names if names.count(name) > 1}
+    )
+    if twice:
+        raise FormatError(f"has a header that names two columns '{excerpt(min(twice))}'.")
+    return names
+
+
+def _names_xyz(names: Sequence[str]) -> bool:
+    return {"x", "y", "z"} <= {name.lower() for name in names}
+
+
+def _delimiter(line: str) -> str | None:
+    if ";" in line:
+        return ";"
+    if "\t" in line and all(re.search(r"\S", value) for value in line.split("\t")):
+        # Tabs among other white space (aligned columns) are white space like any other.
+        has_spaces = any(" " in value.strip() for value in line.split("\t"))
+        return None if has_spaces or "," in line else "\t"
+    return "," if "," in line else None
+
+
+def _split(line: str, delimiter: str | None) -> list[str]:
+    """The values of a line, without quotes; empty ones at its end don't count."""
+    values = [value.strip().strip("\"'") for value in line.strip().split(delimiter)]
+    while values and not values[-1]:
+        values.pop()
+    return values
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text  # which only Python itself takes as a part of numbers
