@@ -23,7 +23,7 @@ DATES = ("2020-03-08", "2020-03-10", "2020-03-11")
 
 # Shows clips and tells after each picture what is seen, and where the panel's checkboxes are.
 SHOW = """
-import json, sys
+import json, sys, time
 from dataclasses import replace
 from pathlib import Path
 from imgui_bundle import imgui
@@ -53,7 +53,7 @@ def tell(scene):
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
         "panel": scene.panel, "help": scene.help, "notice": scene.notice,
         "fullscreen": scene.fullscreen, "output": scene.output.example,
-        "switches": switches,
+        "switches": switches, "clock": time.monotonic(),
     }), flush=True)
 
 if __name__ == "__main__":
