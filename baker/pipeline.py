@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment import Alignment
-from baker.alignment.plant_base import standing_bases
+from baker.alignment.stem_base import agreed_base_points, base_point
 from baker.batch.cache import IntervalCache
 from baker.batch.cache.alignments import aligned
 from baker.batch.executor import Executor, Threads
@@ -23,14 +23,13 @@ from baker.batch.interval_job import IntervalJob
 from baker.batch.intervals import solve_intervals
 from baker.batch.provenance import describe_provenance, describe_tracks
 from baker.errors import InputError
+from baker.geometry.neighbors import Neighbors, nearest_neighbors, point_area
 from baker.geometry.parallel import MapLike, reporting, thread_map
-from baker.geometry.spacing import Surroundings
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth, births
 from baker.interpolation.colors import painted
 from baker.interpolation.growth_rate import Pace, paces
 from baker.interpolation.movers import Keyframe
-from baker.interpolation.resampling import point_surface
 from baker.interpolation.steady import steadied
 from baker.matching import (
     IntervalOrgans,
@@ -46,10 +45,10 @@ from baker.recipe import Recipe, recipe_for
 from baker.record import BakeRecord, HeldOut, left_out
 from baker.scans import Series
 from baker.scans.stage import read_scans, told_by
-from baker.segmentation.from_labels import root_point
 from baker.segmentation.hierarchy import Hierarchy
+from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
-from baker.segmentation.series import (
+from baker.segmentation.stage import (
     coarse_hierarchies,
     labelled_hierarchies,
     thin_hierarchies,
@@ -119,14 +118,17 @@ def bake_series(
     series, keyframes, held_out = _hold_out(found, _keyframes(found, alignment), chosen.holdout)
     clouds = [frame.positions for frame in keyframes]
     root = _local_root(series, chosen)
-    measured = _measured(series, clouds, map)
+    neighbors = list(map(nearest_neighbors, clouds))
+    if not chosen.paper:
+        pairs = zip(series.scans, neighbors, strict=True)
+        series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))
     bases = [
-        root_point(cloud, vertical, root, around.reach)
-        for cloud, around in zip(clouds, measured, strict=True)
+        base_point(cloud, vertical, root, near)
+        for cloud, near in zip(clouds, neighbors, strict=True)
     ]
     if root is None and not chosen.paper:
-        bases = standing_bases(clouds, bases, vertical)
-    labels, hierarchies = _organs_of(series, clouds, bases, measured, recipe, chosen, tell, map)
+        bases = agreed_base_points(clouds, bases, vertical)
+    labels, hierarchies = _organs_of(series, clouds, bases, neighbors, recipe, chosen, tell, map)
     keyframes = painted(keyframes, series.scans, hierarchies, chosen.colors)
     matches = match_series(
         clouds,
@@ -140,7 +142,7 @@ def bake_series(
     jobs, spacing, floor = _interval_jobs(
         series,
         keyframes,
-        measured,
+        neighbors,
         bases,
         matches,
         named,
@@ -191,7 +193,7 @@ def _organs_of(
     series: Series,
     clouds: Sequence[NDArray[np.float32]],
     bases: Sequence[int],
-    measured: Sequence[Surroundings],
+    neighbors: Sequence[Neighbors],
     recipe: Recipe,
     options: Options,
     tell: Progress,
@@ -216,32 +218,20 @@ def _organs_of(
         own = labels.labels or segment_organs(clouds, bases, map)
         labels = follow_labels(labels, clouds, coarse_hierarchies(clouds, own, bases), bases)
     assert labels.labels is not None
-    touching = [around.touching for around in measured if around.touching is not None]
     return labels, labelled_hierarchies(
         clouds,
         labels.labels,
         bases,
+        neighbors,
         consistent=labels.consistent,
         agreeing=recipe.match_by_shape,
         virtual_root=options.root == "virtual",
-        spacings=[around.spacing for around in measured],
-        touching=touching if len(touching) == len(clouds) and not labels.renamed else None,
         map=map,
     )
 
 
 def _silent(stage: str, done: int, total: int) -> None:
     """Nobody watches."""
-
-
-def _measured(
-    series: Series, clouds: Sequence[NDArray[np.float32]], map: MapLike
-) -> list[Surroundings]:
-    """What each aligned cloud has around its points: no turn of a scan changes that."""
-    known = [scan.around for scan in series.scans if scan.around is not None]
-    if len(known) == len(clouds):
-        return known
-    return list(map(Surroundings.of, clouds))
 
 
 def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
@@ -286,7 +276,7 @@ def _hold_out(
 def _interval_jobs(
     series: Series,
     keyframes: Sequence[Keyframe],
-    measured: Sequence[Surroundings],
+    neighbors: Sequence[Neighbors],
     bases: Sequence[int],
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
@@ -304,7 +294,7 @@ def _interval_jobs(
            a leaf that the next scan counts to its leaf: nothing has fallen, so it fades.
     """
     decay = Motion.FADE if found and options.decay == Decay.fall else Motion(options.decay)
-    spacings = [around.spacing for around in measured]
+    spacings = [near.spacing for near in neighbors]
     spacing = float(np.median(spacings))
     floor = min(float(vertical.height(frame.positions).min()) for frame in keyframes)
     feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
@@ -313,8 +303,8 @@ def _interval_jobs(
         keyframes = steadied(keyframes, matches, organs, times, vertical)
     if recipe.even:
         keyframes = [
-            replace(frame, surface=point_surface(frame.positions, a.surface))
-            for frame, a in zip(keyframes, measured, strict=True)
+            replace(frame, surface=point_area(frame.positions, near))
+            for frame, near in zip(keyframes, neighbors, strict=True)
         ]
     clouds = [frame.positions for frame in keyframes]
     born: list[dict[int, Birth]] = [{} for _ in matches]

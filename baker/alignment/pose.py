@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.organs import Organs, find_organs
-from baker.alignment.stem_base import stem_bases
+from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import upright
 from baker.geometry.sample_graph import AROUND, touching_pairs
 from baker.geometry.sampling import EvenSample
@@ -50,7 +50,7 @@ def possible_stands(
     pairs = touching_pairs(sample, AROUND)
     if root is not None:
         return [_stand_at(sample, vertical, np.asarray(root, float), pairs)]
-    bases = stem_bases(sample, vertical, pairs)
+    bases = base_candidates(sample, vertical, pairs)
     return [_stand_at(sample, vertical, base, pairs) for base in bases]
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from baker.alignment.frames import best_stands, shared_frames
 from baker.alignment.icp import trimmed_icp, trimmed_residual
 from baker.alignment.pose import Stand, move, possible_stands
-from baker.alignment.stem_base import stem_bases
+from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import find_up_of, upright
 from baker.alignment.yaw import YawFit, difference
 from baker.geometry.parallel import MapLike, reporting
@@ -143,7 +143,7 @@ def _pair_fit(
 ) -> PairFit:
     frame = upright(vertical)
     turn = frame @ step[:3, :3] @ frame.T
-    base = stem_bases(later, vertical, touching_pairs(later))[0]
+    base = base_candidates(later, vertical, touching_pairs(later))[0]
     return PairFit(
         yaw=float(np.degrees(np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))),
         tilt=float(np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0)))),

@@ -101,11 +101,9 @@ class _Late:
         import scipy.spatial  # noqa: F401
 
         import baker.pipeline  # noqa: F401  # all stages that follow the reading
-        from baker.geometry.halves import Halves
         from baker.transport.solve import solve
 
         few = np.eye(3)
-        Halves.of(few).nearest(1)
         solve(np.tile(few, (2, 1)), few)
 
 

@@ -17,6 +17,7 @@ NEIGHBORS = 16  # enough for a point at the border of a segment to see the next 
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
 OUTLIER_RATIO = 10.0  # an outlier reaches so many times as far as the median point
 PLANAR_RATIO = 1.5  # squared reach over spread from which on points lie on a thin rod
+MAX_AREA_QUANTILE = 0.98  # of all points' areas, that none exceeds
 POINTS_AT_ONCE = 50_000  # whose neighbourhoods are held in memory together
 
 
@@ -94,7 +95,8 @@ def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np
     """Area of the surface that each point stands for, up to a common factor.
 
     On a surface it is the squared reach. A twig thinner than its points are apart has far less: no
-    more than the area of the disk on which the neighbourhood has the same covariance.
+    more than the area of the disk on which the neighbourhood has the same covariance. Isolated
+    points count no more than most others do.
 
     Parameters
     ----------
@@ -120,4 +122,4 @@ def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np
         products = np.trace(covariance, axis1=1, axis2=2) ** 2 - (covariance**2).sum(axis=(1, 2))
         spread = 4.0 * np.sqrt(np.maximum(products / 2.0, 0.0))
         area[part] = np.minimum(area[part], PLANAR_RATIO * spread)
-    return area
+    return np.minimum(area, np.quantile(area, MAX_AREA_QUANTILE))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.spacing import without_outliers
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
 
 POOL, MOST, SEED = 6_000, 1_500, 0
 
@@ -56,4 +56,4 @@ def _pool(cloud: NDArray[np.floating]) -> NDArray[np.float64]:
     if len(cloud) > POOL:
         cloud = cloud[np.random.default_rng(SEED).choice(len(cloud), POOL, replace=False)]
     pool = np.asarray(cloud, np.float64)
-    return pool[without_outliers(pool)]
+    return pool[nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers]

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import bound_by
 from baker.interpolation.growth_rate import Pace
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
 LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
 SEEN = 10  # points from which on an organ is seen in a scan
 AT_BASE = 0.02  # share of an organ's points that are its base
-SAMPLED = 5  # times as many points as the base's bound how far it reaches
 
 
 @dataclass(frozen=True)
@@ -144,8 +142,7 @@ class _Attachments:
         own = self._points(segment)
         bearer = self._bearer(self.match.second.parents[segment])
         count = max(1, round(AT_BASE * len(own)))
-        bound = bound_by(own[:: max(1, len(own) // (SAMPLED * count))], bearer, count)
-        apart = bearer.query(own, distance_upper_bound=bound)[0]
+        apart = bearer.query(own)[0]
         return own[np.argsort(apart, kind="stable")[:count]].mean(axis=0)
 
     def extent(self, segment: int, base: NDArray[np.float64]) -> float:

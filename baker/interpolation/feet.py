@@ -9,15 +9,12 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import bound_by
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.transport.tasks import Task
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
-
-ASKED = 50  # points of an organ that bound how far it is from its bearer
 
 
 class Foot(Protocol):
@@ -72,8 +69,7 @@ class Feet:
     def _foot(self, side: int, parent: int, members: NDArray[np.intp]) -> int:
         own = self._clouds[side].take(members, axis=0)
         tree = self._bearer(side, parent)
-        bound = bound_by(own[:: max(1, len(own) // ASKED)], tree)
-        return int(np.argmin(tree.query(own, distance_upper_bound=bound)[0]))
+        return int(np.argmin(tree.query(own)[0]))
 
     def _bearer(self, side: int, parent: int) -> cKDTree:
         """A bearer's points to search in: many organs may grow from one."""

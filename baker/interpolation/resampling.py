@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import along_curve
-from baker.geometry.spacing import Surroundings
 from gclip.evaluate import bernstein
+from gclip.morton import morton_order
 from gclip.pack import Movers, raised
 
 if TYPE_CHECKING:
@@ -28,20 +27,6 @@ ROOM = 0.3  # of a point's reach: half a spacing, what is left between spreading
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
-
-
-def point_surface(
-    points: NDArray[np.floating], known: NDArray[np.floating] | None = None
-) -> NDArray[np.floating]:
-    """Surface of each of (N, 3) points up to a factor: what its eight nearest lie on.
-
-    known: as in the cloud's `Surroundings`, where these are known.
-
-    Points that stand alone count no more than most do.
-    """
-    surface = Surroundings.of(points, surface=True).surface if known is None else known
-    assert surface is not None
-    return np.minimum(surface, np.quantile(surface, 0.98))
 
 
 def surface_half_way(
@@ -167,14 +152,14 @@ def _mean_of_twins(
 ) -> NDArray[np.floating]:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
     assert ends is not None  # what has a surface moves from points to points
-    sums = [np.bincount(ends, weights) for weights in values.T]
-    means = np.stack(sums, axis=1) / np.maximum(np.bincount(ends), 1)[:, None]
-    return means[ends]
+    _, end, count = np.unique(ends, return_inverse=True, return_counts=True)
+    sums = [np.bincount(end, weights) for weights in values.T]
+    return (np.stack(sums, axis=1) / count[:, None])[end]
 
 
 def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
     """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
-    order = along_curve(points)
+    order = morton_order(points)
     reached = np.cumsum(wanted[order])
     steps = np.arange(0.5, reached[-1], 1.0) if len(order) else np.empty(0)
     return np.sort(order[np.searchsorted(reached, steps)])

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.geometry.contacts import MOST_ORGANS
 from baker.matching.assignment import assign_with_dummies
 from baker.matching.tracking import track_organs
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
@@ -26,6 +25,9 @@ if TYPE_CHECKING:
 Points = NDArray[np.floating]
 Labels = NDArray[np.int64]
 
+# Labels of a scan, above which they number something else than organs: matching each with each of
+# the next scan's would take hours.
+MOST_ORGANS = 1000
 MIN_AGREEMENT = 0.5  # share of organs whose labels and shapes agree, above which labels are names
 SAMPLE_SIZE = 400  # points of an organ that covering distances are measured with
 # Cost of leaving an organ unmatched, as a share of its distance from its attachment point.

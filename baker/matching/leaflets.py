@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import nearest
 from baker.matching.leaflet_registration import FEWEST, laid_on, middles
 from baker.segmentation.leaflets import limbs
 from baker.transport.support import balance
@@ -97,7 +96,10 @@ def _joined(
 
     What touches is one limb in one scan, perhaps, and two in the other.
     """
-    ahead, back = second[nearest(here, there)], first[nearest(there, here)]
+    from scipy.spatial import cKDTree
+
+    ahead = second[cKDTree(there).query(here)[1]]
+    back = first[cKDTree(here).query(there)[1]]
     return _with_most(first, before, ahead), _with_most(second, after, back)
 
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.spacing import point_spacing
+from baker.geometry.neighbors import point_spacing
 from baker.record import BakeRecord, HeldOut
 from gclip import Clip
 

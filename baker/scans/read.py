@@ -36,8 +36,6 @@ class ReadOptions:
     label_field:  the field that holds the labels; None looks for the usual names
                   (`baker.scans.fields.LABEL_NAMES`).
     use_labels:   False reads the scans as if they had no labels.
-    look_around:  what each point has around it is looked up (`Scan.around`), and specks of an organ
-                  amid another one take its label.
     times_file:   a text file with a line `name time` for each scan; before times in file names.
     outliers:     None keeps all points; a number r drops those whose mean distance to their 16
                   nearest neighbours is more than r standard deviations above the scan's average
@@ -52,7 +50,6 @@ class ReadOptions:
 
     label_field: str | None = None
     use_labels: bool = True
-    look_around: bool = False
     times_file: Path | None = None
     outliers: float | None = None
     voxel: float | None = None
@@ -98,10 +95,6 @@ def read_series(
     raw = _raw(entries[0], listing, options)
     origin = place.shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
     read = partial(_scan_or_error, origin=origin, listing=listing, options=options)
-    if options.look_around:
-        from baker.scans.around import ready
-
-        ready()
     scans: list[Scan] = []
     for found in map(read, entries, chain([raw], repeat(None))):
         if isinstance(found, InputError):
@@ -157,11 +150,6 @@ def _scan(
         cloud = denoised(cloud, options.denoise)
     if options.resample is not None:
         cloud = clean.resampled(cloud, options.resample)
-    around = None
-    if options.look_around:
-        from baker.scans.around import look_around
-
-        cloud, around = look_around(cloud)
     return Scan(
         name=printable(entry.name),
         path=entry.path,
@@ -174,7 +162,6 @@ def _scan(
         notes=cloud.notes,
         beside=listing.files(entry)[1:],
         sha256=sha256,
-        around=around,
     )
 
 

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from baker.geometry.spacing import Surroundings
-
 
 @dataclass(frozen=True)
 class Scan:
@@ -28,7 +26,6 @@ class Scan:
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
     beside:  further files the scan was made from (the depth and label images of a colour image).
     sha256:  digest of the bytes of all these files as they were read.
-    around:  what its points have around them, with the surface, where that was looked up.
     """
 
     name: str
@@ -42,7 +39,6 @@ class Scan:
     notes: tuple[str, ...] = field(default=())
     beside: tuple[Path, ...] = field(default=())
     sha256: str = ""
-    around: Surroundings | None = None
 
     def __len__(self) -> int:
         return len(self.points)

@@ -36,7 +36,6 @@ def read_options(options: Options) -> ReadOptions:
         denoise=options.denoise,
         resample=options.resample,
         use_labels=options.labels != "ignore",
-        look_around=not options.paper,
         every=options.every,
     )
 

@@ -13,73 +13,49 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.contacts import Borders, Gaps, contacts
-from baker.geometry.spacing import lowest_point, point_spacing
-from baker.geometry.up_axis import Vertical
+from baker.geometry.neighbors import Neighbors, nearest_neighbors
+from baker.segmentation.adjacency import Gaps, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
-ALONE = 10.0  # gap from which on the lowest segment is no stem of the others
+MAX_ROOT_GAP = 10.0  # in point spacings: the lowest segment, if farther, is no stem of the others
 
 
 def hierarchy_from_labels(
     points: NDArray[np.floating],
     labels: NDArray[np.integer],
     root_label: int,
-    spacing: float | None = None,
-    workers: int = 1,
-    touching: Gaps | None = None,
+    neighbors: Neighbors | None = None,
     agreed: Gaps | None = None,
 ) -> Hierarchy:
-    """Hang the labelled segments of an (N, 3) cloud into a tree under the one of `root_label`.
+    """Hang the labelled segments of a cloud into a tree under the one of `root_label`.
 
-    spacing:  the cloud's point spacing, where it is known; workers: threads.
-    touching: the scan's `touching_segments`, where they are known.
-    agreed:   `agreed_gaps` of `parents`: these decide who grows from whom, not this scan's.
+    Parameters
+    ----------
+    points : (N, 3) float
+    labels : (N,) int
+    root_label : int
+    neighbors : Neighbors, optional
+        Of the points, where they are known.
+    agreed : Gaps, optional
+        `agreed_gaps` of all scans: these decide which segment grows from which, not this scan's.
     """
     names, segments = split_by_label(labels)
-    spacing = point_spacing(points) if spacing is None else spacing
-    if touching is None:
-        touching = touching_segments(points, labels, spacing, workers)
+    neighbors = neighbors or nearest_neighbors(points)
+    gaps = segment_adjacency(labels, neighbors)
     first = names.index(root_label)
     others = set(range(len(segments))) - {first}
-    if len(others) > 1 and not any(root_label in pair for pair in touching):
+    if len(others) > 1 and not any(root_label in pair for pair in gaps):
         gap, *_ = _smallest_gap(points, segments, {first}, others)
-        if gap > ALONE * spacing:
+        if gap > MAX_ROOT_GAP * neighbors.spacing:
             return under_virtual_root(labels)
     number = {name: index for index, name in enumerate(names)}
-    gaps = {
+    numbered_gaps = {
         (number[a], number[b]): gap
-        for (a, b), gap in (agreed or touching).items()
+        for (a, b), gap in (agreed or gaps).items()
         if a in number and b in number
     }
-    parents, notes = _grow_from(first, points, segments, gaps, names)
+    parents, notes = _grow_from(first, points, segments, numbered_gaps, names)
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
-
-
-def touching_segments(
-    points: NDArray[np.floating],
-    labels: NDArray[np.integer],
-    spacing: float,
-    workers: int = 1,
-) -> Gaps:
-    """By their labels, how far apart segments of an (N, 3) cloud are that touch each other."""
-    return contacts(Borders.of(points, labels, spacing, workers))
-
-
-def root_point(
-    points: NDArray[np.floating],
-    vertical: Vertical,
-    root: NDArray[np.floating] | None = None,
-    reach: NDArray[np.floating] | None = None,
-) -> int:
-    """Index of the point where the plant leaves the ground: the lowest one, outliers aside.
-
-    root:  a position (3,) given by the user; then the point nearest to it.
-    reach: as in the cloud's `Surroundings`, where these are known.
-    """
-    if root is not None:
-        return int(np.argmin(((points - root) ** 2).sum(axis=1)))
-    return lowest_point(points, vertical.height(points), reach)
 
 
 def _grow_from(
@@ -91,8 +67,8 @@ def _grow_from(
 ) -> tuple[list[int], list[str]]:
     """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
     adjacent: list[list[tuple[float, int]]] = [[] for _ in segments]
-    for (child, bearer), gap in gaps.items():
-        adjacent[bearer].append((gap, child))
+    for (child, parent), gap in gaps.items():
+        adjacent[parent].append((gap, child))
     parents, notes = [NO_PARENT] * len(segments), []
     reached, unreached = {first}, set(range(len(segments))) - {first}
     heap = [(gap, child, first) for gap, child in adjacent[first]]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph
-from baker.geometry.spacing import point_spacing, without_outliers
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors, point_spacing
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -66,7 +66,7 @@ def even_sample(points: NDArray[np.floating], root: int, neighbors: int) -> Even
 def _thinned(cloud: NDArray[np.float64], size: float) -> NDArray[np.intp]:
     """Indices of one point of each cube, without those that are alone."""
     kept = one_per_cube(cloud, size)
-    return kept[without_outliers(cloud[kept])]
+    return kept[nearest_neighbors(cloud[kept], NEIGHBORS_FOR_REACH).inliers]
 
 
 def one_per_cube(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import along_curve
 from baker.transport.problem import Masses, Points
+from gclip.morton import morton_order
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -31,7 +31,7 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     if k < 2:
         shares = np.ones(len(start)), np.ones(len(end))
     else:
-        orders = along_curve(start), along_curve(end)
+        orders = morton_order(start), morton_order(end)
         here, there = cKDTree(start[orders[0]]), cKDTree(end[orders[1]])
         shares = np.empty(len(start)), np.empty(len(end))
         shares[0][orders[0]] = _shared(here, there, k)

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import thread_map
 from baker.transport import bisection
 from baker.transport.bisection import Blocks
@@ -175,9 +176,9 @@ def _improve(
 
 def _neighbours(points: NDArray[np.float64], k: int) -> NDArray[np.int32]:
     """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    from baker.geometry.halves import Halves
-
-    return Halves.along(points).nearest(k)[1] if k else np.empty((len(points), 0), np.int32)
+    found = nearest_neighbors(points, k).indices
+    own = np.arange(len(points), dtype=np.int32)[:, None]
+    return np.hstack([found, np.tile(own, k - found.shape[1])])
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> NDArray[np.int64]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.nearby import bound_by
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
@@ -104,7 +103,8 @@ def _bud(
     grown = points[1].take(match.second.segments[base], axis=0)
     tree = cKDTree(grown, balanced_tree=False)
     sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
-    bound = bound_by(points[0].take(sample, axis=0), tree, count)
+    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
+    bound = 1.000001 * float(nearest[-1]) or np.inf
     own = points[0].take(candidates, axis=0)
     inside = _within(own, tree.mins, tree.maxes, bound)
     candidates = candidates[inside]

@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from baker.alignment import align
-from baker.geometry.spacing import lowest_point, point_spacing, without_outliers
+from baker.alignment.stem_base import base_point
+from baker.geometry.neighbors import nearest_neighbors, point_area
+from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import Moved
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.organ_shape import FEWEST, OrganShape
 from baker.interpolation.resampling import (
-    point_surface,
     position_at,
     surface_half_way,
     with_even_density,
@@ -111,16 +112,17 @@ def test_alignment_of_any_shapes_is_rigid(shape):
 
 
 @pytest.mark.parametrize("shape", SOUND)
-def test_surfaces_and_spacings_are_finite(shape):
+def test_areas_and_spacings_are_finite(shape):
     for scale, count in itertools.product(SCALES, (1, 2, 3, 60)):
         points = cloud(shape, count, scale)
-        surface = point_surface(points)
-        assert surface.shape == (len(points),)
-        assert np.isfinite(surface).all()
-        assert (surface >= 0).all()
-        assert 0 <= point_spacing(points) < np.inf
-        assert without_outliers(points).any()
-        assert 0 <= lowest_point(points, points[:, 2]) < len(points)
+        neighbors = nearest_neighbors(points)
+        area = point_area(points, neighbors)
+        assert area.shape == (len(points),)
+        assert np.isfinite(area).all()
+        assert (area >= 0).all()
+        assert 0 <= neighbors.spacing < np.inf
+        assert neighbors.inliers.any()
+        assert 0 <= base_point(points, Vertical.named("z")) < len(points)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +134,8 @@ def test_even_density_of_organs_without_surface(start, end, count):
     points = np.arange(min(len(here), len(there)))
     curve = (here[points].astype(np.float32), there[points].astype(np.float32))
     movers = Movers(Motion.MOVE, curve, np.zeros(len(points), int))
-    surface = surface_half_way(point_surface(here), points, np.zeros(len(there)), points)
+    area = point_area(here, nearest_neighbors(here))
+    surface = surface_half_way(area, points, np.zeros(len(there)), points)
     for known, growth in itertools.product((surface, np.zeros(len(points))), (0.0, 1.0, 10.0)):
         (filled,) = with_even_density([Moved(movers, None, known, points, points)], growth)
         assert len(points) <= len(filled) <= (1 + growth) * len(points) + 1

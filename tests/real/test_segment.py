@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
-from baker.segmentation.from_labels import root_point
 from baker.segmentation.organs import segment_organs
 from tests.real.series import GROWN, labelled
 
@@ -22,7 +22,7 @@ SERIES = (
 def test_organs_overlap_with_those_marked(series, name):
     tables = [np.loadtxt(path) for path in sorted(series(name).glob("*.txt"))]
     clouds = [table[:, :3] - tables[0][:, :3].mean(axis=0) for table in tables]
-    found = segment_organs(clouds, [root_point(c, Vertical.named("z")) for c in clouds])
+    found = segment_organs(clouds, [base_point(c, Vertical.named("z")) for c in clouds])
     overlap = [
         max((own & (numbers == n)).sum() / (own | (numbers == n)).sum() for n in set(numbers[own]))
         for table, numbers in zip(tables, found, strict=True)

@@ -112,3 +112,10 @@ def test_area_grows_with_the_square_of_the_unit_in_any_order():
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_few_points_have_some_area(count):
     assert np.isfinite(area(np.eye(3)[:count])).all()
+
+
+def test_area_follows_the_spacing_and_outliers_do_not_stand_out():
+    far = [[100.0, 100.0, 100.0]]
+    found = area(np.concatenate([sheet(2000), np.add(sheet(500), [5, 0, 0]), far]))
+    assert np.median(found[2000:2500]) == pytest.approx(4 * np.median(found[:2000]), rel=0.2)
+    assert found[-1] <= found[:-1].max()

@@ -11,7 +11,6 @@ from baker import Options, bake
 from baker.interpolation.movers import Moved
 from baker.interpolation.resampling import (
     ROOM,
-    point_surface,
     position_at,
     surface_half_way,
     with_even_density,
@@ -128,14 +127,6 @@ def test_a_bud_has_no_surface():
     whole = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
     born = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3), birth=True)
     assert born == pytest.approx(whole / 4)
-
-
-def test_surface_follows_spacing_and_caps_outliers():
-    dense, sparse = sheet(2000, 1.0), sheet(500, 1.0, seed=1) + np.float32([5, 0, 0])
-    far = np.float32([[100, 100, 100]])
-    surface = point_surface(np.concatenate([dense, sparse, far]))
-    assert np.median(surface[2000:2500]) == pytest.approx(4 * np.median(surface[:2000]), rel=0.2)
-    assert surface[-1] <= surface[:-1].max()
 
 
 @pytest.mark.parametrize("degree", [2, 3])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.geometry.spacing import point_spacing
+from baker.alignment.stem_base import base_point
+from baker.geometry.neighbors import point_spacing
 from baker.geometry.up_axis import Vertical
-from baker.segmentation.from_labels import root_point
 from baker.segmentation.from_spanning_tree import segment_thin
 from grow import plant
 
@@ -15,7 +15,7 @@ SHORTEST = 4  # edges: a branch of more is a branch
 
 def found_forks(points: np.ndarray, threshold: int) -> np.ndarray:
     """(F, 3) where segments meet: each segment's point nearest to the one it grows from."""
-    root = root_point(points, Vertical.named("z"))
+    root = base_point(points, Vertical.named("z"))
     hierarchy = segment_thin(points, root, threshold=threshold).hierarchy
     forks = []
     for segment, parent in enumerate(hierarchy.parents):

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from baker.geometry.up_axis import Vertical
-from baker.segmentation.from_labels import hierarchy_from_labels, root_point
+from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-
-UP = Vertical.named("z")
 
 
 def rod(start, end, count=200):
@@ -79,22 +76,6 @@ def test_tiny_clouds(count):
     points = np.zeros((count, 3))
     hierarchy = hierarchy_from_labels(points, np.arange(count), 0)
     assert sorted(np.concatenate(hierarchy.segments).tolist()) == list(range(count))
-
-
-def test_an_outlier_below_ground_is_not_the_root():
-    cloud = np.random.default_rng(0).random((500, 3))
-    points = np.vstack([cloud, [[0.5, 0.5, -30.0]]])
-    assert root_point(points, UP) < 500
-    assert root_point(points, UP, np.array([0.5, 0.5, -29.0])) == 500
-
-
-@pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])
-def test_the_root_is_lowest_along_any_axis(up):
-    vertical = Vertical.named(up)
-    cloud = np.random.default_rng(0).random((500, 3))
-    heights = vertical.height(cloud)
-    assert heights[root_point(cloud, vertical)] == heights.min()
-    assert np.allclose(vertical.height(vertical.at_height(cloud, -3.0)), -3.0)
 
 
 def test_between_two_branches_the_nearer_one_bears_the_twig():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
-from baker.segmentation.from_labels import root_point
 from baker.segmentation.organs import segment_organs
 from tests.baker.segmentation.seedling import seedling, tube
 
@@ -12,7 +12,7 @@ UP = Vertical.named("z")
 
 
 def organs(*clouds: np.ndarray) -> list[np.ndarray]:
-    return segment_organs(clouds, [root_point(cloud, UP) for cloud in clouds])
+    return segment_organs(clouds, [base_point(cloud, UP) for cloud in clouds])
 
 
 def mean_overlap(truth: np.ndarray, found: np.ndarray) -> float:

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from baker.segmentation.from_labels import touching_segments
+from baker.geometry.neighbors import nearest_neighbors
+from baker.segmentation.adjacency import segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.segmentation.parents import agreed_gaps
-from baker.segmentation.series import labelled_hierarchies
+from baker.segmentation.stage import labelled_hierarchies
 
 SPACING = 0.05
 
@@ -35,10 +36,10 @@ def bearers(scans, agreeing=True):
         clouds,
         labels,
         [0] * len(clouds),
+        [nearest_neighbors(cloud) for cloud in clouds],
         consistent=True,
         agreeing=agreeing,
         virtual_root=False,
-        spacings=[SPACING] * len(clouds),
     )
     return [
         {
@@ -82,21 +83,21 @@ def test_where_its_bearer_is_hidden_an_organ_hangs_on_what_is_near():
 
 def test_scans_that_show_one_of_two_say_nothing_of_how_far_they_are():
     clouds, labels = series(USUAL, USUAL[:2], TOUCHING)
-    touching = [touching_segments(c, n, SPACING) for c, n in zip(clouds, labels, strict=True)]
-    agreed = agreed_gaps(labels, touching, [SPACING] * 3)
-    apart = [touching[k][2, 0] / SPACING for k in (0, 2)]
-    assert np.isclose(agreed[2, 0], np.mean(apart))
-    assert np.isclose(agreed[2, 1], np.mean([3.0, touching[2][2, 1] / SPACING]))
+    neighbors = [nearest_neighbors(cloud) for cloud in clouds]
+    spacings = [near.spacing for near in neighbors]
+    adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
+    agreed = agreed_gaps(labels, adjacency, spacings)
+    gaps = [adjacency[k][2, 0] / spacings[k] for k in (0, 2)]
+    assert np.isclose(agreed[2, 0], np.mean(gaps))
+    assert np.isclose(agreed[2, 1], np.mean([3.0, adjacency[2][2, 1] / spacings[2]]))
 
 
 def test_the_scans_unit_does_not_matter():
     def gaps(scale):
         clouds, labels = series(USUAL, TOUCHING)
-        touching = [
-            touching_segments(scale * c, n, scale * SPACING)
-            for c, n in zip(clouds, labels, strict=True)
-        ]
-        return agreed_gaps(labels, touching, [scale * SPACING] * 2)
+        neighbors = [nearest_neighbors(scale * cloud) for cloud in clouds]
+        adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
+        return agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
 
     one, other = gaps(1.0), gaps(1000.0)
     assert one.keys() == other.keys()

@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.contacts import Gaps
+from baker.geometry.neighbors import Neighbors
 from baker.geometry.parallel import MapLike
-from baker.segmentation.from_labels import (
-    hierarchy_from_labels,
-    touching_segments,
-    under_virtual_root,
-)
+from baker.segmentation.adjacency import segment_adjacency
+from baker.segmentation.from_labels import hierarchy_from_labels, under_virtual_root
 from baker.segmentation.from_spanning_tree import segment_thin
 from baker.segmentation.hierarchy import Hierarchy, split_by_label, whole
 from baker.segmentation.parents import agreed_gaps
@@ -45,33 +41,42 @@ def labelled_hierarchies(
     clouds: Sequence[NDArray[np.floating]],
     labels: Sequence[NDArray[np.integer]],
     bases: Sequence[int],
+    neighbors: Sequence[Neighbors],
     *,
     consistent: bool,
     agreeing: bool,
     virtual_root: bool,
-    spacings: Sequence[float],
-    touching: Sequence[Gaps] | None = None,
     map: MapLike = map,
 ) -> list[Hierarchy]:
     """Segments by label (section 3.2.1).
 
-    consistent: labels name organs, so the scans elect one root between them.
-    agreeing: and they agree on who grows from whom.
-    virtual_root: no label is a stem; all hang under an empty root.
-    spacings: each cloud's point spacing.
-    touching: how far what touches is apart in each, where that is known.
-    map: maps a function over scans.
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float
+    labels : sequence of (N,) int
+    bases : sequence of int
+        The point of each cloud at the plant base.
+    neighbors : sequence of Neighbors
+        Of each cloud.
+    consistent : bool
+        Labels name organs, so the scans elect one root between them.
+    agreeing : bool
+        And they agree on who grows from whom.
+    virtual_root : bool
+        No label is a stem; all hang under an empty root.
+    map : MapLike
+        Maps a function over scans.
     """
     if virtual_root:
         return [under_virtual_root(names) for names in labels]
-    gaps = touching or list(map(touching_segments, clouds, labels, spacings))
-    agreed = agreed_gaps(labels, gaps, spacings) if consistent and agreeing else None
-    roots = [
-        _elected_root(labels, bases, scan) if consistent else int(labels[scan][bases[scan]])
-        for scan in range(len(clouds))
-    ]
+    agreed = None
+    if consistent and agreeing:
+        adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
+        agreed = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
+    at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
+    roots = _elected_roots(labels, at_base) if consistent else at_base
     hang = partial(hierarchy_from_labels, agreed=agreed)
-    return list(map(hang, clouds, labels, roots, spacings, repeat(1), gaps))
+    return list(map(hang, clouds, labels, roots, neighbors))
 
 
 def coarse_hierarchies(
@@ -104,12 +109,14 @@ def coarse_hierarchies(
     return found
 
 
-def _elected_root(labels: Sequence[NDArray[np.integer]], bases: Sequence[int], scan: int) -> int:
-    """The label that most scans have at their base, or the scan's own where it lacks that one.
+def _elected_roots(labels: Sequence[NDArray[np.integer]], at_base: Sequence[int]) -> list[int]:
+    """The label that most scans have at their base; of scans that lack it, their own.
 
-    In a late scan a drooping leaf may hang lower than the stem's foot.
+    In a late scan a drooping leaf may hang lower than the stem's base.
     """
-    at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
     values, votes = np.unique(at_base, return_counts=True)
     elected = int(values[np.argmax(votes)])
-    return elected if (labels[scan] == elected).any() else at_base[scan]
+    return [
+        elected if (names == elected).any() else own
+        for names, own in zip(labels, at_base, strict=True)
+    ]
