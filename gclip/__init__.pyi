@@ -2,10 +2,9 @@ from .clip import Clip, HeldOutScan, Track, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
 from .interval import Interval
-from .schema import UP_AXES, Box, Group, Motion, ScanMark, SegmentPair
+from .schema import Box, Group, Motion, ScanMark, SegmentPair
 
 __all__ = [
-    "UP_AXES",
     "Box",
     "Clip",
     "ClipError",

@@ -29,29 +29,23 @@ class Report:
     def whole(self) -> bool:
         return not self.findings
 
+    @property
+    def summary(self) -> str:
+        """What a whole clip holds, for people."""
+        size = f"{self.scans} scans, {self.intervals} intervals, {self.buffers} buffers"
+        old = "no checksums: it was written before format 1.1"
+        checksums = f"{self.verified} checksums agree" if self.verified else old
+        return f"whole; {size}, {self.size:,} bytes, {checksums}"
+
 
 def check(path: str | os.PathLike[str]) -> Report:
-    """Read all of a clip and report everything that is wrong with it.
-
-    Parameters
-    ----------
-    path : str or path-like
-        Any file, or none.
-
-    Returns
-    -------
-    Report
-        Nothing is raised.
-    """
+    """Read all of a file, whatever it is, and report everything that is wrong with it."""
+    findings = []
     try:
         container = open_container(Path(path))
-    except ClipError as error:
-        return Report((str(error),))
-    try:
         document = read_document(container.text, container.size)
     except ClipError as error:
-        return Report((str(error),), container.size)
-    findings = []
+        return Report((str(error),))
     try:
         clip_in(container, document)
     except ClipError as error:
@@ -72,20 +66,13 @@ def _mismatches(container: Container, document: Document) -> Iterator[str]:
         return
     if not document_checksum(container.text, written):
         yield "its document does not have the checksum that was written with it"
+    intervals = {
+        f"{index:04d}": f"interval {index:04d} ({i.start:g} to {i.end:g} {document.time_unit}): "
+        for index, i in enumerate(document.intervals)
+    }
     for name, buffer in container.buffers.items():
+        which = f'{intervals.get(name.partition("/")[0], "")}its buffer "{name[:40]}"'
         if name not in written:
-            yield f'{_place(document, name)}its buffer "{name[:40]}" has no checksum'
+            yield f"{which} has no checksum"
         elif checksum(buffer) != written[name]:
-            yield (
-                f'{_place(document, name)}its buffer "{name[:40]}" does not have the checksum '
-                "that was written with it"
-            )
-
-
-def _place(document: Document, buffer: str) -> str:
-    """Which interval a buffer belongs to, for people."""
-    number = buffer.partition("/")[0]
-    if not (number.isdecimal() and int(number) < len(document.intervals)):
-        return ""
-    interval = document.intervals[int(number)]
-    return f"interval {number} ({interval.start:g} to {interval.end:g} {document.time_unit}): "
+            yield f"{which} does not have the checksum that was written with it"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -11,9 +11,6 @@ from gclip.errors import ClipError
 from gclip.terminal.command import run_app
 from gclip.terminal.text import printable
 from gclip.version import VersionOption
-
-if TYPE_CHECKING:
-    from gclip.check import Report
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
@@ -27,10 +24,7 @@ def gclip_command(version: VersionOption = False) -> None:
 
 @app.command("check", epilog=EPILOG)
 def check_command(
-    clips: Annotated[
-        list[Path],
-        typer.Argument(metavar="CLIP...", help="Growth clips, made by `bake`."),
-    ],
+    clips: Annotated[list[Path], typer.Argument(metavar="CLIP...", help="Growth clips.")],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,
 ) -> None:
     """Tell whether clips are whole; what is wrong, and where.
@@ -44,23 +38,11 @@ def check_command(
     for path in clips:
         report = check(path)
         damaged += not report.whole
-        lines = [f"{finding}." for finding in report.findings]
-        if report.whole and not quiet:
-            lines.append(_summary(report))
-        for line in lines:
-            typer.echo(printable(f"{path}: {line}"))
+        for line in [report.summary] * (not quiet) if report.whole else report.findings:
+            typer.echo(printable(f"{path}: {line}."))
     if damaged:
         which = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"
         raise ClipError(f"{which} not whole.")
-
-
-def _summary(report: Report) -> str:
-    old = "no checksums: it was written before format 1.1"
-    checksums = f"{report.verified} checksums agree" if report.verified else old
-    return (
-        f"whole; {report.scans} scans, {report.intervals} intervals, {report.buffers} buffers, "
-        f"{report.size:,} bytes, {checksums}"
-    )
 
 
 def main(argv: list[str] | None = None) -> int:

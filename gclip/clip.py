@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from gclip.document import checksum, read_document, write_document
@@ -26,6 +27,7 @@ from gclip.terminal.text import printable
 
 SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
 """Attributes that a clip and its document have alike."""
+HELD_OUT = "held_out/%04d"  # the buffer of a scan that was left out
 
 
 @dataclass(frozen=True)
@@ -86,8 +88,8 @@ class Clip:
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lowest and highest corner of all movers, control points included, about the origin."""
-        lows, highs = zip(*(interval.bounds for interval in self.intervals), strict=True)
-        return np.min(lows, axis=0), np.max(highs, axis=0)
+        corners = np.array([interval.bounds for interval in self.intervals])
+        return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
 
     def at(self, day: float) -> Frame:
         """Evaluate the clip at a time.
@@ -119,7 +121,12 @@ class Clip:
             If `path` can't be written, or the clip says what `gclip.open` would refuse; `path` is
             then as it was.
         """
-        buffers = _buffers(self)
+        found: dict[str, NDArray[Any]] = {
+            HELD_OUT % i: np.asarray(s.positions, np.float32) for i, s in enumerate(self.held_out)
+        }
+        for index, interval in enumerate(self.intervals):
+            found |= interval.buffers(index)
+        buffers = {name: np.ascontiguousarray(buffer) for name, buffer in found.items()}
         text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
         try:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
@@ -157,20 +164,18 @@ def open(path: str | os.PathLike[str]) -> Clip:
 
 def clip_in(container: Container, document: Document) -> Clip:
     """The clip that a container holds. Raises ClipError without the file's name."""
-    intervals = tuple(
-        read_interval(container, index, entry, len(document.tracks))
-        for index, entry in enumerate(document.intervals)
-    )
+    count = len(document.tracks)
+    entries = enumerate(document.intervals)
+    intervals = tuple(read_interval(container, i, entry, count) for i, entry in entries)
     held_out = tuple(
-        HeldOutScan(s.name, s.time, s.date, read_positions(container, _held_out(i), s.points))
+        HeldOutScan(s.name, s.time, s.date, read_positions(container, HELD_OUT % i, s.points))
         for i, s in enumerate(document.held_out)
     )
     if container.unread:
         raise ClipError(f'it holds a buffer "{min(container.unread)[:40]}" that nothing names')
-    tracks = (_attributes(track, TrackEntry.__struct_fields__) for track in document.tracks)
     return Clip(
         intervals=intervals,
-        track_table=tuple(Track(id=index, **track) for index, track in enumerate(tracks)),
+        track_table=tuple(Track(i, **asdict(track)) for i, track in enumerate(document.tracks)),
         held_out=held_out,
         **_attributes(document, SHARED),
     )
@@ -189,18 +194,3 @@ def _content(clip: Clip) -> dict[str, Any]:
 
 def _attributes(holder: object, names: Iterable[str]) -> dict[str, Any]:
     return {name: getattr(holder, name) for name in names}
-
-
-def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
-    """All buffers of a clip by name, in C order."""
-    buffers: dict[str, NDArray[Any]] = {}
-    for index, interval in enumerate(clip.intervals):
-        buffers |= interval.buffers(index)
-    for index, scan in enumerate(clip.held_out):
-        buffers[_held_out(index)] = np.asarray(scan.positions, np.float32)
-    return {name: np.ascontiguousarray(buffer) for name, buffer in buffers.items()}
-
-
-def _held_out(index: int) -> str:
-    """The name of the buffer of a scan that was left out."""
-    return f"held_out/{index:04d}"

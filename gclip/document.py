@@ -23,9 +23,7 @@ SPARE_MEMORY = 64 << 20  # bytes that the values may take up beyond twice the fi
 DOCUMENT, BLANK = "document", "0" * 64
 
 
-class Versioned(Struct):
-    """What documents of every version have in common."""
-
+class Versioned(Struct):  # what documents of every version have in common
     version: Annotated[str, Meta(max_length=1000, pattern=r"^[0-9]+(\.|$)")]
 
 
@@ -38,7 +36,7 @@ def read_document(text: str, file_size: int) -> Document:
     if footprint(text) > SPARE_MEMORY + 2 * file_size:
         raise ClipError("its document holds far more values than a file of its size needs")
     try:
-        found = json.loads(text, object_pairs_hook=_object, parse_constant=_refuse)
+        found = json.loads(text, object_pairs_hook=_object)
         major = convert(found, Versioned).version.split(".")[0]
         if int(major) > MAJOR:
             raise ClipError(
@@ -76,13 +74,9 @@ def _clean(value: Any) -> Any:
     """Texts and lists without control characters; objects are clean already."""
     if isinstance(value, str):
         return printable(value)
-    if isinstance(value, float) and math.isinf(value):
-        raise ClipError("its document holds more than a number can be")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ClipError(f"its document holds {value}; finite numbers are needed")
     return [_clean(item) for item in value] if isinstance(value, list) else value
-
-
-def _refuse(constant: str) -> Any:
-    raise ClipError(f"its document is not valid JSON: it holds {constant}")
 
 
 def write_document(content: Mapping[str, Any], checksums: Mapping[str, str]) -> str:

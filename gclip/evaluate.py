@@ -80,11 +80,9 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
         elif group.motion is Motion.FADE and share < 1.0:
             plant.append(Layer(index, group, share, share, 1.0 - share))
     if index > 0 and share < LITTER_FADE:
-        litter += [
-            Layer(index - 1, group, 1.0, 1.0, 1.0 - share / LITTER_FADE, litter=True)
-            for group in clip.intervals[index - 1].groups
-            if group.motion is Motion.FALL
-        ]
+        fallen = [g for g in clip.intervals[index - 1].groups if g.motion is Motion.FALL]
+        alpha = 1.0 - share / LITTER_FADE
+        litter += [Layer(index - 1, g, 1.0, 1.0, alpha, litter=True) for g in fallen]
     return plant + litter
 
 
@@ -113,9 +111,9 @@ def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> N
 def frame_at(clip: Clip, day: float) -> Frame:
     """See `Clip.at`."""
     layers = layers_at(clip, day)
-    plant = [layer for layer in layers if not layer.litter]
     litter = [layer for layer in layers if layer.litter]
-    return replace(_frame(clip, day, plant), litter=_frame(clip, day, litter) if litter else None)
+    plant = _frame(clip, day, [layer for layer in layers if not layer.litter])
+    return replace(plant, litter=_frame(clip, day, litter)) if litter else plant
 
 
 def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:

@@ -11,7 +11,7 @@ import os
 import re
 import stat
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +28,14 @@ MAX_HEADER = 8 << 20  # bytes, and a quarter of the file: a clip is movers befor
 MAX_AXES = 2
 
 
-@dataclass
+@dataclass(frozen=True)
 class Container:
     """An open file. Of its buffers nothing is read before it is asked for."""
 
     text: str  #: the document
     buffers: dict[str, NDArray[Any]]  #: read-only views by name
     size: int  #: of the file, in bytes
-    unread: set[str] = field(default_factory=set)  #: names that `take` has not returned yet
+    unread: set[str]  #: names that `take` has not returned yet
 
     def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
         """The buffer of that name. Raises ClipError if it is not of that shape and a dtype."""
@@ -43,18 +43,14 @@ class Container:
             raise ClipError(f'its buffer "{name}" is missing')
         buffer = self.buffers[name]
         if buffer.shape != shape or buffer.dtype.type not in dtypes:
-            allowed = " or ".join(np.dtype(dtype).name for dtype in dtypes)
-            raise ClipError(
-                f'its buffer "{name}" is {buffer.dtype.name} {buffer.shape}, '
-                f"not {allowed} {shape} as the document needs"
-            )
+            found = f"{buffer.dtype.name} {buffer.shape}"
+            needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
+            raise ClipError(f'its buffer "{name}" is {found}, not {needed} as the document needs')
         self.unread.discard(name)
         return buffer
 
 
-class Mapped(mmap.mmap):
-    """A file in memory."""
-
+class Mapped(mmap.mmap):  # a file in memory
     name: str  #: its path
 
 
@@ -73,8 +69,6 @@ def check_whole(buffer: NDArray[Any]) -> None:
 
 def open_container(path: Path) -> Container:
     """Map a file. Raises ClipError, without the file's name, if it is no whole container."""
-    if "\0" in os.fspath(path):
-        raise ClipError("no such file")
     try:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
@@ -82,16 +76,15 @@ def open_container(path: Path) -> Container:
         with open(path, "rb") as file:
             length = _header_length(file.read(8), before.st_size)
             mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
-            mapped.name = os.fspath(path)
-            container = _container(path, np.frombuffer(mapped, np.uint8), 8 + length)
-            after = os.fstat(file.fileno())
-    except FileNotFoundError:
+        mapped.name = os.fspath(path)
+        text, buffers = _read_header(path, np.frombuffer(mapped, np.uint8), 8 + length)
+        if _identity(before) != _identity(os.stat(path)):
+            raise ClipError("it is being written right now; try again")
+    except (FileNotFoundError, ValueError):  # ValueError: a name with a null character
         raise ClipError("no such file") from None
     except OSError as error:
         raise ClipError(f"it can't be read: {error.strerror or error}") from None
-    if _identity(before) != _identity(after) or _identity(after) != _identity(os.stat(path)):
-        raise ClipError("it is being written right now; try again")
-    return container
+    return Container(text, buffers, len(mapped), set(buffers))
 
 
 def _header_length(start: bytes, size: int) -> int:
@@ -104,47 +97,44 @@ def _header_length(start: bytes, size: int) -> int:
     return length
 
 
-def _container(path: Path, data: NDArray[np.uint8], first: int) -> Container:
-    """What is in a file whose buffers begin at byte `first`.
+def _read_header(
+    path: Path, data: NDArray[np.uint8], first: int
+) -> tuple[str, dict[str, NDArray[Any]]]:
+    """The document of a file, and its buffers, which begin at byte `first`.
 
     safetensors checks the header: buffers inside the file, in order, no holes, no overlaps.
     So each one begins where the last one ended.
     """
     from safetensors import SafetensorError, safe_open
 
+    buffers: dict[str, NDArray[Any]] = {}
     try:
         with safe_open(path, framework="numpy") as header:
             text = (header.metadata() or {}).get(KEY)
             if text is None:
                 raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
-            buffers: dict[str, NDArray[Any]] = {}
             for name in header.offset_keys():
                 view = header.get_slice(name)
-                kind, shape = view.get_dtype(), tuple(view.get_shape())
+                kind, shape = view.get_dtype(), view.get_shape()
                 if kind not in DTYPES or len(shape) > MAX_AXES:
-                    raise ClipError(
-                        f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes; '
-                        f"{', '.join(DTYPES)} and at most {MAX_AXES} axes are allowed"
-                    )
-                size = math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
-                buffers[name] = data[first : first + size].view(DTYPES[kind]).reshape(shape)
-                first += size
+                    what = f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes'
+                    allowed = f"{', '.join(DTYPES)} and {MAX_AXES} axes at most"
+                    raise ClipError(f"{what}; {allowed} are allowed")
+                end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
+                buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
+                first = end
     except (SafetensorError, ValueError) as error:
         reason = printable(str(error), 200)
         raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
-    return Container(text, buffers, len(data), set(buffers))
+    return text, buffers
 
 
 def _identity(state: os.stat_result) -> tuple[int, ...]:
-    """Differs where the file does."""
     return state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
 
 
 def write_container(text: str, buffers: Mapping[str, NDArray[Any]], path: Path) -> None:
-    """Write a file in one step: a temporary one beside it, flushed to the disk, then renamed.
-
-    Raises ClipError if it can't be written; `path` is then as it was.
-    """
+    """Write a file, whole or not at all. Raises ClipError if it can't be written."""
     from safetensors import SafetensorError
     from safetensors.numpy import save_file
 

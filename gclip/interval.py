@@ -44,8 +44,8 @@ class Interval:
         """Lowest and highest corner of the box that holds all its curves."""
         if self.box is not None:
             return np.asarray(self.box.low, float), np.asarray(self.box.high, float)
-        corners = np.array([extent(points) for points in self.curve], float)
-        return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+        low, high = extent(*self.curve)
+        return low.astype(float), high.astype(float)
 
     def buffers(self, index: int) -> dict[str, NDArray[Any]]:
         """Its arrays by their names in a file where it is interval number `index`."""
@@ -70,11 +70,9 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
         curve = [container.take(name, (count, 3), np.uint16) for name in names]
     ids = container.take(f"{index:04d}/track", (count,), np.uint16, np.uint32)
     if int(ids.max()) >= tracks:
-        raise ClipError(
-            f'its buffer "{index:04d}/track" names track {int(ids.max())}; '
-            f"only {tracks} tracks are named"
-        )
-    colors: list[NDArray[np.uint8] | None] = [None, None]
+        which = f'its buffer "{index:04d}/track" names track {int(ids.max())}'
+        raise ClipError(f"{which}; only {tracks} tracks are named")
+    colors: Any = [None, None]
     names = [f"{index:04d}/{end}_color" for end in ("start", "end")]
     if not container.unread.isdisjoint(names):
         colors = [container.take(name, (count, 4), np.uint8) for name in names]
@@ -93,9 +91,8 @@ def read_positions(container: Container, name: str, count: int) -> NDArray[np.fl
     """(count, 3) positions that are numbers; the lowest and the highest tell, also of NaN."""
     points = container.take(name, (count, 3), np.float32)
     if count and not (points.min() >= -MAX_NUMBER and points.max() <= MAX_NUMBER):
-        raise ClipError(
-            f'its buffer "{name}" holds a position that is not finite, or beyond {MAX_NUMBER:g}'
-        )
+        what = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
+        raise ClipError(f'its buffer "{name}" holds {what}')
     return points
 
 

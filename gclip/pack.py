@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,64 +52,39 @@ def pack_interval(
         At least one mover.
     spacing : float
         The point spacing. Positions become 16-bit integers in the interval's box, unless one step
-        of these is longer than a hundredth of it.
-    precision : {"auto", "float32"}
-        "float32" leaves positions as they are.
-    segments : tuple of SegmentPair
-        How the transport was solved.
+        of these is longer than a hundredth of it, or `precision` is "float32".
     """
-    degree = max((len(m.curve) - 1 for m in movers), default=1)
-    movers = [replace(m, curve=raised(m.curve, degree)) for m in movers if len(m)]
-    alike = [[m for m in movers if m.motion is motion] for motion in Motion]
-    groups = [_joined(some) for some in alike if some]
-    packed = _joined(groups)
-    stops = np.cumsum([len(m) for m in groups]).tolist()
-    order = np.concatenate(
-        [
-            block_shuffle(m.curve[0] + m.curve[-1]) + (stop - len(m))
-            for m, stop in zip(groups, stops, strict=True)
-        ]
-    )
-    corners = np.array([extent(points) for points in packed.curve], float)
-    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-    box = None
-    if precision != "float32" and (high - low).max() / LEVELS <= MAX_STEP * spacing:
-        box = Box(tuple(low), tuple(high))
-
-    def ordered(array: NDArray[Any] | None) -> Any:
-        return None if array is None else np.take(array, order, axis=0)
-
-    curve = [
-        ordered(points.astype(np.float32) if box is None else _quantised(points, box))
-        for points in packed.curve
+    degree = max(len(m.curve) - 1 for m in movers)
+    alike = [[m for m in movers if m.motion is motion and len(m)] for motion in Motion]
+    movers = [m for some in alike for m in some]
+    stops = np.cumsum([sum(map(len, some)) for some in alike]).tolist()
+    groups = [
+        Group(first, stop - first, motion)
+        for motion, first, stop in zip(Motion, [0, *stops], stops, strict=False)
+        if stop > first
     ]
-    narrow = np.uint16 if packed.tracks.max() <= 0xFFFF else np.uint32
+    curve = [_joined(p) for p in zip(*(raised(m.curve, degree) for m in movers), strict=True)]
+    middle = curve[0] + curve[-1]
+    order = np.concatenate([g.first + block_shuffle(middle[g.first : g.stop]) for g in groups])
+    low, high = extent(*curve)
+    coarse = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
+    box = None if coarse else Box(tuple(low.tolist()), tuple(high.tolist()))
+    curve = [p.astype(np.float32) if box is None else _quantised(p, box) for p in curve]
+    tracks = _joined([m.tracks for m in movers])
+    colors = [_joined([m.start_colors for m in movers]), _joined([m.end_colors for m in movers])]
     return Interval(
         start=start,
         end=end,
         box=box,
-        groups=tuple(
-            Group(stop - len(m), len(m), m.motion) for m, stop in zip(groups, stops, strict=True)
-        ),
-        start_positions=curve[0],
-        end_positions=curve[-1],
-        control_positions=tuple(curve[1:-1]),
-        tracks=ordered(packed.tracks.astype(narrow)),
-        start_colors=ordered(packed.start_colors),
-        end_colors=ordered(packed.end_colors),
+        groups=tuple(groups),
+        start_positions=np.take(curve[0], order, axis=0),
+        end_positions=np.take(curve[-1], order, axis=0),
+        control_positions=tuple(np.take(points, order, axis=0) for points in curve[1:-1]),
+        tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
+        start_colors=None if colors[0] is None else np.take(colors[0], order, axis=0),
+        end_colors=None if colors[1] is None else np.take(colors[1], order, axis=0),
         segments=segments,
     )
-
-
-def packed_alike(interval: Interval, spacing: float, precision: str) -> bool:
-    """Whether packing the same movers with this point spacing gives this interval.
-
-    False where that is a matter of rounding.
-    """
-    if precision == "float32":
-        return interval.box is None
-    step, finest = float(np.subtract(*interval.bounds[::-1]).max()) / LEVELS, MAX_STEP * spacing
-    return abs(step - finest) > 1e-6 * finest and (interval.box is not None) == (step <= finest)
 
 
 def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
@@ -122,18 +97,8 @@ def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], 
     return curve
 
 
-def _joined(movers: Sequence[Movers]) -> Movers:
-    def joined(arrays: Iterable[Any]) -> Any:
-        found = list(arrays)
-        return None if any(array is None for array in found) else np.concatenate(found)
-
-    return Movers(
-        motion=movers[0].motion,
-        curve=tuple(joined(points) for points in zip(*(m.curve for m in movers), strict=True)),
-        tracks=joined(m.tracks for m in movers),
-        start_colors=joined(m.start_colors for m in movers),
-        end_colors=joined(m.end_colors for m in movers),
-    )
+def _joined(arrays: Sequence[Any]) -> Any:
+    return None if any(array is None for array in arrays) else np.concatenate(arrays)
 
 
 def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:

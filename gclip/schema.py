@@ -6,7 +6,6 @@ ValueError becomes msgspec's, which names the place.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
@@ -27,7 +26,6 @@ Channel = Annotated[int, Meta(ge=0, le=255)]
 Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 Event = Annotated[str, Meta(pattern="^(match|birth|loss)$")]
 Vector = tuple[Number, Number, Number]
-UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
 
 
 class Motion(StrEnum):
@@ -144,36 +142,28 @@ class Document(Struct, frozen=True):
         ends = [interval.end for interval in self.intervals]
         times = [scan.time for scan in self.scans]
         out = [scan.time for scan in self.held_out]
-        _require(_ascending(times), "the scans' times do not ascend")
+        _require(all(a < b for a, b in pairwise(times)), "the scans' times do not ascend")
         _require(
             (starts[0], ends[-1]) == (times[0], times[-1]), "the intervals do not span the series"
         )
         _require(starts[1:] == ends[:-1], "the intervals do not follow one another without a gap")
         _require({*times} <= {*starts, *ends}, "a scan's time lies inside an interval")
-        _require(_ascending(out), "the times in held_out do not ascend")
-        _require(
-            all(times[0] <= time <= times[-1] for time in out),
-            "a time in held_out lies outside the series",
-        )
+        _require(all(a < b for a, b in pairwise(out)), "the times in held_out do not ascend")
+        inside = all(times[0] <= time <= times[-1] for time in out)
+        _require(inside, "a time in held_out lies outside the series")
         count = len(self.tracks)
         for index, track in enumerate(self.tracks):
             fine = track.parent is None or index != track.parent < count
             _require(fine, f"tracks[{index}].parent is {track.parent}, no other track's id")
         used = max((p.track for i in self.intervals for p in i.segments), default=0)
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
-        _require(
-            _depth(self.provenance) <= MAX_DEPTH,
-            f"provenance is nested more than {MAX_DEPTH} levels deep",
-        )
+        shallow = _depth(self.provenance) <= MAX_DEPTH
+        _require(shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
 
 
 def _require(fine: bool, otherwise: str) -> None:
     if not fine:
         raise ValueError(otherwise)
-
-
-def _ascending(times: Sequence[float]) -> bool:
-    return all(a < b for a, b in pairwise(times))
 
 
 def _depth(value: Any) -> int:

@@ -1,6 +1,4 @@
-"""The version of the distribution, and the option by which each command prints it."""
-
-from __future__ import annotations
+"""The version of the distribution, and the type of the option by which each command prints it."""
 
 from typing import Annotated
 
@@ -19,4 +17,3 @@ VersionOption = Annotated[
     bool,
     typer.Option("--version", help="Print the version.", is_eager=True, callback=_print_version),
 ]
-"""Type of a parameter of a typer command: ``version: VersionOption = False``."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gclip.terminal.dates import date_at
+from traits.dates import date_at
 
 if TYPE_CHECKING:
     from gclip import ScanMark

@@ -11,9 +11,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
-from gclip.terminal.dates import date_at
 from gclip.terminal.text import printable
 from gclip.version import __version__
+from traits.dates import date_at
 from traits.traits import Measurement, measure
 
 if TYPE_CHECKING:

@@ -12,13 +12,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-MAX_NAME = 40  # characters of the output's name in the folder's: a name has 255 bytes at most
-
 
 @contextmanager
 def folder_beside(path: Path) -> Iterator[Path]:
     """A temporary folder on the file system of `path`, removed in the end. Raises OSError."""
-    name = f".{path.name[:MAX_NAME]}."
+    name = f".{path.name[:40]}."  # that folder's has 255 bytes at most, too
     with TemporaryDirectory(".part", name, path.parent, ignore_cleanup_errors=True) as folder:
         yield Path(folder)
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by SIGHUP
+# What no program can help, whatever file it is about.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
-"""Errors of the system that no program can help, whatever file they are about."""
 
 
 def run(command: str, work: Callable[[], int | None]) -> int:
@@ -86,13 +86,12 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
             raise KeyboardInterrupt from None
 
     code = run(command, work)
-    if code > 128 and argv is None:
-        # All is put away that has to be; threads deep in numbers would still be waited for.
-        with suppress(OSError):
-            sys.stdout.flush()
-        os._exit(code)
     if argv is None:
         gc.freeze()  # the process ends: to look for garbage once more took a third of a second
+    if argv is None and code > 128:
+        with suppress(OSError):
+            sys.stdout.flush()
+        os._exit(code)  # all is put away; threads deep in numbers would still be waited for
     return code
 
 

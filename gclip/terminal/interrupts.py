@@ -26,7 +26,9 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
         return work()
 
     def on_signal(number: int, frame: FrameType | None) -> None:
-        if not received and _is_importing(frame):
+        files = (f.f_code.co_filename for f, _ in walk_stack(frame))
+        work_files = takewhile(lambda file: file != __file__, files)
+        if not received and "<frozen importlib._bootstrap>" in work_files:
             send_again(number)
         elif not received:
             received.append(number)
@@ -53,9 +55,3 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _is_importing(frame: FrameType | None) -> bool:
-    """Whether the work is loading a module in `frame`."""
-    files = (f.f_code.co_filename for f, _ in walk_stack(frame))
-    return "<frozen importlib._bootstrap>" in takewhile(lambda file: file != __file__, files)

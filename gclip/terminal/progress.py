@@ -16,13 +16,7 @@ class ProgressBars:
 
     Standard output and error stay as they are: a worker process forked meanwhile never meets a lock
     of rich's console. That nobody reads the progress, or its log is full, does not end the work.
-
-    Parameters
-    ----------
-    quiet : bool
-        Show nothing.
-    *columns : str or rich.progress.ProgressColumn
-        As `rich.progress.Progress` takes them.
+    columns: as `rich.progress.Progress` takes them.
     """
 
     def __init__(self, quiet: bool, *columns: str | ProgressColumn) -> None:

@@ -9,16 +9,10 @@ JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 
 def printable(text: str, most: int | None = None) -> str:
-    """`text` on one line, with U+FFFD for what a terminal would obey instead of showing.
-
-    most: characters to keep; "…" stands for what follows them.
-    """
+    """`text` on one line, at `most` so long, with U+FFFD for what a terminal obeys, not shows."""
     if most is not None and len(text) > most:
         text = text[: most - 1] + "…"
     if text.isprintable():
         return text
-    return "".join("\N{REPLACEMENT CHARACTER}" if _unsafe(c) else c for c in text)
-
-
-def _unsafe(character: str) -> bool:
-    return unicodedata.category(character) in UNSAFE and character not in JOINERS
+    safe = (c in JOINERS or unicodedata.category(c) not in UNSAFE for c in text)
+    return "".join(c if s else "\N{REPLACEMENT CHARACTER}" for c, s in zip(text, safe, strict=True))

@@ -126,7 +126,7 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
     from gclip import Motion
     from gclip.evaluate import bernstein
     from gclip.file import check_whole
-    from gclip.terminal.dates import date_at
+    from traits.dates import date_at
 
     interval = clip.intervals[part.interval]
     check_whole(interval.tracks)

@@ -10,7 +10,6 @@ import pytest
 import gclip
 from gclip import Group, Layer, Motion
 from gclip.evaluate import LITTER_FADE, bernstein, layers_at, locate
-from gclip.pack import Movers, pack_interval, packed_alike
 
 
 @pytest.fixture
@@ -93,19 +92,6 @@ def test_litter_fades_in_the_colors_too(falling) -> None:
     assert frame.litter is not None
     assert set(frame.litter.colors[:, 3].tolist()) == {128}
     assert set(frame.colors[:, 3].tolist()) == {255}
-
-
-def test_packing_again_gives_the_same_kind_of_numbers() -> None:
-    points = np.random.default_rng(0).random((50, 3)) * 65535.0
-    movers = [Movers(Motion.MOVE, (points, points), np.zeros(50, int))]
-    for packed_with in (200.0, 20.0):
-        interval = pack_interval(0.0, 1.0, movers, spacing=packed_with)
-        assert (interval.box is not None) == (packed_with == 200.0)
-        for spacing in (200.0, 110.0, 90.0, 20.0):
-            again = pack_interval(0.0, 1.0, movers, spacing=spacing)
-            alike = (again.box is None) == (interval.box is None)
-            assert packed_alike(interval, spacing, "auto") == alike
-        assert packed_alike(interval, 1.0, "float32") == (interval.box is None)
 
 
 @pytest.mark.parametrize(

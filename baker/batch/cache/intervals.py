@@ -12,7 +12,7 @@ from baker.batch.interval_job import IntervalJob
 from baker.errors import InputError
 from gclip import Clip, Interval, ScanMark, Track
 from gclip.errors import ClipError
-from gclip.pack import packed_alike
+from gclip.pack import LEVELS, MAX_STEP
 
 
 class IntervalCache:
@@ -101,3 +101,14 @@ def _read(path: Path, name: str) -> Interval | None:
         start_colors=colors[0],
         end_colors=colors[1],
     )
+
+
+def packed_alike(interval: Interval, spacing: float, precision: str) -> bool:
+    """Whether packing the same movers with this point spacing gives this interval.
+
+    False where that is a matter of rounding.
+    """
+    if precision == "float32":
+        return interval.box is None
+    step, finest = float(np.subtract(*interval.bounds[::-1]).max()) / LEVELS, MAX_STEP * spacing
+    return abs(step - finest) > 1e-6 * finest and (interval.box is not None) == (step <= finest)

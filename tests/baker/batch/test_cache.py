@@ -13,9 +13,10 @@ from baker import InputError, Options
 from baker.batch.cache import IntervalCache
 from baker.batch.cache.alignments import aligned
 from baker.batch.cache.digest import digest
+from baker.batch.cache.intervals import packed_alike
 from baker.pipeline import bake_recorded
 from gclip import Motion
-from gclip.pack import Movers, pack_interval, packed_alike
+from gclip.pack import Movers, pack_interval
 
 PLAIN = Options(align="none", up="z", workers=1)
 

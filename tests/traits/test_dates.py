@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gclip import ScanMark
-from gclip.terminal.dates import date_at
+from traits.dates import date_at
 
 SCANS = (
     ScanMark("a", 0.0, "2020-03-08", 1),
