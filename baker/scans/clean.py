@@ -6,10 +6,12 @@ notes what it dropped.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.cloud import Cloud
@@ -62,58 +64,35 @@ def require_size(cloud: Cloud, path: Path) -> None:
 
 def drop_duplicates(cloud: Cloud) -> Cloud:
     """One point for each position, the first of its kind, whatever labels the others have."""
-    if _all_differ(cloud.points):
-        return cloud
-    order = np.lexsort(cloud.points.T)
-    ordered = cloud.points[order]
-    is_new = np.ones(len(order), bool)
-    is_new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    # lexsort is stable: the first of equal positions is the one that came first in the file.
-    return _keep(cloud, np.sort(order[is_new]), "at exactly the place of another one")
+    group, count = _groups(cloud.points.T)
+    first = np.full(count, len(cloud))
+    np.minimum.at(first, group, np.arange(len(cloud)))
+    return _keep(cloud, np.sort(first), "at exactly the place of another one")
 
 
-def _all_differ(points: np.ndarray) -> bool:
-    """Whether no two of (N, 3) points are equal, for certain: by one number mixed from each."""
-    if points.dtype != np.float32:
-        return False
-    bits = np.ascontiguousarray(points).view(np.uint32).astype(np.uint64)
-    mixed = bits[:, 0]
-    for axis in (1, 2):
-        mixed = (mixed ^ (mixed >> np.uint64(29))) * np.uint64(0x9E3779B97F4A7C15) + bits[:, axis]
-    mixed.sort()
-    return bool((mixed[1:] != mixed[:-1]).all())
+def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
+    """Statistical outlier removal by Open3D: see `baker.scans.ReadOptions.outliers`.
 
-
-def drop_outliers(cloud: Cloud, ratio: float, path: Path) -> Cloud:
-    """Statistical outlier removal: see `baker.scans.ReadOptions.outliers`.
-
-    Source: R. B. Rusu et al., Towards 3D Point Cloud Based Object Maps for Household
-    Environments, Robotics and Autonomous Systems 56, 2008.
+    References
+    ----------
+    R. B. Rusu et al., Towards 3D Point Cloud Based Object Maps for Household Environments,
+    Robotics and Autonomous Systems 56, 2008.
     """
-    from scipy.spatial import KDTree
+    import open3d
 
-    k = min(OUTLIER_NEIGHBORS, len(cloud) - 1)
-    if k < 1:
+    points = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud.points))
+    neighbors = min(OUTLIER_NEIGHBORS + 1, len(cloud))  # each point is its own neighbour there
+    _, kept = points.remove_statistical_outlier(neighbors, ratio)
+    if not len(kept):  # where all are equally far from their neighbours, none is an outlier
         return cloud
-    distances, _ = KDTree(cloud.points).query(cloud.points, k + 1)
-    mean = distances[:, 1:].mean(axis=1)
-    keep = np.flatnonzero(mean <= mean.mean() + ratio * mean.std())
-    if not len(keep):
-        raise InputError(f"'{path}': outlier removal with {ratio:g} leaves no point.")
-    return _keep(cloud, keep, "as outliers")
+    return _keep(cloud, np.sort(np.asarray(kept, np.intp)), "as outliers")
 
 
 def thin(cloud: Cloud, voxel: float) -> Cloud:
     """Of each cube of edge `voxel`, and of each label in it, the point nearest to their mean."""
     points = cloud.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * FINEST))
-    keys = list(cells.T) if cloud.labels is None else [*cells.T, cloud.labels]
-    order = np.lexsort(keys)
-    is_new = np.ones(len(order), bool)
-    is_new[1:] = np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)
-    group = np.empty(len(order), np.int64)
-    group[order] = np.cumsum(is_new) - 1
-
+    group, _ = _groups(cells.T if cloud.labels is None else [*cells.T, cloud.labels])
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, axis) / size for axis in cloud.points.T], axis=1)
     distance = ((cloud.points - mean[group]) ** 2).sum(axis=1)
@@ -142,6 +121,20 @@ def resampled(cloud: Cloud, count: int) -> Cloud:
     return replace(best, notes=cloud.notes).noting(
         f"resampled evenly from {len(cloud)} to {len(best)} points."
     )
+
+
+def _groups(keys: Sequence[NDArray] | NDArray) -> tuple[NDArray[np.int64], int]:
+    """(N,) the number of each point's group of equal (N,) keys, and how many groups there are.
+
+    Equivalent to: ``np.unique(np.stack(keys), axis=1, return_inverse=True)[1]`` but for the order
+    of the groups, and six times as fast.
+    """
+    order = np.lexsort(keys)
+    is_new = np.ones(len(order), bool)
+    is_new[1:] = np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)
+    group = np.empty(len(order), np.int64)
+    group[order] = np.cumsum(is_new) - 1
+    return group, int(is_new.sum())
 
 
 def _keep(cloud: Cloud, kept: np.ndarray, why: str) -> Cloud:

@@ -143,7 +143,7 @@ def _scan(
     clean.require_size(cloud, entry.path)
     cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
     if options.outliers is not None:
-        cloud = clean.drop_outliers(cloud, options.outliers, entry.path)
+        cloud = clean.drop_outliers(cloud, options.outliers)
     if options.voxel is not None:
         cloud = clean.thin(cloud, options.voxel)
     if options.denoise is not None:

@@ -11,7 +11,6 @@ from typing import TypeVar
 from baker.errors import InputError
 
 Found = TypeVar("Found")
-CHUNK = 1 << 20
 
 
 def digest(paths: Sequence[Path]) -> str:
@@ -23,8 +22,7 @@ def digest(paths: Sequence[Path]) -> str:
     for path in paths:
         try:
             with path.open("rb") as file:
-                while chunk := file.read(CHUNK):
-                    found.update(chunk)
+                hashlib.file_digest(file, lambda: found)
         except OSError as error:
             raise _unreadable(path, error) from None
     return found.hexdigest()

@@ -87,10 +87,23 @@ def test_outliers_go_and_a_plant_stays():
     random = np.random.default_rng(0)
     plant = random.random((500, 3))
     points = np.concatenate([plant, [[5, 5, 5], [-4, 0, 0]]])
-    kept = clean.drop_outliers(numbered(points), 6.0, HERE)
+    kept = clean.drop_outliers(numbered(points), 6.0)
     np.testing.assert_array_equal(kept.points, plant.astype(np.float32))
     assert kept.notes == ("dropped 2 points as outliers.",)
-    assert len(clean.drop_outliers(numbered([[0, 0, 0]]), 2.0, HERE)) == 1
+    assert len(clean.drop_outliers(numbered([[0, 0, 0]]), 2.0)) == 1
+
+
+def test_points_at_equal_distances_have_no_outliers():
+    corners = np.array([[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0]])
+    assert len(clean.drop_outliers(numbered(corners), 2.0)) == 4
+
+
+@given(lattice)
+def test_groups_are_those_of_numpy(points):
+    group, count = clean._groups(points.T)
+    _, expected = np.unique(points, axis=0, return_inverse=True)
+    pairs = np.unique(np.stack([group, expected.ravel()]), axis=1)
+    assert pairs.shape[1] == count == len(set(pairs[0])) == len(set(pairs[1]))
 
 
 @given(
