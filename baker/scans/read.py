@@ -8,20 +8,24 @@ from functools import partial
 from itertools import chain, repeat
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.geometry.parallel import MapLike
+from baker.scans import clean, place
+from baker.scans.cloud import Cloud
+from baker.scans.denoise import denoised
+from baker.scans.fields import choose_fields
+from baker.scans.find import find_scans
+from baker.scans.formats import read_columns, suffix_of
+from baker.scans.rgbd.camera import find_camera
+from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
+from baker.scans.times import Entry, Schedule, schedule_scans
+from baker.scans.unchanged import read_unchanged
 from gclip.terminal.text import printable
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from baker.scans.cloud import Cloud
-    from baker.scans.rgbd.series import ImageSeries
-    from baker.scans.times import Entry, Schedule
 
 Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
@@ -85,8 +89,6 @@ def read_series(
     Raises InputError for everything that can't be read as one series: see the modules `find`,
     `times`, `formats`, `fields` and `clean` for each step's own rules.
     """
-    from baker.scans import clean, place
-
     options = options or ReadOptions()
     listing = list_series(inputs, options)
     entries = listing.schedule.entries
@@ -122,8 +124,6 @@ def _scan_or_error(
 
 def _raw(entry: Entry, listing: Listing, options: ReadOptions) -> tuple[Cloud, str]:
     """What a scan's files hold, and their digest."""
-    from baker.scans.unchanged import read_unchanged
-
     return read_unchanged(listing.files(entry), partial(_read, entry.path, listing.images, options))
 
 
@@ -136,9 +136,6 @@ def _scan(
     options: ReadOptions,
 ) -> Scan:
     """One scan, clean, about the series' origin."""
-    from baker.scans import clean, place
-    from baker.scans.denoise import denoised
-
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
     cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
@@ -191,9 +188,6 @@ class Listing:
 
 def list_series(inputs: Sequence[Path], options: ReadOptions) -> Listing:
     """What `read_series` would read. Raises InputError as that does."""
-    from baker.scans.find import find_scans
-    from baker.scans.times import schedule_scans
-
     images = _open_images(inputs, options)
     if images:
         schedule = images.schedule
@@ -204,8 +198,6 @@ def list_series(inputs: Sequence[Path], options: ReadOptions) -> Listing:
 
 def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | None:
     """The series of images in the one folder given, or None where there is none."""
-    from baker.scans.rgbd.camera import find_camera
-
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera is None:
         return None
@@ -214,8 +206,6 @@ def _open_images(inputs: Sequence[Path], options: ReadOptions) -> ImageSeries | 
             f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
             "--label-field."
         )
-    from baker.scans.rgbd.series import ImageSeries
-
     return ImageSeries(camera, options.times_file)
 
 
@@ -238,9 +228,6 @@ def _read(path: Path, images: ImageSeries | None, options: ReadOptions) -> Cloud
 
 
 def _load(path: Path, options: ReadOptions) -> Cloud:
-    from baker.scans.fields import choose_fields
-    from baker.scans.formats import read_columns
-
     return choose_fields(read_columns(path), path, options.label_field, options.use_labels)
 
 
@@ -268,8 +255,6 @@ def _agree(scans: list[Scan], options: ReadOptions) -> tuple[Scan, ...]:
 
 def _never_classified(scans: Sequence[Scan]) -> bool:
     """Whether all scans are LAS whose labels, the classification, are 0 throughout."""
-    from baker.scans.formats import suffix_of
-
     return all(
         suffix_of(scan.path) in (".las", ".laz")
         and scan.labels is not None
