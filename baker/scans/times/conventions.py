@@ -1,23 +1,14 @@
-"""Times that people write into the names of scans: dates, and numbers of days, weeks or hours.
-
-A convention is a pattern and what its numbers mean. No name tells alone which one its author had in
-mind (``05032023`` is in March or in May), but the names of a series together mostly do: a
-convention has to fit all of them, the number has to differ from scan to scan, and of several
-possible orders of day, month and year the one is taken that gives the shortest series.
-"""
+"""The ways in which people write times: patterns, and what their numbers mean."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
-from itertools import pairwise
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 COMMON_YEAR, LEAP_YEAR = 2001, 2000  # stand in where a name has no year
-MAX_GAP_WITHIN_YEAR = 183  # days; a longer gap between dates without a year is a turn of the year
-MAX_SPAN = 1100  # days that dates without separators may span: else they are other numbers
 WEAK_RANK = 4  # conventions from this rank on also fit numbers that are no times
 
 
@@ -59,136 +50,10 @@ class Convention:
         return self.rank < WEAK_RANK
 
 
-@dataclass(frozen=True)
-class Reading:
-    """The times of all names of a series, by one convention.
-
-    Attributes
-    ----------
-    moments : tuple of Moment
-    spans : tuple of (int, int)
-        Where in each text the time stands.
-    convention : Convention
-    doubt : str
-        A sentence for people where the times may be read in another way; else empty.
-    """
-
-    moments: tuple[Moment, ...]
-    spans: tuple[tuple[int, int], ...]
-    convention: Convention
-    doubt: str = ""
-
-    @property
-    def distinct(self) -> bool:
-        """Whether no two scans have the same time."""
-        return len({moment.time for moment in self.moments}) == len(self.moments)
-
-    @property
-    def length(self) -> float:
-        """Days from the first to the last."""
-        times = [moment.time for moment in self.moments]
-        return max(times) - min(times)
-
-
-def read_times(texts: Sequence[str]) -> Reading | None:
-    """Read the times that all texts have.
-
-    Parameters
-    ----------
-    texts : sequence of str
-        For each scan its file's name without suffix, or the name of a folder.
-
-    Returns
-    -------
-    Reading or None
-        The most likely reading in which all times differ; else one in which two scans have the
-        same time; None where there is neither.
-    """
-    readings = [
-        reading
-        for convention in CONVENTIONS
-        for reading in _readings(convention, texts)
-        if _is_plausible(reading)
-    ]
-    distinct = [reading for reading in readings if reading.distinct]
-    if not distinct:
-        clear = [reading for reading in readings if reading.convention.is_clear]
-        return next((reading for reading in clear if not _is_shared(reading, texts)), None)
-    best = min(distinct, key=lambda reading: (reading.convention.rank, reading.length))
-    others = [
-        reading
-        for reading in distinct
-        if reading.convention.family == best.convention.family
-        and reading.moments != best.moments
-        and reading.length <= MAX_SPAN
-    ]
-    return Reading(best.moments, best.spans, best.convention, _doubt(best, others))
-
-
-def find_time(text: str) -> re.Match[str] | None:
-    """The first clearly written time in a text: a date with a year, or a labelled number."""
-    for convention in CONVENTIONS:
-        if convention.is_clear:
-            for match in convention.pattern.finditer(text):
-                if convention.read(match) is not None:
-                    return match
-    return None
-
-
 def parse_date(text: str) -> Moment | None:
     """A moment from an ISO date or date-time that is the whole text."""
     match = _ISO.fullmatch(text)
     return _iso(match) if match else None
-
-
-def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
-    """One reading for each place, counted from the left, at which all texts have a match."""
-    matches = [list(convention.pattern.finditer(text)) for text in texts]
-    for place in range(min(map(len, matches), default=0)):
-        chosen = [found[place] for found in matches]
-        moments = [convention.read(match) for match in chosen]
-        known = [moment for moment in moments if moment is not None]
-        if len(known) == len(texts):
-            if convention.family == "month and day":
-                known = _across_new_year(known)
-            yield Reading(tuple(known), tuple(match.span() for match in chosen), convention)
-
-
-def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
-    """Whether all names have one number in common (a plot, a pot) and differ in another one."""
-    constant = len({moment.time for moment in reading.moments}) == 1
-    rest = {t[:start] + t[stop:] for t, (start, stop) in zip(texts, reading.spans, strict=True)}
-    return constant and not reading.moments[0].dated and len(rest) == len(texts)
-
-
-def _is_plausible(reading: Reading) -> bool:
-    """Weak conventions fit counters as well, which seldom give dates of one season."""
-    return reading.convention.is_clear or reading.length <= MAX_SPAN
-
-
-def _doubt(best: Reading, others: Sequence[Reading]) -> str:
-    if others:
-        other = min(others, key=lambda reading: reading.length)
-        return (
-            f"{best.convention.what} would also be {other.convention.what}, from "
-            f"{min(other.moments, key=lambda m: m.time).date} to "
-            f"{max(other.moments, key=lambda m: m.time).date}; --times FILE says which"
-        )
-    if not best.convention.is_clear:
-        return f"the numbers were taken for {best.convention.what}; --times FILE says if not"
-    return ""
-
-
-def _across_new_year(moments: Sequence[Moment]) -> list[Moment]:
-    """Dates without a year: those before a gap of half a year belong to the next year."""
-    times = sorted({moment.time for moment in moments})
-    breaks = [b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR]
-    if not breaks:
-        return list(moments)
-    return [
-        moment if moment.time >= breaks[-1] else Moment(moment.time + 365, moment.date, True)
-        for moment in moments
-    ]
 
 
 def _dated(moment: datetime, written: str) -> Moment:

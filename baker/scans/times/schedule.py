@@ -5,24 +5,23 @@ A rule counts only if it fits every scan. The first that does is used:
 1. ``--times FILE``: a line ``name time`` for each scan, the time a number of days or an ISO date or
    date-time (``2020-03-08``, ``2020-03-08T14:30``).
 2. Dates or numbers of days, weeks or hours in the names; where these have none, in the names of the
-   folders that the scans are in (`baker.scans.name_times`).
+   folders that the scans are in (`baker.scans.times.names`).
 3. The order: 0, 1, 2, ..., natural (9 before 10) in a folder, as given for a list of files.
 """
 
 from __future__ import annotations
 
 import re
-import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
 from baker.errors import InputError
-from baker.scans.name_times import Moment, Reading, find_time, parse_date, read_times
+from baker.scans.times.conventions import Moment
+from baker.scans.times.names import Reading, find_time, read_times
+from baker.scans.times.times_file import moments_from_file
 
-MAX_TIME_CHARACTERS = 100  # of a line in a list of times
-MAX_TIMES_FILE_BYTES = 1 << 24
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans
 FOLDER_LEVELS = 2  # folders above a scan whose names may hold its time
@@ -63,7 +62,7 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
     """
     names = _names(found.paths)
     if times_file is not None:
-        moments = _moments_from_file(times_file, names)
+        moments = moments_from_file(times_file, names)
         return _in_time(found, names, moments, f"times from '{times_file.name}'")
 
     read = times_in_names(found.paths)
@@ -226,77 +225,3 @@ def _names(paths: Sequence[Path]) -> list[str]:
 
 def _stem(name: str) -> str:
     return name.rpartition(".")[0]
-
-
-def _day(number: float) -> Moment:
-    return Moment(number, f"day {number:.10g}")
-
-
-def _moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
-    """The time of each of `names`, looked up by the name with or without folder and suffix."""
-    listed = _read_times(path)
-    moments = []
-    for name in names:
-        plain = name.rpartition("/")[2]
-        keys = (name, _stem(name), plain, _stem(plain))
-        moment = next((listed[key] for key in keys if key in listed), None)
-        if moment is None:
-            raise InputError(f"'{path}' has no line for the scan '{name}'.")
-        moments.append(moment)
-    if len({moment.date.startswith("day ") for moment in moments}) > 1:
-        raise InputError(f"'{path}' mixes dates and numbers of days; use one of them throughout.")
-    return moments
-
-
-def _read_times(path: Path) -> dict[str, Moment]:
-    try:
-        state = path.stat()
-        if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
-            raise InputError(f"'{path}' (times) is not a regular file.")
-        if state.st_size > MAX_TIMES_FILE_BYTES:
-            raise InputError(
-                f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
-                f"{MAX_TIMES_FILE_BYTES} at most."
-            )
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"'{path}' (times) can't be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"'{path}' (times) is not a text file.") from error
-
-    listed: dict[str, Moment] = {}
-    is_first = True
-    for number, line in enumerate(lines, 1):
-        line = line.strip()
-        if not line or line.startswith(("#", "//")):
-            continue
-        parts = (
-            re.split(r"[,;\t]", line, maxsplit=2)
-            if re.search(r"[,;\t]", line)
-            else line.split(None, 1)
-        )
-        name, time = (part.strip().strip("\"' ") for part in (*parts, "")[:2])
-        moment = _parse_time(time)
-        may_be_header, is_first = is_first, False
-        if moment is None and may_be_header and not re.search(r"\d", time) and time:
-            continue
-        if moment is None or not name:
-            raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
-                f"such as 2020-03-08), found '{line[:60]}'."
-            )
-        if name in listed:
-            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
-        listed[name] = moment
-    return listed
-
-
-def _parse_time(text: str) -> Moment | None:
-    if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
-        return None
-    date = parse_date(text)
-    if date is not None:
-        return date
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
-        return _day(float(text))
-    return None

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from baker.scans.name_times import read_times
+from baker.scans.times.names import read_times
 
 
 def days_of(names):
