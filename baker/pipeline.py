@@ -26,11 +26,10 @@ from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors, nearest_neighbors, point_area
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.births import Birth, births
 from baker.interpolation.colors import painted
-from baker.interpolation.growth_rate import Pace, paces
 from baker.interpolation.movers import Keyframe
-from baker.interpolation.steady import steadied
+from baker.interpolation.smoothing import smooth_organs
+from baker.interpolation.timing import timing_shifts
 from baker.matching import (
     IntervalOrgans,
     LabelUse,
@@ -287,8 +286,8 @@ def _interval_jobs(
 ) -> tuple[list[IntervalJob], float, float]:
     """What each interval is worked out from, and the series' point spacing and floor.
 
-    Here everything is settled that spans intervals: spacing, floor, steadied organs, how fast new
-    organs unfold.
+    Here everything is settled that spans intervals: spacing, floor, smoothed organs, the
+    timing of growth.
 
     found: whether the organs were segmented by the program. Some of what is lost then is a piece of
            a leaf that the next scan counts to its leaf: nothing has fallen, so it fades.
@@ -300,19 +299,16 @@ def _interval_jobs(
     feet = [frame.positions[base] for frame, base in zip(keyframes, bases, strict=True)]
     times = [scan.time for scan in series.scans]
     if options.smooth:
-        keyframes = steadied(keyframes, matches, organs, times, vertical)
+        keyframes = smooth_organs(keyframes, matches, organs, times)
     if recipe.even:
         keyframes = [
             replace(frame, surface=point_area(frame.positions, near))
             for frame, near in zip(keyframes, neighbors, strict=True)
         ]
     clouds = [frame.positions for frame in keyframes]
-    born: list[dict[int, Birth]] = [{} for _ in matches]
-    paced: list[dict[int, Pace]] = [{} for _ in matches]
+    shifts: list[dict[int, NDArray[np.float64]]] = [{} for _ in matches]
     if recipe.paths == Paths.curved:
-        paced = paces(clouds, matches, organs, times, spacing)
-    if recipe.paths != Paths.straight:
-        born = births(clouds, matches, organs, times, paced)
+        shifts = timing_shifts(clouds, matches, organs, times, spacing)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -330,8 +326,7 @@ def _interval_jobs(
                     recipe.bud_least,
                 )
             ),
-            births=born[k],
-            paces=paced[k],
+            shifts=shifts[k],
             vertical=vertical,
             floor=floor,
             spacing=(spacings[k] + spacings[k + 1]) / 2,
@@ -339,7 +334,7 @@ def _interval_jobs(
             transport=recipe.transport,
             limbs=recipe.limbs,
             decay=decay,
-            curved=recipe.paths != Paths.straight,
+            curved=recipe.paths == Paths.curved,
             even=recipe.even,
             precision=options.precision,
         )

@@ -109,7 +109,7 @@ def _save_labels(label: NDArray[np.int64], path: Path) -> None:
     """Numbers to read, in colours to look at: a palette, which imageio does not write."""
     from PIL import Image
 
-    from baker.interpolation.palette import organ_colors
+    from baker.interpolation.colors import organ_colors
 
     image = Image.fromarray(label.astype(np.uint8))
     colors = [(0, 0, 0), *organ_colors(int(label.max()) + 1)[1:]]

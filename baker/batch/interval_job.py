@@ -12,9 +12,8 @@ from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 from baker.interpolation import Bend, Bending
 from baker.interpolation.attachment import attached
-from baker.interpolation.births import Birth
+from baker.interpolation.births import births
 from baker.interpolation.feet import Feet
-from baker.interpolation.growth_rate import Pace
 from baker.interpolation.movers import Keyframe, Moved, solve_task
 from baker.interpolation.resampling import with_even_density
 from baker.matching import IntervalOrgans, Match
@@ -29,11 +28,11 @@ class IntervalJob:
     """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
 
     What spans intervals is settled before: alignment, segments, which organ is which (`match`,
-    `organs`), how organs are born, the series' `floor` and `series_spacing`.
+    `organs`), how growth is timed, the series' `floor` and `series_spacing`.
 
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
-    births, paces: by organ, how new ones unfold and the others go; those left out, linearly.
+    shifts:   by organ, how far it is from the middle of its path half-way: see `timing_shifts`.
     transport: `workers` in it does not count.
     limbs:    whether an organ's limbs are paired and moved one by one.
     decay:    how lost organs leave.
@@ -51,8 +50,7 @@ class IntervalJob:
     organs: IntervalOrgans
     bases: tuple[NDArray[np.floating], NDArray[np.floating]]
     tasks: tuple[Task, ...]
-    births: Mapping[int, Birth]
-    paces: Mapping[int, Pace]
+    shifts: Mapping[int, NDArray[np.float64]]
     vertical: Vertical
     floor: float
     spacing: float
@@ -93,6 +91,7 @@ def move_interval(
     total = sum(map(_size, job.tasks))
     clouds = job.start.positions, job.end.positions
     feet = Feet(clouds, job.match, job.organs)
+    born = births(clouds[1], job.match, job.organs, job.shifts) if job.curved else {}
     bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
 
     def solve(task: Task) -> tuple[Moved, Bend | None]:
@@ -107,8 +106,8 @@ def move_interval(
             vertical=job.vertical,
             floor=job.floor,
             foot=feet.of(task) if job.limbs else None,
-            birth=job.births.get(task.organ) if task.event == "birth" else None,
-            pace=job.paces.get(task.organ) if task.event == "match" else None,
+            birth=born.get(task.organ) if task.event == "birth" else None,
+            shift=job.shifts.get(task.organ) if task.event == "match" else None,
         )
         bend = bending.of(moved) if bending else None
         done(1)

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import Any
 
 from baker.alignment import Alignment
-from baker.interpolation.palette import organ_colors
+from baker.interpolation.colors import organ_colors
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options

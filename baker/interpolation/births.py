@@ -1,194 +1,99 @@
 """How far a new organ has unfolded half-way through the interval that it is born in.
 
-What a scan does not show yet may appear at any time before the next. How fast the organ grows
-afterwards suggests when: drawn back, its growth gives the size that it had half-way, less than a
-half of what it is at the end where it comes late and fast. What is small at the end may have been
-there at the start and too small to be seen; what is large was not, and had a half at most.
+What a scan doesn't show may appear at any time before the next one, so half-way it has half of its
+size in the mean. But an organ of a few points may have been there all along, too small to be seen:
+then it had more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.growth_rate import Pace
+from baker.geometry.attachment import attachment_point
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
-LATE, EVEN = 0.45, 0.5  # births later than that were farther from scans left out
-SEEN = 10  # points from which on an organ is seen in a scan
-AT_BASE = 0.02  # share of an organ's points that are its base
+MIN_POINTS_SEEN = 10  # of an organ, from which on a scan shows it
 
 
 @dataclass(frozen=True)
 class Birth:
-    """How an organ unfolds.
+    """How an organ unfolds from its bud.
 
-    base: (3,) where it is attached at the end; size: its share of its size half-way.
-    pace: of what bears it; None where that goes evenly.
+    Attributes
+    ----------
+    attachment : (3,) float64
+        Its attachment point at the end of the interval.
+    size : float
+        Half-way, as a share of its size at the end.
+    shift : (3,) float64
+        How far its parent is, half-way, from the middle of its path.
     """
 
-    base: NDArray[np.float64]
+    attachment: NDArray[np.float64]
     size: float
-    pace: Pace | None = None
+    shift: NDArray[np.float64]
 
     def control(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
     ) -> NDArray[np.float32]:
-        """(N, 3) control points: half-way each mover is `size` of the way from the base to its end.
+        """(N, 3) control points of paths of degree 2 from the bud's points to the organ's.
 
-        The base itself is as far from bud to attachment then as what bears it is on its way.
+        Half-way each mover is `size` of the way from the attachment point to its end, and the
+        attachment point where its parent is.
         """
-        unfolding = start / 2 + (1 - 2 * self.size) * self.base + (2 * self.size - 0.5) * end
-        if self.pace is not None:
-            unfolding = unfolding + 2 * self.pace.shift(start, self.base)
-        return unfolding.astype(np.float32)
+        unfolding = start / 2 + (1 - 2 * self.size) * self.attachment + (2 * self.size - 0.5) * end
+        return (unfolding + 2 * self.shift).astype(np.float32)
 
 
 def births(
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
-    times: Sequence[float],
-    paces: Sequence[Mapping[int, Pace]],
-) -> list[dict[int, Birth]]:
-    """For each interval, by organ, how those that are born in it unfold.
+    cloud: NDArray[np.floating],
+    match: Match,
+    organs: IntervalOrgans,
+    shifts: Mapping[int, NDArray[np.float64]],
+) -> dict[int, Birth]:
+    """How each organ that is born in an interval unfolds; a whole new branch does so as one piece.
 
-    paces: of each interval, by organ, as `baker.interpolation.growth_rate` finds them.
-
-    All that unfolds from one bud does so as one piece. Where nothing tells how an organ goes on to
-    grow, the series' other births do.
+    Parameters
+    ----------
+    cloud : (N, 3) float
+        The second scan's points.
+    match, organs
+        The interval's hierarchies, and which organ each segment is.
+    shifts : mapping of organ to (3,) float64
+        As of `timing_shifts`, of the interval.
     """
-    spans = np.diff(times)
-    attached = [_Attachments(*scan) for scan in zip(clouds[1:], matches, strict=True)]
-    found = []
-    unfolding = [(k, top) for k, match in enumerate(matches) for top in sorted(_tops(match))]
-    places = [attached[k].base(top) for k, top in unfolding]
-    for k in range(len(matches)):
-        bases = {top: place for (at, top), place in zip(unfolding, places, strict=True) if at == k}
-        sizes = {
-            top: _size_half_way(attached, organs, spans, k, top, base)
-            for top, base in bases.items()
-        }
-        found.append((bases, sizes))
-    known = [size for _, sizes in found for size in sizes.values() if size is not None]
-    usual = float(np.median(known)) if known else EVEN
-    born = []
-    for match, named, paced, (bases, sizes) in zip(matches, organs, paces, found, strict=True):
-        tops = _tops_of_births(match)
-        pace = {top: _pace_of_bearer(top, match, named, paced) for top in bases}
-        born.append(
-            {
-                named.second[segment]: Birth(
-                    bases[top], sizes[top] or min(usual, _most(match, top)), pace[top]
-                )
-                for segment, top in tops.items()
-            }
+    from scipy.spatial import cKDTree
+
+    segments, parents = match.second.segments, match.second.parents
+    new, found = set(match.births), dict[int, Birth]()
+    for segment in match.second.from_the_root():
+        if segment not in new or not len(segments[segment]):
+            continue
+        parent = parents[segment]
+        if parent in new and organs.second[parent] in found:
+            found[organs.second[segment]] = found[organs.second[parent]]
+            continue
+        grown = segments[parent] if parent != NO_PARENT else ()
+        tree = cKDTree(cloud[grown] if len(grown) else np.median(cloud, axis=0)[None])
+        own = cloud.take(segments[segment], axis=0)
+        shift = shifts.get(organs.second[parent]) if parent != NO_PARENT else None
+        found[organs.second[segment]] = Birth(
+            attachment_point(own, tree),
+            _size_half_way(len(own)),
+            np.zeros(3) if shift is None else shift,
         )
-    return born
+    return found
 
 
-def _tops_of_births(match: Match) -> dict[int, int]:
-    """Each born segment, and the born segment nearest to the root that it unfolds with."""
-    new = set(match.births)
-    return {
-        segment: next(
-            (
-                s
-                for s in reversed([segment, *match.second.ancestors(segment)])
-                if _opens(s, match, new)
-            ),
-            segment,
-        )
-        for segment in match.births
-        if len(match.second.segments[segment])
-    }
+def _size_half_way(points: int) -> float:
+    """An organ's expected size half-way, as a share of that at the end.
 
-
-def _opens(segment: int, match: Match, new: set[int]) -> bool:
-    """Whether a born segment with points grows on one that was there before, or on nothing."""
-    parent = match.second.parents[segment]
-    return segment in new and parent not in new and bool(len(match.second.segments[segment]))
-
-
-def _pace_of_bearer(
-    segment: int, match: Match, named: IntervalOrgans, paces: Mapping[int, Pace]
-) -> Pace | None:
-    parent = match.second.parents[segment]
-    return None if parent == NO_PARENT else paces.get(named.second[parent])
-
-
-def _tops(match: Match) -> set[int]:
-    return set(_tops_of_births(match).values())
-
-
-class _Attachments:
-    """Where the organs of an interval's second scan are attached, and how far they reach."""
-
-    def __init__(self, cloud: NDArray[np.floating], match: Match) -> None:
-        self.match = match
-        self._cloud = cloud
-        self._bearers: dict[int, cKDTree] = {}
-
-    def base(self, segment: int) -> NDArray[np.float64]:
-        """(3,) the middle of the segment's points nearest to what it grows from."""
-        own = self._points(segment)
-        bearer = self._bearer(self.match.second.parents[segment])
-        count = max(1, round(AT_BASE * len(own)))
-        apart = bearer.query(own)[0]
-        return own[np.argsort(apart, kind="stable")[:count]].mean(axis=0)
-
-    def extent(self, segment: int, base: NDArray[np.float64]) -> float:
-        return float(np.sqrt(((self._points(segment) - base) ** 2).sum(axis=1).mean()))
-
-    def _points(self, segment: int) -> NDArray[np.float64]:
-        members = self.match.second.segments[segment]
-        return self._cloud.take(members, axis=0).astype(float)
-
-    def _bearer(self, parent: int) -> cKDTree:
-        """A parent's points to search in: many organs may grow from one."""
-        from scipy.spatial import cKDTree
-
-        if parent not in self._bearers:
-            members = self.match.second.segments[parent] if parent != NO_PARENT else ()
-            points = self._cloud[members] if len(members) else np.median(self._cloud, 0)[None]
-            self._bearers[parent] = cKDTree(points, balanced_tree=False)
-        return self._bearers[parent]
-
-
-def _size_half_way(
-    attached: Sequence[_Attachments],
-    organs: Sequence[IntervalOrgans],
-    spans: NDArray[np.float64],
-    k: int,
-    top: int,
-    base: NDArray[np.float64],
-) -> float | None:
-    """The organ's size half-way as a share of its size at the end, None where nothing tells."""
-    if k + 1 >= len(attached):
-        return None
-    following, organ = attached[k + 1], organs[k].second[top]
-    named = organs[k + 1].second
-    later = next((b for _, b in following.match.pairs if named[b] == organ), None)
-    if later is None:
-        return None
-    size = attached[k].extent(top, base)
-    grown = following.extent(later, following.base(later))
-    growth = (grown / max(size, 1e-12) - 1) * spans[k] / (2 * spans[k + 1])
-    return float(np.clip(1 - growth, LATE, _most(attached[k].match, top)))
-
-
-def _most(match: Match, top: int) -> float:
-    """The largest that an organ not seen before can be half-way, as a share of its end's size.
-
-    It may have been of any size at which it would not have been seen: of half of that.
+    It may have had any size at which it has fewer than ten points: half of that in the mean.
     """
-    unseen = min(1.0, (SEEN / len(match.second.segments[top])) ** 0.5)
-    return EVEN + (1 - EVEN) * unseen / 2
+    unseen = min(1.0, (MIN_POINTS_SEEN / points) ** 0.5)
+    return 0.5 + unseen / 4

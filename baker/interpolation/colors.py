@@ -1,17 +1,36 @@
-"""What colours the points carry from scan to scan."""
+"""Colours that tell organs apart, for points and for the clip's tracks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from colorsys import hls_to_rgb
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.movers import Keyframe
-from baker.interpolation.palette import organ_colors
 from baker.scans import Scan
 from baker.segmentation.hierarchy import Hierarchy
+
+STEM_COLOR = (122, 158, 72)  # a plant's own green, which doesn't compete with the organs' colours
+GOLDEN_ANGLE = 0.381966  # of a turn: neighbours in age get hues that lie far apart
+FIRST_HUE = 0.095
+
+
+def organ_colors(count: int) -> list[tuple[int, int, int]]:
+    """`count` sRGB colours for the tracks, the root's first.
+
+    Hues go round by the golden angle; each round is a little lighter or darker than the last one.
+    """
+    return [STEM_COLOR, *(_color(index) for index in range(count - 1))][:count]
+
+
+def _color(index: int) -> tuple[int, int, int]:
+    hue = (FIRST_HUE + GOLDEN_ANGLE * index) % 1.0
+    lightness = (0.56, 0.66, 0.46)[index // 8 % 3]
+    red, green, blue = (round(255 * value) for value in hls_to_rgb(hue, lightness, 0.72))
+    return red, green, blue
 
 
 def painted(

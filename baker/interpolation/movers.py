@@ -18,7 +18,6 @@ from gclip.pack import Movers
 if TYPE_CHECKING:
     from baker.interpolation.births import Birth
     from baker.interpolation.feet import Foot
-    from baker.interpolation.growth_rate import Pace
 
 
 @dataclass(frozen=True)
@@ -46,8 +45,6 @@ class Moved:
              what is lost.
     born:    whether they unfold from a bud.
     limbs:   whether the organ's limbs were moved each on its own.
-    reach:   (M,) how far what surrounds each mover's start reaches, its end if it is born; None
-             where density is left as it is.
     """
 
     movers: Movers
@@ -57,7 +54,6 @@ class Moved:
     end_points: NDArray[np.intp] | None = None
     born: bool = False
     limbs: bool = False
-    reach: NDArray[np.floating] | None = None
 
 
 def solve_task(
@@ -71,12 +67,13 @@ def solve_task(
     floor: float,
     foot: Foot | None = None,
     birth: Birth | None = None,
-    pace: Pace | None = None,
+    shift: NDArray[np.float64] | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
 
     foot: the task's points where the organ is attached, if its limbs are to go each on its own.
-    birth: how a new organ unfolds; pace: at which a matched one goes. None of what moves linearly.
+    birth: how a new organ unfolds; shift: (3,) how far a matched one is, half-way, from the middle
+           of its path. None of what moves linearly.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
@@ -101,18 +98,15 @@ def solve_task(
         origin, target = movers.curve
         curve = (origin, birth.control(origin, target), target)
         movers = replace(movers, curve=curve)
-    if pace is not None:
+    if shift is not None:
         origin, target = movers.curve
         # Of a curve of degree two the control point counts half in its middle.
-        control = (origin + target) / 2 + 2.0 * pace.shift(origin, target)
+        control = (origin + target) / 2 + 2.0 * shift
         movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
     surface = surface_half_way(before, found.rows, after, found.columns, born)
-    reach = None
-    if before is not None and after is not None:
-        reach = np.sqrt(after)[found.columns] if born else np.sqrt(before)[found.rows]
-    return Moved(movers, pair, surface, a, b, born, found.limbs, reach)
+    return Moved(movers, pair, surface, a, b, born, found.limbs)
 
 
 def _movers(

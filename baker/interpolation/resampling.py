@@ -23,7 +23,7 @@ from gclip.pack import Movers, raised
 if TYPE_CHECKING:
     from baker.interpolation.movers import Moved
 
-ROOM = 0.3  # of a point's reach: half a spacing, what is left between spreading movers half-way
+MAX_OVERHANG = 0.5  # of the square root of a mover's area: how far it may be from its mean
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
@@ -130,9 +130,9 @@ def _aside(
     from scipy.spatial import cKDTree
 
     leaving = middle - _mean_of_twins(task.start_points, middle)
-    if task.reach is not None:
-        far, room = np.sqrt((leaving**2).sum(axis=1)), ROOM * task.reach
-        leaving *= np.divide(room, far, out=np.ones_like(far), where=far > room)[:, None]
+    assert task.surface is not None
+    length, limit = np.linalg.norm(leaving, axis=1), MAX_OVERHANG * np.sqrt(task.surface)
+    leaving *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
     shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
     shift = 2 * shared.take(own, axis=0)

@@ -64,8 +64,7 @@ def _renumbered(job: IntervalJob, organs: tuple[int, ...]) -> IntervalJob:
         job,
         organs=IntervalOrgans(first, second),
         tasks=tuple(replace(task, organ=numbers[task.organ]) for task in job.tasks),
-        births={numbers[organ]: birth for organ, birth in job.births.items()},
-        paces={numbers[organ]: pace for organ, pace in job.paces.items()},
+        shifts={numbers[organ]: shift for organ, shift in job.shifts.items()},
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 from baker import Options, bake
 from baker.interpolation.movers import Moved
 from baker.interpolation.resampling import (
-    ROOM,
+    MAX_OVERHANG,
     position_at,
     surface_half_way,
     with_even_density,
@@ -94,16 +94,16 @@ def test_movers_of_one_point_spread_out_from_their_mean():
 
 
 def test_no_addition_runs_far_ahead_of_a_tip():
-    """No farther than half the gap to the next point: beyond a tip that nothing follows."""
-    count, reach = 24, 0.5
+    """No farther than half the distance to the next mover: beyond a tip that nothing follows."""
+    count = 24
     end = np.column_stack([np.linspace(0.0, 2.0, count), np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (np.zeros((count, 3)), end), np.zeros(count, int))
     surface = np.r_[np.ones(6), 9 * np.ones(18)]
     ends = np.zeros(count, int), np.arange(count)
-    task = Moved(movers, None, surface, *ends, reach=np.full(count, reach))
+    task = Moved(movers, None, surface / 100, *ends)
     (filled,) = with_even_density([task], 1.0)
     assert len(filled) > count
-    assert position_at(filled.curve, 0.5)[:, 0].max() <= 1.0 + ROOM * reach + 1e-12
+    assert position_at(filled.curve, 0.5)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
 
 
 def test_additions_of_what_is_born_stay_with_it(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from baker import Options, bake
-from baker.interpolation.steady import smooth_course
+from baker.interpolation.smoothing import local_regression
 from grow import plant
 
 DAYS = np.array([4.0, 5, 6, 8, 9, 10, 11, 12])
@@ -15,13 +15,13 @@ DAYS = np.array([4.0, 5, 6, 8, 9, 10, 11, 12])
 
 def test_a_straight_course_over_uneven_times_is_kept():
     values = np.outer(DAYS, [1.0, -2.0]) + 3
-    assert smooth_course(DAYS, values) == pytest.approx(values)
+    assert local_regression(DAYS, values) == pytest.approx(values)
 
 
 def test_an_outlier_does_not_bend_the_course():
     values = np.outer(DAYS, [1.0])
     values[3] += 50
-    assert np.delete(smooth_course(DAYS, values), 3) == pytest.approx(
+    assert np.delete(local_regression(DAYS, values), 3) == pytest.approx(
         DAYS[[0, 1, 2, 4, 5, 6, 7]], abs=1
     )
 

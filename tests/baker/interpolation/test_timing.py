@@ -1,18 +1,21 @@
-"""Pace: what comes to rest is beyond the half of its way half-way, what sways is not."""
+"""Timing: what comes to rest is beyond the middle of its path half-way, what sways is not."""
 
 import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.interpolation.growth_rate import MOST, Pace, paces
+from baker.interpolation.timing import MAX_OFFSET, timing_shifts
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 POINTS = np.random.default_rng(0).random((20, 3))
 
 
-def paced_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
-    """The paces, by interval, of each of some organs whose middles go through (scans, 3) places."""
+def offsets_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
+    """By organ and interval the share of its displacement that its shift is.
+
+    organs: the (scans, 3) places that their middles go through.
+    """
     count = len(POINTS)
     clouds = [
         np.concatenate([POINTS - POINTS.mean(axis=0) + places[scan] for places in organs])
@@ -27,14 +30,18 @@ def paced_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
     named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers})] * (
         len(times) - 1
     )
-    by_interval = paces(clouds, matches, named, times, spacing)
+    by_interval = timing_shifts(clouds, matches, named, times, spacing)
     return [
-        [found[7 + n].ahead if 7 + n in found else 0.0 for found in by_interval] for n in numbers
+        [
+            float(shifts[7 + n] @ way / (way @ way)) if 7 + n in shifts else 0.0
+            for shifts, way in zip(by_interval, np.diff(places, axis=0), strict=True)
+        ]
+        for n, places in zip(numbers, organs, strict=True)
     ]
 
 
 def found(places: np.ndarray, times, spacing: float = 1e-6) -> list[float]:
-    return paced_of([np.asarray(places, float)], times, spacing)[0]
+    return offsets_of([np.asarray(places, float)], times, spacing)[0]
 
 
 def along(values) -> np.ndarray:
@@ -57,26 +64,6 @@ def test_backwards_is_the_same_way_back():
     np.testing.assert_allclose(back[::-1], -np.array(there), atol=1e-12)
 
 
-def growing(sizes) -> list[float]:
-    """The paces at which an organ's size changes, by interval."""
-    times = np.arange(float(len(sizes)))
-    points = POINTS - POINTS.mean(axis=0)
-    clouds = [size * points + [0, 0, 5.0 * k] for k, size in enumerate(sizes)]
-    whole = Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)
-    matches = [Match(whole, whole, ((0, 0),), (), ())] * (len(sizes) - 1)
-    named = [IntervalOrgans({0: 7}, {0: 7})] * (len(sizes) - 1)
-    return [p[7].growing if 7 in p else 0.0 for p in paces(clouds, matches, named, times, 1e-6)]
-
-
-def test_at_the_ends_of_a_series_growth_has_been_slow_or_will_be():
-    slowing = growing([1, 3, 4, 4.5])
-    # Before the first scan it was no faster than after it; beyond the last one it is slower still.
-    assert slowing[0] == pytest.approx(slowing[1] / 2)
-    assert slowing[2] == pytest.approx(slowing[1])
-    assert slowing[0] > 0
-    assert growing([4.5, 4, 3, 1])[::-1] == pytest.approx([-pace for pace in slowing])
-
-
 def test_uneven_dates_are_no_change_of_pace():
     times = np.array([0.0, 1, 4, 4.5, 9])
     np.testing.assert_allclose(found(along(3 * times), times), 0, atol=1e-9)
@@ -95,7 +82,7 @@ def test_two_scans_tell_nothing():
 
 def test_paths_never_turn_back():
     paced = found(along([0, 1, 1000, 1001, 1001.001]), np.arange(5.0))
-    assert np.abs(paced).max() <= MOST
+    assert np.abs(paced).max() <= MAX_OFFSET
 
 
 def test_what_no_scan_shows_does_not_count():
@@ -114,8 +101,8 @@ def test_where_most_organs_sway_none_foretells_its_way():
         np.array([[0, 0, 0], [1, 1, 0], [2, -1, 0], [3, 1, 0]]) + 10.0 * n for n in (1, 2, 3)
     ]
     times = np.arange(4.0)
-    assert all(paced_of([calm], times)[0])
-    assert not any(paced_of([calm, *swaying], times)[0])
+    assert all(offsets_of([calm], times)[0])
+    assert not any(offsets_of([calm, *swaying], times)[0])
 
 
 def test_a_clip_shows_it(tmp_path):
@@ -129,22 +116,3 @@ def test_a_clip_shows_it(tmp_path):
         frame = bake([tmp_path], Options(paths=paths, **fixed)).at(1.5)
         middle = frame.positions[frame.tracks == 1][:, 2].mean()
         assert middle == pytest.approx(shape[:, 2].mean() + 5 + 2 * share, abs=0.04)
-
-
-def test_what_an_organ_grows_by_has_a_pace_of_its_own():
-    sizes, places = 1 - 0.5 ** np.arange(1, 5), 3.0 * np.arange(4)
-    shape = POINTS - POINTS.mean(axis=0)
-    clouds = [10 * size * shape + [0, 0, place] for size, place in zip(sizes, places, strict=True)]
-    one = Hierarchy((np.arange(len(POINTS)),), (0,), (NO_PARENT,), 0)
-    organs = [IntervalOrgans({0: 7}, {0: 7})] * 3
-    pace = paces(clouds, [Match(one, one, ((0, 0),), (), ())] * 3, organs, range(4), 1e-6)[1][7]
-    assert pace.ahead == pytest.approx(0, abs=1e-9)
-    # Each day half as fast as the day before: 59 % of the way by noon.
-    assert pace.growing == pytest.approx((1 - 0.5**0.5) / 0.5 - 0.5, abs=0.01)
-
-
-def test_a_shift_is_that_of_the_middle_and_of_the_rest():
-    start = np.zeros((2, 3))
-    end = np.array([[2.0, 0, 0], [4.0, 0, 0]])
-    pace = Pace(np.array([3.0, 0, 0]), 0.1, 0.2)
-    np.testing.assert_allclose(pace.shift(start, end)[:, 0], [0.3 - 0.2, 0.3 + 0.2])

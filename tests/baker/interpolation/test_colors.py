@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.interpolation.palette import organ_colors
+from baker.interpolation.colors import organ_colors
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 700])

@@ -1,0 +1,108 @@
+"""Smooth the directions of organs over the series (`--smooth`).
+
+A plant sways from scan to scan, and scanners err. Every organ keeps its shape and is turned about
+its attachment point so that its direction follows a robust smooth curve over the real times; its
+children go along. The scans are then no longer met exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry import rotation
+from baker.geometry.attachment import attachment_point
+from baker.interpolation.movers import Keyframe
+from baker.matching import IntervalOrgans, Match
+from baker.segmentation.hierarchy import NO_PARENT
+
+MIN_SCANS = 4  # that show an organ, below which nothing tells swaying from growing
+WINDOW = 9  # scans that a local line is fitted to
+ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # median residuals at which a scan no longer counts
+
+
+def smooth_organs(
+    keyframes: Sequence[Keyframe],
+    matches: Sequence[Match],
+    organs: Sequence[IntervalOrgans],
+    times: Sequence[float],
+) -> list[Keyframe]:
+    """The keyframes with every organ turned about its attachment point onto its smooth direction.
+
+    Organs that fewer than four scans show, and those without a parent, are only carried along.
+    """
+    from scipy.spatial import cKDTree
+
+    scans = [(matches[0].first, organs[0].first)]
+    scans += [(m.second, o.second) for m, o in zip(matches, organs, strict=True)]
+    attached: list[dict[int, NDArray[np.float64]]] = []
+    arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
+    for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
+        attached.append({})
+        for segment, members in enumerate(hierarchy.segments):
+            parent = hierarchy.parents[segment]
+            if parent != NO_PARENT and len(members) and len(hierarchy.segments[parent]):
+                own = frame.positions[members]
+                base = attachment_point(own, cKDTree(frame.positions[hierarchy.segments[parent]]))
+                attached[k][segment] = base
+                arms.setdefault(named[segment], {})[k] = own.mean(axis=0) - base
+    turns: dict[tuple[int, int], NDArray[np.float64]] = {}
+    for organ, course in arms.items():
+        if len(course) >= MIN_SCANS:
+            when = np.asarray([times[k] for k in course])
+            directions = _unit(np.array([*course.values()]))
+            smooth = _unit(local_regression(when, directions))
+            turns |= zip(
+                ((organ, k) for k in course), rotation.between(directions, smooth), strict=True
+            )
+    found = []
+    for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
+        positions = frame.positions.astype(np.float64)
+        carried = {NO_PARENT: (np.eye(3), np.zeros(3))}
+        for segment in hierarchy.from_the_root():
+            turn, shift = carried[hierarchy.parents[segment]]
+            if (named[segment], k) in turns:
+                base = attached[k][segment]
+                shift, turn = turn @ base + shift, turns[named[segment], k]
+                shift = shift - turn @ base
+            members = hierarchy.segments[segment]
+            positions[members] = positions[members] @ turn.T + shift
+            carried[segment] = turn, shift
+        found.append(replace(frame, positions=positions.astype(np.float32)))
+    return found
+
+
+def local_regression(
+    times: NDArray[np.float64], values: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(n, d) values on robust local lines over uneven times, (n,).
+
+    References
+    ----------
+    W. S. Cleveland, Robust Locally Weighted Regression and Smoothing Scatterplots, Journal of the
+    American Statistical Association 74, 1979.
+    """
+    lag = times - times[:, None]
+    reach = np.sort(np.abs(lag), axis=1)[:, min(WINDOW, len(times)) - 1] * 1.01 + 1e-12
+    tricube = np.maximum(1 - (np.abs(lag) / reach[:, None]) ** 3, 0) ** 3
+    trust = np.ones(len(times))
+    for _ in range(ROBUST_ITERATIONS):
+        weights = tricube * trust
+        weights /= weights.sum(axis=1, keepdims=True)
+        mean_lag = (weights * lag).sum(axis=1, keepdims=True)
+        centered = weights * (lag - mean_lag)
+        slope = centered @ values / np.maximum((centered * lag).sum(axis=1, keepdims=True), 1e-300)
+        fitted = weights @ values - mean_lag * slope
+        residual = np.linalg.norm(values - fitted, axis=1)
+        usual = float(np.median(residual))
+        if usual <= 1e-12 * (1 + np.abs(values).max()):
+            break
+        trust = np.maximum(1 - (residual / (OUTLIER_RATIO * usual)) ** 2, 0) ** 2 + 1e-6
+    return fitted
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
