@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from msgspec import Meta, Struct
@@ -108,7 +108,7 @@ class IntervalEntry(Struct, frozen=True):
 
     start: Number
     end: Number
-    degree: Literal[1, 2, 3]
+    degree: Annotated[int, Meta(ge=1, le=3)]
     groups: tuple[Group, ...]
     box: Box | None = None
     segments: tuple[SegmentPair, ...] = ()
@@ -124,12 +124,12 @@ class Document(Struct, frozen=True):
     """All that a clip says but its buffers."""
 
     version: Text
-    up: Literal["x", "y", "z", "-x", "-y", "-z"]
+    up: Annotated[str, Meta(pattern="^-?[xyz]$")]
     scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]
     tracks: Annotated[tuple[TrackEntry, ...], Meta(min_length=1)]
     intervals: Annotated[tuple[IntervalEntry, ...], Meta(min_length=1)]
     unit: Text = ""
-    time_unit: Literal["days", "scans"] = "days"
+    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
     origin: Vector = (0.0, 0.0, 0.0)
     floor: Number = 0.0
     spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
