@@ -29,7 +29,7 @@ from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
 from baker.interpolation.movers import Keyframe
 from baker.interpolation.smoothing import smooth_organs
-from baker.interpolation.timing import timing_shifts
+from baker.interpolation.timing import Timing, organ_timings
 from baker.matching import (
     IntervalOrgans,
     LabelUse,
@@ -306,9 +306,9 @@ def _interval_jobs(
             for frame, near in zip(keyframes, neighbors, strict=True)
         ]
     clouds = [frame.positions for frame in keyframes]
-    shifts: list[dict[int, NDArray[np.float64]]] = [{} for _ in matches]
+    timings: list[dict[int, Timing]] = [{} for _ in matches]
     if recipe.paths == Paths.curved:
-        shifts = timing_shifts(clouds, matches, organs, times, spacing)
+        timings = organ_timings(clouds, matches, organs, times, spacing)
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -326,7 +326,7 @@ def _interval_jobs(
                     recipe.bud_least,
                 )
             ),
-            shifts=shifts[k],
+            timings=timings[k],
             vertical=vertical,
             floor=floor,
             spacing=(spacings[k] + spacings[k + 1]) / 2,

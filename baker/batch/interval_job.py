@@ -16,6 +16,7 @@ from baker.interpolation.births import births
 from baker.interpolation.feet import Feet
 from baker.interpolation.movers import Keyframe, Moved, solve_task
 from baker.interpolation.resampling import with_even_density
+from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
@@ -32,7 +33,7 @@ class IntervalJob:
 
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
-    shifts:   by organ, how far it is from the middle of its path half-way: see `timing_shifts`.
+    timings:  by organ, where it doesn't move evenly.
     transport: `workers` in it does not count.
     limbs:    whether an organ's limbs are paired and moved one by one.
     decay:    how lost organs leave.
@@ -50,7 +51,7 @@ class IntervalJob:
     organs: IntervalOrgans
     bases: tuple[NDArray[np.floating], NDArray[np.floating]]
     tasks: tuple[Task, ...]
-    shifts: Mapping[int, NDArray[np.float64]]
+    timings: Mapping[int, Timing]
     vertical: Vertical
     floor: float
     spacing: float
@@ -91,7 +92,7 @@ def move_interval(
     total = sum(map(_size, job.tasks))
     clouds = job.start.positions, job.end.positions
     feet = Feet(clouds, job.match, job.organs)
-    born = births(clouds[1], job.match, job.organs, job.shifts) if job.curved else {}
+    born = births(clouds[1], job.match, job.organs, job.timings) if job.curved else {}
     bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
 
     def solve(task: Task) -> tuple[Moved, Bend | None]:
@@ -107,7 +108,7 @@ def move_interval(
             floor=job.floor,
             foot=feet.of(task) if job.limbs else None,
             birth=born.get(task.organ) if task.event == "birth" else None,
-            shift=job.shifts.get(task.organ) if task.event == "match" else None,
+            timing=job.timings.get(task.organ) if task.event == "match" else None,
         )
         bend = bending.of(moved) if bending else None
         done(1)

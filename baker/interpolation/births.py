@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.attachment import attachment_point
+from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
@@ -30,13 +31,13 @@ class Birth:
         Its attachment point at the end of the interval.
     size : float
         Half-way, as a share of its size at the end.
-    shift : (3,) float64
-        How far its parent is, half-way, from the middle of its path.
+    parent : Timing, optional
+        Of the organ that it grows on, where that doesn't move evenly.
     """
 
     attachment: NDArray[np.float64]
     size: float
-    shift: NDArray[np.float64]
+    parent: Timing | None = None
 
     def control(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
@@ -47,14 +48,16 @@ class Birth:
         attachment point where its parent is.
         """
         unfolding = start / 2 + (1 - 2 * self.size) * self.attachment + (2 * self.size - 0.5) * end
-        return (unfolding + 2 * self.shift).astype(np.float32)
+        if self.parent is not None:
+            unfolding = unfolding + 2 * self.parent.shift(start, self.attachment)
+        return unfolding.astype(np.float32)
 
 
 def births(
     cloud: NDArray[np.floating],
     match: Match,
     organs: IntervalOrgans,
-    shifts: Mapping[int, NDArray[np.float64]],
+    timings: Mapping[int, Timing],
 ) -> dict[int, Birth]:
     """How each organ that is born in an interval unfolds; a whole new branch does so as one piece.
 
@@ -64,8 +67,8 @@ def births(
         The second scan's points.
     match, organs
         The interval's hierarchies, and which organ each segment is.
-    shifts : mapping of organ to (3,) float64
-        As of `timing_shifts`, of the interval.
+    timings : mapping of organ to Timing
+        Of the interval.
     """
     from scipy.spatial import cKDTree
 
@@ -81,11 +84,10 @@ def births(
         grown = segments[parent] if parent != NO_PARENT else ()
         tree = cKDTree(cloud[grown] if len(grown) else np.median(cloud, axis=0)[None])
         own = cloud.take(segments[segment], axis=0)
-        shift = shifts.get(organs.second[parent]) if parent != NO_PARENT else None
         found[organs.second[segment]] = Birth(
             attachment_point(own, tree),
             _size_half_way(len(own)),
-            np.zeros(3) if shift is None else shift,
+            timings.get(organs.second[parent]) if parent != NO_PARENT else None,
         )
     return found
 

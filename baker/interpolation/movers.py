@@ -18,6 +18,7 @@ from gclip.pack import Movers
 if TYPE_CHECKING:
     from baker.interpolation.births import Birth
     from baker.interpolation.feet import Foot
+    from baker.interpolation.timing import Timing
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,12 @@ def solve_task(
     floor: float,
     foot: Foot | None = None,
     birth: Birth | None = None,
-    shift: NDArray[np.float64] | None = None,
+    timing: Timing | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
 
     foot: the task's points where the organ is attached, if its limbs are to go each on its own.
-    birth: how a new organ unfolds; shift: (3,) how far a matched one is, half-way, from the middle
-           of its path. None of what moves linearly.
+    birth: how a new organ unfolds; timing: of a matched one. None of what moves linearly.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
     are until they have faded or are removed (section 3.3.1, decay).
@@ -98,10 +98,10 @@ def solve_task(
         origin, target = movers.curve
         curve = (origin, birth.control(origin, target), target)
         movers = replace(movers, curve=curve)
-    if shift is not None:
+    if timing is not None:
         origin, target = movers.curve
         # Of a curve of degree two the control point counts half in its middle.
-        control = (origin + target) / 2 + 2.0 * shift
+        control = (origin + target) / 2 + 2.0 * timing.shift(origin, target)
         movers = replace(movers, curve=(origin, control.astype(np.float32), target))
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)

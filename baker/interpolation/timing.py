@@ -8,6 +8,7 @@ direction from scan to scan, and moves evenly.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -25,17 +26,44 @@ MAX_OFFSET = 0.25  # of the displacement: beyond it a path of degree two would t
 MIN_DISPLACEMENT = 1.0  # point spacings; what moves less has no direction
 MIN_SHIFT = 0.1  # point spacings; less is below what a scan shows
 
+MIN_POINTS_FOR_RADIUS = 20
+
 Vector = NDArray[np.float64]
 
 
-def timing_shifts(
+@dataclass(frozen=True)
+class Timing:
+    """How far beyond the half of its way an organ is half-way in time; negative if it gets faster.
+
+    Attributes
+    ----------
+    displacement : (3,) float64
+        Of the organ's middle.
+    offset : float
+        Of the middle, as a share of that.
+    radial_offset : float
+        Of an organ's growth about its middle, as a share of the rest of a point's displacement.
+    """
+
+    displacement: Vector
+    offset: float
+    radial_offset: float
+
+    def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Vector:
+        """(N, 3) how far movers between these points are from the middle of their paths."""
+        rest = np.asarray(end, float) - start - self.displacement
+        shift: Vector = self.offset * self.displacement + self.radial_offset * rest
+        return shift
+
+
+def organ_timings(
     clouds: Sequence[NDArray[np.floating]],
     matches: Sequence[Match],
     organs: Sequence[IntervalOrgans],
     times: Sequence[float],
     spacing: float,
-) -> list[dict[int, Vector]]:
-    """How far organs are from the middle of their paths half-way in time.
+) -> list[dict[int, Timing]]:
+    """How far organs are beyond the half of their way half-way in time.
 
     Parameters
     ----------
@@ -51,7 +79,7 @@ def timing_shifts(
     Returns
     -------
     list of dict
-        For each interval, by organ, (3,) float64; organs that move evenly are left out.
+        For each interval, by organ, its timing; organs that move evenly are left out.
 
     References
     ----------
@@ -59,10 +87,11 @@ def timing_shifts(
     Interpolants, SIAM Journal on Scientific and Statistical Computing 5, 1984: an organ's speed at
     a scan is the weighted harmonic mean of those before and after.
     """
-    moved = [
-        _displacements(clouds[k : k + 2], match, named)
+    changes = [
+        _changes(clouds[k : k + 2], match, named)
         for k, (match, named) in enumerate(zip(matches, organs, strict=True))
     ]
+    moved, grown = [change[0] for change in changes], [change[1] for change in changes]
     cosines = [
         _cosine(way, following[organ])
         for before, following in pairwise(moved)
@@ -73,53 +102,61 @@ def timing_shifts(
     if not cosines or np.median(cosines) < MIN_MEDIAN_COSINE:
         return [{} for _ in moved]
     spans = [float(span) for span in np.diff(times)]
-    shifts = [
-        {organ: _offset(moved, spans, k, organ) * way for organ, way in known.items()}
-        for k, known in enumerate(moved)
-    ]
-    return [
-        {organ: s for organ, s in one.items() if np.linalg.norm(s) > MIN_SHIFT * spacing}
-        for one in shifts
-    ]
+    timings: list[dict[int, Timing]] = []
+    for k, displacements in enumerate(moved):
+        timings.append({})
+        for organ, way in displacements.items():
+            offset = _offset(moved, spans, k, organ)
+            radial = _offset(grown, spans, k, organ, growth=True)
+            shifts = offset * np.linalg.norm(way), radial * np.linalg.norm(grown[k].get(organ, 0))
+            if np.abs(shifts).max() > MIN_SHIFT * spacing:
+                timings[k][organ] = Timing(way, offset, radial)
+    return timings
 
 
-def _displacements(
+def _changes(
     clouds: Sequence[NDArray[np.floating]], match: Match, organs: IntervalOrgans
-) -> dict[int, Vector]:
-    """(3,) of the middle of each matched organ."""
-    found = {}
+) -> tuple[dict[int, Vector], dict[int, Vector]]:
+    """By matched organ (3,) the displacement of its middle, and (1,) what its radius grows by."""
+    moved, grown = {}, {}
     for a, b in match.pairs:
         before, after = match.first.segments[a], match.second.segments[b]
         if len(before) and len(after):
-            middles = (
-                cloud.take(points, axis=0).mean(axis=0, dtype=np.float64)
-                for cloud, points in zip(clouds, (before, after), strict=True)
-            )
-            start, end = middles
-            found[organs.second[b]] = end - start
-    return found
+            start, end = clouds[0][before].astype(float), clouds[1][after].astype(float)
+            moved[organs.second[b]] = end.mean(axis=0) - start.mean(axis=0)
+            if min(len(start), len(end)) >= MIN_POINTS_FOR_RADIUS:
+                radii = [np.sqrt(points.var(axis=0).sum()) for points in (start, end)]
+                grown[organs.second[b]] = np.diff(radii)
+    return moved, grown
 
 
 def _offset(
-    moved: Sequence[dict[int, Vector]], spans: Sequence[float], k: int, organ: int
+    changes: Sequence[dict[int, Vector]],
+    spans: Sequence[float],
+    k: int,
+    organ: int,
+    growth: bool = False,
 ) -> float:
-    """How far beyond the middle of its path an organ is half-way, as a share of its displacement.
+    """How far beyond the half of its change an organ is half-way, as a share of the change.
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 half-way, v and w its speeds at the ends.
+    At the series' ends speeds go on to change as they do at the interval's other scan; but growth
+    is slow at first and at last.
     """
     first, last = (
-        _acceleration(moved[k][organ], spans[k], moved[n][organ], spans[n])
-        if 0 <= n < len(moved) and organ in moved[n]
+        _acceleration(changes[k][organ], spans[k], changes[n][organ], spans[n])
+        if organ in changes[k] and 0 <= n < len(changes) and organ in changes[n]
         else None
         for n in (k - 1, k + 1)
     )
     if first is None and last is None:
         return 0.0
-    # At the series' ends speeds go on to change as they do at the interval's other scan.
-    if first is None:
-        first = -last if last is not None else 0.0
-    elif last is None:
-        last = -first
+    limit = 0.0 if growth else np.inf
+    first, last = (
+        min(-other, limit) if one is None and other is not None else one
+        for one, other in ((first, last), (last, first))
+    )
+    assert first is not None
     assert last is not None
     return float(np.clip((first - last) / 8, -MAX_OFFSET, MAX_OFFSET))
 

@@ -64,7 +64,7 @@ def _renumbered(job: IntervalJob, organs: tuple[int, ...]) -> IntervalJob:
         job,
         organs=IntervalOrgans(first, second),
         tasks=tuple(replace(task, organ=numbers[task.organ]) for task in job.tasks),
-        shifts={numbers[organ]: shift for organ, shift in job.shifts.items()},
+        timings={numbers[organ]: timing for organ, timing in job.timings.items()},
     )
 
 

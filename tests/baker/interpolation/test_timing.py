@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.interpolation.timing import MAX_OFFSET, timing_shifts
+from baker.interpolation.timing import MAX_OFFSET, Timing, organ_timings
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
@@ -12,7 +12,7 @@ POINTS = np.random.default_rng(0).random((20, 3))
 
 
 def offsets_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
-    """By organ and interval the share of its displacement that its shift is.
+    """By organ and interval the offset of its middle.
 
     organs: the (scans, 3) places that their middles go through.
     """
@@ -30,13 +30,9 @@ def offsets_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
     named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers})] * (
         len(times) - 1
     )
-    by_interval = timing_shifts(clouds, matches, named, times, spacing)
+    by_interval = organ_timings(clouds, matches, named, times, spacing)
     return [
-        [
-            float(shifts[7 + n] @ way / (way @ way)) if 7 + n in shifts else 0.0
-            for shifts, way in zip(by_interval, np.diff(places, axis=0), strict=True)
-        ]
-        for n, places in zip(numbers, organs, strict=True)
+        [found[7 + n].offset if 7 + n in found else 0.0 for found in by_interval] for n in numbers
     ]
 
 
@@ -62,6 +58,40 @@ def test_backwards_is_the_same_way_back():
     there = found(places, times)
     back = found(places[::-1], (6 - times)[::-1])
     np.testing.assert_allclose(back[::-1], -np.array(there), atol=1e-12)
+
+
+def radial_offsets(sizes) -> list[float]:
+    """The offsets of an organ's growth, by interval."""
+    shape = POINTS - POINTS.mean(axis=0)
+    clouds = [size * shape + [0, 0, 5.0 * k] for k, size in enumerate(sizes)]
+    whole = Hierarchy((np.arange(len(shape)),), (0,), (NO_PARENT,), 0)
+    matches = [Match(whole, whole, ((0, 0),), (), ())] * (len(sizes) - 1)
+    named = [IntervalOrgans({0: 7}, {0: 7})] * (len(sizes) - 1)
+    timings = organ_timings(clouds, matches, named, np.arange(float(len(sizes))), 1e-6)
+    assert all(one[7].offset == pytest.approx(0, abs=1e-9) for one in timings)
+    return [one[7].radial_offset for one in timings]
+
+
+def test_growth_has_a_timing_of_its_own():
+    halving = radial_offsets(10 * (1 - 0.5 ** np.arange(1, 5)))
+    # Each day half as fast as the day before: 59 % of the way by noon.
+    assert halving[1] == pytest.approx((1 - 0.5**0.5) / 0.5 - 0.5, abs=0.01)
+
+
+def test_at_the_ends_of_a_series_growth_has_been_slow_or_will_be():
+    slowing = radial_offsets([1, 3, 4, 4.5])
+    # Before the first scan it was no faster than after it; beyond the last one it is slower still.
+    assert slowing[0] == pytest.approx(slowing[1] / 2)
+    assert slowing[2] == pytest.approx(slowing[1])
+    assert slowing[0] > 0
+    assert radial_offsets([4.5, 4, 3, 1])[::-1] == pytest.approx([-share for share in slowing])
+
+
+def test_a_shift_is_that_of_the_middle_and_of_the_rest():
+    start = np.zeros((2, 3))
+    end = np.array([[2.0, 0, 0], [4.0, 0, 0]])
+    timing = Timing(np.array([3.0, 0, 0]), 0.1, 0.2)
+    np.testing.assert_allclose(timing.shift(start, end)[:, 0], [0.3 - 0.2, 0.3 + 0.2])
 
 
 def test_uneven_dates_are_no_change_of_pace():
