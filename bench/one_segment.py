@@ -36,7 +36,8 @@ def ours(start: Cloud, end: Cloud, workers: int) -> float:
 
 
 def large_cells(start: Cloud, end: Cloud, workers: int) -> float:
-    multiscale._CELL, multiscale._SWEEPS, multiscale._ENOUGH = 64_000, 20, 1e-6
+    multiscale.POINTS_OF_CELL = multiscale.POINTS_OF_CELL_IF_TIGHT = 64_000
+    multiscale.MAX_SWEEPS, multiscale.MIN_GAIN = 20, 1e-6
     return ours(start, end, workers)
 
 

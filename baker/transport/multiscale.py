@@ -1,59 +1,75 @@
-"""The optimal plan of large clouds: from coarse to fine, and cell by cell.
+"""The optimal plan of large clouds, from coarse to fine and cell by cell.
 
 Both clouds are cut into ever smaller blocks. The plan between the blocks of one level, handed out
-to the blocks within them, is a feasible plan of the next level that is nearly right, and is
+to the blocks within them, is a feasible plan of the next level that is nearly optimal, and is
 improved there; on the last level the blocks are the points. Large levels are improved in cells,
-each solved exactly, in sweeps that cut elsewhere (domain decomposition: Bonafini and Schmitzer,
-Math. Program. 2021). Time and memory grow linearly with the points.
+each solved exactly by the network simplex, in sweeps that cut elsewhere (domain decomposition).
+Time and memory grow linearly with the points.
+
+References
+----------
+B. Schmitzer: A sparse multiscale algorithm for dense optimal transport (2016).
+M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal transport (2021).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import thread_map
-from baker.transport import bisection
-from baker.transport.bisection import Blocks
 from baker.transport.problem import Edges, Indices, Masses, Points, costs
+from baker.transport.space_partition import Blocks, bisection_order, cut, refine_plan
 
-_COARSEST = 64  # blocks of either side on the first level
-_FINER = 4  # blocks within a block
-_NEIGHBORS = 4, 6  # neighbours whose partners are tried; more where there is little slack
-_EXHAUSTIVE = 1_500_000  # pairs of a level up to which all in a cell are tried in the end
-FEW = 100  # points of the smaller side up to which that is all that is done
-WHOLE = 3_000  # points of both sides up to which a level has one cell
-_CELL = 250, 500  # points of both sides in a cell above that; more where there is little slack
-_NEARBY = 3  # sweeps of such cells; where mass has farther to go, in later ones they double
-_ENOUGH = 3e-3  # sweeps end when one lowers the cost by less than this share
-_SWEEPS = 6  # at most: the time that a point takes grows with the cells
+BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
+BLOCKS_IN_A_BLOCK = 4
+NEIGHBORS, NEIGHBORS_IF_TIGHT = 4, 6  # whose partners are priced; more where there is little slack
+POINTS_OF_CELL, POINTS_OF_CELL_IF_TIGHT = 250, 500  # of both sides together
+MAX_POINTS_OF_ONE_CELL = 3_000  # of both sides, up to which a level has one cell
+MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller side, up to which neighbours are not looked for
+MAX_PAIRS_PRICED = 1_500_000  # of the last level, up to which all pairs of a cell are priced
+SWEEPS_OF_SMALL_CELLS = 3  # in later ones cells double, for mass that has farther to go
+MAX_SWEEPS = 6  # the time that a point takes grows with the cells
+PARTS_PER_WORKER = 4  # that a worker's cells are solved in
+MIN_GAIN = 3e-3  # share of the cost that a sweep has to gain
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """A feasible plan in whole masses; `sweeps` that the points took."""
+    """A feasible plan in whole masses.
+
+    Attributes
+    ----------
+    edges : pair of (E,) int64 ndarray
+    mass : (E,) int64 ndarray
+    solver : str
+        What found it.
+    sweeps : int
+        Of the last level.
+    """
 
     edges: Edges
     mass: Masses
     solver: str
     sweeps: int = 1
 
-    def turned(self) -> Coupling:
-        return replace(self, edges=self.edges[::-1])
-
 
 @dataclass(frozen=True)
 class Search:
     """How to look for the plan of least cost.
 
-    power:   the cost of a pair is distance ** power.
-    seed:    of the directions in which clouds are cut.
-    slack:   mean cost below which an improvement is not worth another sweep.
-    workers: threads; the plan is the same whatever their number.
+    Attributes
+    ----------
+    power : {2, 1}
+        The cost of a pair is distance ** power.
+    seed : int
+        Of the directions in which clouds are cut.
+    slack : float
+        Mean cost below which an improvement is not worth another sweep.
+    workers : int
+        Threads; the plan is the same whatever their number.
     """
 
     power: int = 2
@@ -62,38 +78,41 @@ class Search:
     workers: int = 1
 
 
-@dataclass(frozen=True)
-class _Level:
-    """A cloud as n blocks, in the order of its bisection; on the finest level as n points.
-
-    points: (n, 3) float64, centres; masses: (n,).
-    first:  where each block of the level above begins.
-    """
-
-    points: NDArray[np.float64]
-    masses: Masses
-    first: NDArray[np.int64]
-
-    def as_blocks(self) -> Blocks:
-        """The blocks of the level above, made of this level's."""
-        return Blocks(np.arange(len(self.points)), self.first)
-
-
 def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: Search) -> Coupling:
-    """The plan of least cost between clouds (n, 3) and (m, 3) with whole masses of equal sum."""
+    """The plan of least cost between two clouds.
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+    supply, demand : (n,) and (m,) int64 ndarray
+        Of equal sum.
+    search : Search
+
+    Returns
+    -------
+    Coupling
+    """
     n, m = len(start), len(end)
     if n < m:
-        return couple(end, start, demand, supply, search).turned()
+        found = couple(end, start, demand, supply, search)
+        return replace(found, edges=found.edges[::-1])
     if m == 1:
         return Coupling((np.arange(n), np.zeros(n, np.int64)), supply, "only choice")
-    row_order, row_levels, axes = _levels(start, supply, search.seed)
-    column_order, column_levels, _ = _levels(end, demand, search.seed, axes)
+    row_order, axes = bisection_order(start, search.seed)
+    column_order, _ = bisection_order(end, search.seed, axes)
+    row_levels, column_levels = (
+        _levels(points[order], masses[order])
+        for points, masses, order in ((start, supply, row_order), (end, demand, column_order))
+    )
     edges: Edges = (np.zeros(1, np.int64), np.zeros(1, np.int64))
     mass, sweeps = np.array([supply.sum()]), 0
-    for index in range(len(row_levels)):
-        rows, columns = row_levels[index], _at(column_levels, index)
-        edges, mass = bisection.expand(
-            rows.as_blocks(), columns.as_blocks(), rows.masses, columns.masses, edges, mass
+    for index, rows in enumerate(row_levels):
+        # A cloud that has fewer levels than the other waits at its points.
+        columns = column_levels[min(index, len(column_levels) - 1)]
+        if index >= len(column_levels):
+            columns = replace(columns, first=np.arange(len(columns.points)))
+        edges, mass = refine_plan(
+            rows.blocks_above(), columns.blocks_above(), rows.masses, columns.masses, edges, mass
         )
         last = index == len(row_levels) - 1
         edges, mass, sweeps = _improve(rows, columns, edges, mass, search, last)
@@ -101,103 +120,108 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
     return Coupling(edges, mass, "network simplex", sweeps)
 
 
-def _levels(
-    points: Points, masses: Masses, seed: int, like: Indices | None = None
-) -> tuple[Indices, list[_Level], Indices]:
-    """The order of a cloud's bisection, its levels from coarse to fine, and the axes of the cuts.
+@dataclass(frozen=True)
+class _Level:
+    """A cloud as n blocks, in the order of its bisection; on the finest level as n points.
 
-    like: the axes of a cloud of as many points or more, to cut along; what is at the same place of
-          both orders then lies at about the same place.
+    points: (n, 3) float64 centroids; masses: (n,); first: where each block of the level above
+    begins.
     """
+
+    points: NDArray[np.float64]
+    masses: Masses
+    first: Indices
+
+    def blocks_above(self) -> Blocks:
+        """The blocks of the level above, made of this level's."""
+        return Blocks(np.arange(len(self.points)), self.first)
+
+
+def _levels(points: Points, masses: Masses) -> list[_Level]:
+    """The levels of a cloud in the order of its bisection, from coarse to fine."""
     n = len(points)
-    order, axes = bisection.order(points, max(1, (n - 1).bit_length()), seed, like)
-    points, masses = points.take(order, axis=0), masses[order]
-    counts, count = [], _COARSEST
+    counts, count = [], BLOCKS_OF_COARSEST_LEVEL
     while 3 * count <= n:
         counts.append(count)
-        count *= _FINER
+        count *= BLOCKS_IN_A_BLOCK
     levels, above = [], np.zeros(1, np.int64)
-    if not counts:
-        return order, [_Level(np.asarray(points, np.float64), masses, above)], axes
     for count in (*counts, n):
-        own = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
-        sizes = np.diff(own, append=n)
-        centres = np.add.reduceat(points, own) / sizes[:, None]
-        levels.append(_Level(centres, np.add.reduceat(masses, own), np.searchsorted(own, above)))
-        above = own
-    return order, levels, axes
-
-
-def _at(levels: list[_Level], index: int) -> _Level:
-    """A level from the coarsest on; a cloud that has fewer than the other waits at its points."""
-    if index < len(levels):
-        return levels[index]
-    return replace(levels[-1], first=np.arange(len(levels[-1].points)))
+        first = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
+        blocks = Blocks(np.arange(n), first)
+        centroids = points.astype(np.float64) if count == n else blocks.centroids(points)
+        levels.append(_Level(centroids, blocks.masses(masses), np.searchsorted(first, above)))
+        above = first
+    return levels
 
 
 def _improve(
     rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, last: bool
 ) -> tuple[Edges, Masses, int]:
-    """Improve a feasible plan in a sweep; the last level's until one gains next to nothing.
+    """Improve a feasible plan in one sweep; that of the last level until a sweep gains too little.
 
-    edges: by row.
+    edges: by row. Returns the plan and the number of sweeps.
     """
     from baker.transport.network_simplex import improve_cells
 
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    few = min(n, m) <= FEW
-    exhaustive = few or (last and n * m <= _EXHAUSTIVE)
+    few = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
+    exhaustive = few or (last and n * m <= MAX_PAIRS_PRICED)
+    one_cell = n + m <= MAX_POINTS_OF_ONE_CELL
 
     def cost() -> float:
         return float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
 
-    whole = n + m <= WHOLE
-    now = np.inf if whole else cost()
-    little_slack = whole or (last and search.slack < _ENOUGH * now)
-    k, size = 0 if few else _NEIGHBORS[int(little_slack)], _CELL[int(little_slack)]
-    near = _neighbours(start, k), _neighbours(end, k)
-    if whole:
-        one = np.array([0, len(mass)])
-        *pair, moved = improve_cells(start, end, *near, *edges, mass, one, search.power, exhaustive)
-        return (pair[0], pair[1]), moved.astype(np.int64, copy=False), 1
-    for sweep in range(_SWEEPS if last else 1):
-        farther = sweep + 1 - _NEARBY
-        cells = round((n + m) / (size * 2 ** max(0, farther)))
+    now = np.inf if one_cell else cost()
+    tight = one_cell or (last and search.slack < MIN_GAIN * now)
+    k = 0 if few else NEIGHBORS_IF_TIGHT if tight else NEIGHBORS
+    near = _neighbors(start, k, search.workers), _neighbors(end, k, search.workers)
+    if one_cell:
+        whole = np.array([0, len(mass)])
+        plan = improve_cells(start, end, near, edges, mass, whole, search.power, exhaustive)
+        return (*plan, 1)
+    size = POINTS_OF_CELL_IF_TIGHT if tight else POINTS_OF_CELL
+    for sweep in range(MAX_SWEEPS if last else 1):
+        late = sweep + 1 - SWEEPS_OF_SMALL_CELLS
+        cells = round((n + m) / (size * 2 ** max(0, late)))
         cell = _cells(start, cells, search.seed, sweep)
-        edges, mass = _solve_cells(start, end, near, edges, mass, cell, exhaustive, search)
+        edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, search)
         before, now = now, cost()
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        enough = max(search.slack, _ENOUGH * now if farther > 0 else 0.0)
-        if cells == 1 or (farther >= 0 and before - now <= enough):
+        enough = max(search.slack, MIN_GAIN * now if late > 0 else 0.0)
+        if cells == 1 or (late >= 0 and before - now <= enough):
             break
     return edges, mass, sweep + 1
 
 
-def _neighbours(points: NDArray[np.float64], k: int) -> NDArray[np.int32]:
-    """(n, k) the nearest other points of each point; itself where there are fewer than k."""
-    found = nearest_neighbors(points, k).indices
-    own = np.arange(len(points), dtype=np.int32)[:, None]
-    return np.hstack([found, np.tile(own, k - found.shape[1])])
+def _neighbors(points: NDArray[np.float64], k: int, workers: int) -> NDArray[np.integer]:
+    """(n, k) the nearest other points of each point."""
+    if k == 0:
+        return np.empty((len(points), 0), np.int32)
+    from scipy.spatial import KDTree
+
+    # In the order of a bisection the tree need not be balanced. Of points in one place any may come
+    # first: one that is its own neighbour does no harm here.
+    tree = KDTree(points, leafsize=16, balanced_tree=False)
+    return tree.query(points, np.arange(2, k + 2), workers=workers)[1]
 
 
-def _cells(start: Points, cells: int, seed: int, sweep: int) -> NDArray[np.int64]:
+def _cells(start: Points, cells: int, seed: int, sweep: int) -> Indices:
     """(n,) the cell of each row; every sweep cuts elsewhere, the first along the bisection."""
-    n = len(start)
-    cell = np.arange(n) * cells // n
+    cell = np.arange(len(start)) * cells // len(start)
     if sweep > 0:
-        cut = bisection.cut(start, cells, seed + sweep)
-        cell[cut.order] = np.arange(n) * cells // n
+        by_cell = cell.copy()
+        cell[cut(start, cells, seed + sweep).order] = by_cell
     return cell
 
 
-def _solve_cells(
-    start: Points,
-    end: Points,
-    near: tuple[NDArray[np.int32], NDArray[np.int32]],
+def _sweep(
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    near: tuple[Indices, Indices],
     edges: Edges,
     mass: Masses,
-    cell: NDArray[np.int64],
+    cell: Indices,
     exhaustive: bool,
     search: Search,
 ) -> tuple[Edges, Masses]:
@@ -206,20 +230,21 @@ def _solve_cells(
 
     order = np.argsort(cell[edges[0]] * len(start) + edges[0], kind="stable")
     rows, columns, mass = edges[0][order], edges[1][order], mass[order]
-    cells = int(cell.max()) + 1
-    first = np.searchsorted(cell[rows], np.arange(cells + 1))
+    first = np.searchsorted(cell[rows], np.arange(int(cell.max()) + 2))
 
-    def solve(part: tuple[int, int]) -> tuple[NDArray[np.integer], ...]:
-        bounds = first[part[0] : part[1] + 1]
-        span = slice(bounds[0], bounds[-1])
+    def solve(begin: int, stop: int) -> tuple[Edges, Masses]:
+        cells = first[begin : stop + 1]
+        part = slice(cells[0], cells[-1])
         return improve_cells(
-            start, end, *near, rows[span], columns[span], mass[span], bounds - bounds[0],
+            start, end, near, (rows[part], columns[part]), mass[part], cells - cells[0],
             search.power, exhaustive,
         )  # fmt: skip
 
-    parts = min(cells, 1 if search.workers == 1 else 4 * search.workers)
-    stops = [part * cells // parts for part in range(parts + 1)]
+    count = len(first) - 1
+    parts = min(count, 1 if search.workers == 1 else PARTS_PER_WORKER * search.workers)
+    stops = np.arange(parts + 1) * count // parts
     with thread_map(search.workers) as map:
-        solved = list(map(solve, pairwise(stops)))
-    rows, columns, mass = (np.concatenate(found) for found in zip(*solved, strict=True))
-    return (rows, columns), mass
+        solved = list(map(solve, stops[:-1], stops[1:]))
+    rows = np.concatenate([pairs[0] for pairs, _ in solved])
+    columns = np.concatenate([pairs[1] for pairs, _ in solved])
+    return (rows, columns), np.concatenate([flow for _, flow in solved])

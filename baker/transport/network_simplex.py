@@ -1,433 +1,417 @@
-"""A feasible plan between points made optimal: the network simplex, fitted to geometry.
+"""The network simplex on the complete bipartite graph of two small clouds.
 
-The network simplex keeps a spanning tree of pairs and lets one pair in for one out, as long as
-that is cheaper (as implemented in LEMON: Kiraly and Kovacs, Acta Univ. Sapientiae 4, 2012). Three
-things make it fast here. It starts from a plan that is nearly right. It looks for cheaper pairs
-only among the partners of a point's neighbours: for the squared distance, a plan that is optimal
-against these is optimal against everything ("shielding", Schmitzer, J. Math. Imaging Vis. 56,
-2016; a few nearest neighbours come close to the neighbours that this needs). And it works on
-cells, so small that their data stay in the cache.
+The transport problem is the linear program
 
-Libraries' solvers start from nothing and take the pairs as a list: for the same optimum POT's
-network simplex needs 5 to 30 times as long (bench/transport.py).
+    minimise    sum_ij T_ij c_ij,    c_ij = |p_i - q_j| ** power
+    subject to  sum_j T_ij = a_i,  sum_i T_ij = b_j,  T >= 0
 
-Compiled by numba: import this module late. All this is one file: numba, which keeps machine code by
-file, does not see that another changes.
+A basic solution carries flow on the arcs of a spanning tree only. Its node potentials u, v make the
+reduced cost c_ij - u_i - v_j zero on these arcs; where it is negative, the arc (i, j) enters the
+tree, flow is pushed around the cycle that it closes, and an arc that this empties leaves.
+
+Three things fit the method to geometry. It starts from a plan that is nearly optimal. It prices the
+partners of a point's neighbours before all others: for the squared distance, a plan that is optimal
+against these is optimal against all ("shielding"; a few nearest neighbours come close to the
+neighbours that this needs). And it works on cells, so small that their nodes stay in the cache.
+docs/method.md has the figures against POT, whose solver starts from nothing and takes a dense cost
+matrix.
+
+Compiled by numba: import this module late. Its functions call each other at most two levels deep,
+for numba compiles and optimises a function once more for every level above it.
+
+References
+----------
+R. K. Ahuja, T. L. Magnanti, J. B. Orlin: Network Flows, chapter 11 (1993).
+P. Kovacs: Minimum-cost flow algorithms: an experimental evaluation (2015).
+B. Schmitzer: A sparse multiscale algorithm for dense optimal transport, J. Math. Imaging Vis. 56
+(2016).
+W. H. Cunningham: A network simplex method, Math. Program. 11 (1976).
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.compiled import compiled
+from baker.transport.compiled import compiled
+from baker.transport.problem import Edges, Masses
 
-_NONE: Any = np.uint32(0xFFFFFFFF)  # no node; numbers without a sign need not be checked for it
-_ROUNDING = 1e-12  # share of the largest cost below which a pair is not cheaper
-_PLENTY = 2**62
-_BLOCK: Any = np.uint32(16)  # columns that lie together
+NO_NODE: Any = np.uint32(0xFFFFFFFF)
+TOLERANCE = (
+    1e-12  # share of the largest cost in the tree above which a reduced cost is not negative
+)
+UNBOUNDED = 2**62
+BLOCK_SIZE: Any = np.uint32(16)  # columns that are priced together
 
-Ints = NDArray[np.integer]  # int32, or uint32 where they are numbers of nodes
-Longs = NDArray[np.integer]  # int64
-Floats = NDArray[np.floating]  # float64
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
-
-# A spanning tree is an array of nodes: rows, then columns, then an artificial root. A node is one
-# line of the processor's cache.
+# The spanning tree: rows, then columns, then an artificial root. A node is one cache line.
 NODE = np.dtype(
     [
         ("x", np.float64),
         ("y", np.float64),
         ("z", np.float64),
-        ("potential", np.float64),  # dual price: on every edge of the tree they sum to its cost
-        ("flow", np.int64),  # mass between the node and its parent; 0 where that is the root
-        ("parent", np.uint32),  # these four are numbers of nodes, or _NONE
-        ("child", np.uint32),  # the first one
-        ("after", np.uint32),  # the next sibling
-        ("before", np.uint32),
-        ("size", np.uint32),  # nodes of its subtree, itself among them
-        ("stack", np.uint32),  # room to work in, of no node in particular
+        ("potential", np.float64),
+        ("flow", np.int64),  # on the arc to the parent; 0 where that is the root
+        ("parent", np.uint32),  # these four are indices of nodes, or NO_NODE
+        ("first_child", np.uint32),
+        ("next_sibling", np.uint32),
+        ("previous_sibling", np.uint32),
+        ("size", np.uint32),  # nodes of the subtree, this one included
+        ("stack", np.uint32),  # scratch space of depth-first traversals, of no node in particular
     ]
 )
-Tree = NDArray[np.void]  # (N + 1,) of NODE
-Node = np.uint32 | int  # its number
+Tree = Any  # (n + m + 1,) ndarray of NODE
+Node = Any  # the index of a node, uint32
 
 
-@compiled
 def improve_cells(
     start: Floats,
     end: Floats,
-    near_start: Ints,
-    near_end: Ints,
-    rows: Longs,
-    columns: Longs,
-    mass: Longs,
-    first: Longs,
+    neighbors: tuple[Ints, Ints],
+    edges: Edges,
+    mass: Masses,
+    first: Ints,
     power: int,
     exhaustive: bool,
-) -> tuple[Longs, Longs, Longs]:
-    """Solve each cell of a feasible plan for the masses that its rows send and receive now.
+) -> tuple[Edges, Masses]:
+    """Make each cell of a feasible plan optimal for the masses that its points send and receive.
 
-    start, end: (n, 3) and (m, 3); near_start (n, k), near_end (m, k): neighbours on the own side.
-    rows, columns, mass: (E,) the plan, cell after cell; every row is in one cell only.
-    first:      (cells + 1,) where in the plan each cell begins.
-    power:      2 or 1: a pair's cost is distance ** power.
-    exhaustive: look at all pairs of a cell in the end, which makes it optimal for certain.
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float64 ndarray
+        Length units.
+    neighbors : pair of (n, k) and (m, k) int ndarray
+        Neighbours of each point on its own side, whose partners are priced first.
+    edges : pair of (E,) int64 ndarray
+        Rows and columns of the plan, cell after cell; every row is in one cell only.
+    mass : (E,) int64 ndarray
+        Whole units.
+    first : (cells + 1,) int ndarray
+        Where in the plan each cell begins.
+    power : {2, 1}
+        The cost of a pair is distance ** power.
+    exhaustive : bool
+        Price all pairs of a cell in the end, which makes it optimal for certain.
 
-    Returns the new plan's rows, columns and masses.
+    Returns
+    -------
+    edges : pair of (F,) int64 ndarray
+    mass : (F,) int64 ndarray
+        The arcs of a spanning tree of each cell that carry flow.
     """
-    local_row = np.full(len(start), _NONE, np.uint32)
-    local_column = np.full(len(end), _NONE, np.uint32)
-    room = 2 * len(rows)  # a cell's tree has fewer pairs than points, and two points for each pair
-    new_rows, new_columns = np.empty(room, np.int64), np.empty(room, np.int64)
-    new_mass = np.empty(room, np.int64)
-    size = 0
-    for cell in range(len(first) - 1):
-        span = slice(first[cell], first[cell + 1])
-        own_rows = _numbered(rows[span], local_row)
-        own_columns = _numbered(columns[span], local_column)
-        n, count = len(own_rows), len(own_rows) + len(own_columns)
+    local_rows = np.full(len(start), NO_NODE, np.uint32)
+    local_columns = np.full(len(end), NO_NODE, np.uint32)
+    found = []
+    for begin, stop in pairwise(first):
+        rows, columns = _distinct(edges[0][begin:stop]), _distinct(edges[1][begin:stop])
+        n, count = len(rows), len(rows) + len(columns)
+        local_rows[rows] = np.arange(n, dtype=np.uint32)
+        local_columns[columns] = np.arange(n, count, dtype=np.uint32)
         tree = np.empty(count + 1, NODE)
-        for v in range(count):
-            point = start[own_rows[v]] if v < n else end[own_columns[v - n]]
-            tree[v].x, tree[v].y, tree[v].z = point[0], point[1], point[2]
-        near = np.empty((count, near_start.shape[1]), np.uint32)
-        for x in range(near.shape[1]):
-            for i in range(n):
-                near[i, x] = local_row[near_start[own_rows[i], x]]
-            for j in range(n, count):
-                other = local_column[near_end[own_columns[j - n], x]]
-                near[j, x] = np.uint32(other + n) if other != _NONE else _NONE
-        tails = local_row[rows[span]]
-        heads = local_column[columns[span]] + np.uint32(n)
-        _plant(tree, np.uint32(n), tails, heads, mass[span], power)
-        _optimize(tree, np.uint32(n), near, power, exhaustive)
-        for v in range(count):
-            if tree[v].flow > 0:
-                i, j = (v, tree[v].parent) if v < n else (tree[v].parent, v)
-                new_rows[size] = own_rows[i]
-                new_columns[size] = own_columns[j - n]
-                new_mass[size] = tree[v].flow
-                size += 1
-        local_row[own_rows] = _NONE
-        local_column[own_columns] = _NONE
-    return new_rows[:size].copy(), new_columns[:size].copy(), new_mass[:size].copy()
+        places = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
+        for axis, name in enumerate("xyz"):
+            tree[name][:count] = places[:, axis]
+        near_rows = local_rows.take(neighbors[0].take(rows, axis=0))
+        near_columns = local_columns.take(neighbors[1].take(columns, axis=0))
+        near = np.concatenate([near_rows, near_columns])
+        tails = local_rows.take(edges[0][begin:stop])
+        heads = local_columns.take(edges[1][begin:stop])
+        network_simplex(tree, n, near, tails, heads, mass[begin:stop], power, exhaustive)
+        local_rows[rows], local_columns[columns] = NO_NODE, NO_NODE
+        child = np.flatnonzero(tree["flow"][:count] > 0)
+        parent = tree["parent"][child]
+        row, column = np.minimum(child, parent), np.maximum(child, parent)
+        found.append((rows[row], columns[column - n], tree["flow"][child]))
+    if len(found) == 1:
+        return found[0][:2], found[0][2]
+    new_rows, new_columns, new_mass = (np.concatenate(part) for part in zip(*found, strict=True))
+    return (new_rows, new_columns), new_mass
+
+
+def _distinct(members: Ints) -> Ints:
+    """Equivalent to ``np.unique(members)``, which takes ten times as long for a few hundred."""
+    ordered = np.sort(members)
+    is_new = np.empty(len(ordered), np.bool_)
+    is_new[:1] = True
+    np.not_equal(ordered[1:], ordered[:-1], out=is_new[1:])
+    return ordered[is_new]
 
 
 @compiled
-def _numbered(members: Longs, local: Ints) -> Longs:
-    """The distinct members in the order in which they come; `local` gets their numbers."""
-    distinct = np.empty(len(members), np.int64)
-    size = 0
-    for member in members:
-        if local[member] == _NONE:
-            local[member] = np.uint32(size)
-            distinct[size] = member
-            size += 1
-    return distinct[:size]
+def network_simplex(
+    tree: Tree,
+    n: int,
+    near: Ints,
+    tails: Ints,
+    heads: Ints,
+    mass: Masses,
+    power: int,
+    exhaustive: bool,
+) -> None:
+    """Solve in place: the plan's arcs in, an optimal spanning tree out.
 
-
-@compiled
-def _optimize(tree: Tree, n: Node, near: Ints, power: int, exhaustive: bool) -> None:
-    """Let pairs in, as long as there are cheaper ones."""
-    count = len(tree) - 1
-    largest = 0.0
-    for node in range(count):
-        if tree[node].parent < count:
-            largest = max(largest, _cost(tree, node, tree[node].parent, power))
-    tolerance = _ROUNDING * largest
+    tree: the coordinates are set. n: rows. near: (n + m, k). tails, heads: (E,) nodes of the arcs.
+    """
+    root, rows = np.uint32(len(tree) - 1), np.uint32(n)
+    in_tree = np.zeros(len(tails), np.bool_)
+    largest_cost = _build_tree(tree, tails, heads, mass, power, in_tree)
+    tolerance = TOLERANCE * largest_cost
+    # A plan with cycles has more arcs than a tree: the others enter with the flow that they carry.
+    for arc in range(len(tails)):
+        if not in_tree[arc]:
+            reduced = _reduced_cost(tree, tails[arc], heads[arc], power)
+            _pivot(tree, rows, tails[arc], heads[arc], reduced, mass[arc])
     while True:
-        _try_nearby(tree, n, near, power, tolerance)
-        if not exhaustive or not _try_all(tree, n, power, tolerance, near.shape[1] == 0):
+        node, idle = np.uint32(0), np.uint32(0)
+        while near.shape[1] > 0 and idle < root:
+            reduced, partner = _price_near(tree, near, node, power, -tolerance)
+            idle += np.uint32(1)
+            if partner != NO_NODE:
+                row, column = (node, partner) if node < rows else (partner, node)
+                _pivot(tree, rows, row, column, reduced, np.int64(0))
+                idle = np.uint32(0)
+            node = np.uint32(node + 1) if node + 1 < root else np.uint32(0)
+        if not exhaustive:
+            return
+        # Price all pairs, row by row: once, then near ones again; or until none enters.
+        blocks = _blocks(tree, rows)
+        node, idle, priced, entered = np.uint32(0), np.uint32(0), np.uint32(0), False
+        while idle < rows and (near.shape[1] == 0 or priced < rows):
+            reduced, partner = _price_all(tree, rows, blocks, node, power, -tolerance)
+            idle, priced = idle + np.uint32(1), priced + np.uint32(1)
+            if partner != NO_NODE:
+                _pivot(tree, rows, node, partner, reduced, np.int64(0))
+                _update_potentials(tree, rows, blocks)
+                idle, entered = np.uint32(0), True
+            node = np.uint32(node + 1) if node + 1 < rows else np.uint32(0)
+        if near.shape[1] == 0 or not entered:
             return
 
 
 @compiled
-def _try_nearby(tree: Tree, n: Node, near: Ints, power: int, tolerance: float) -> None:
-    """Let pairs in, as long as there are cheaper ones among the partners of neighbours."""
-    count = len(tree) - 1
-    v, quiet = np.uint32(0), 0
-    while near.shape[1] and quiet < count:
-        reduced, other = _cheapest_nearby(tree, near, v, power, -tolerance)
-        quiet += 1
-        if other != _NONE:
-            i, j = (v, other) if v < n else (other, v)
-            _pivot(tree, n, i, j, reduced, 0)
-            quiet = 0
-        v = np.uint32(v + 1) if v + 1 < count else np.uint32(0)
-
-
-@compiled
-def _try_all(tree: Tree, n: Node, power: int, tolerance: float, persist: bool) -> bool:
-    """Let in each row's cheapest pair, if there is a cheaper one; returns whether any came in.
-
-    persist: go on until none is cheaper, instead of looking at each row once.
-
-    Columns are looked at in blocks, where the block's box and its highest price let one be cheaper.
-    """
-    count = np.uint32(len(tree) - 1)
-    boxes = _boxes(tree, n)
-    highest = np.empty(len(boxes))
-    _find_highest(tree, n, highest)
-    row, quiet, looked, came = np.uint32(0), 0, 0, False
-    while quiet < n and (persist or looked < n):
-        reduced, other = -tolerance, _NONE
-        for block in range(len(boxes)):
-            least = _cost_to_box(tree, row, boxes[block], power)
-            if least - tree[row].potential - highest[block] < reduced:
-                begin = n + np.uint32(block * _BLOCK)
-                for j in range(begin, min(begin + _BLOCK, count)):
-                    cost = _reduced_cost(tree, row, j, power)
-                    if cost < reduced:
-                        reduced, other = cost, j
-        quiet, looked = quiet + 1, looked + 1
-        if other != _NONE:
-            _pivot(tree, n, row, other, reduced, 0)
-            _find_highest(tree, n, highest)
-            quiet, came = 0, True
-        row = np.uint32(row + 1) if row + 1 < n else np.uint32(0)
-    return came and not persist
-
-
-@compiled
-def _boxes(tree: Tree, n: Node) -> Floats:
-    """(blocks, 6) the lowest and the highest coordinates of each block of columns."""
-    count = np.uint32(len(tree) - 1)
-    boxes = np.empty(((count - n + _BLOCK - 1) // _BLOCK, 6))
-    for j in range(n, count):
-        block, x, y, z = (j - n) // _BLOCK, tree[j].x, tree[j].y, tree[j].z
-        box = boxes[block]
-        if (j - n) % _BLOCK == 0:
-            box[0], box[1], box[2], box[3], box[4], box[5] = x, y, z, x, y, z
-        box[0], box[1], box[2] = min(box[0], x), min(box[1], y), min(box[2], z)
-        box[3], box[4], box[5] = max(box[3], x), max(box[4], y), max(box[5], z)
-    return boxes
-
-
-@compiled
-def _find_highest(tree: Tree, n: Node, highest: Floats) -> None:
-    """Put each block's highest price there."""
-    highest[:] = -np.inf
-    for j in range(n, np.uint32(len(tree) - 1)):
-        block = (j - n) // _BLOCK
-        highest[block] = max(highest[block], tree[j].potential)
-
-
-@compiled
-def _cost_to_box(tree: Tree, v: Node, box: Floats, power: int) -> float:
-    x = max(box[0] - tree[v].x, tree[v].x - box[3], 0.0)
-    y = max(box[1] - tree[v].y, tree[v].y - box[4], 0.0)
-    z = max(box[2] - tree[v].z, tree[v].z - box[5], 0.0)
-    squared = x * x + y * y + z * z
-    return squared if power == 2 else np.sqrt(squared)
-
-
-@compiled
-def _plant(tree: Tree, n: Node, tails: Ints, heads: Ints, mass: Longs, power: int) -> None:
-    """Grow a tree along the plan's pairs.
-
-    Where the pairs run in circles they are too many for a tree: those left over come in one by
-    one, with the mass that they carry, as if they were cheaper.
-    """
+def _build_tree(
+    tree: Tree, tails: Ints, heads: Ints, mass: Masses, power: int, in_tree: NDArray[np.bool_]
+) -> float:
+    """Span the plan's arcs, as far as they close no cycle; returns the largest cost among them."""
     root = np.uint32(len(tree) - 1)
     for v in range(len(tree)):
-        tree[v].parent, tree[v].child, tree[v].flow, tree[v].potential = _NONE, _NONE, 0, 0.0
-    first, incident = _incidence(tails, heads, root)
-    planted = np.zeros(len(tails), np.bool_)
-    order = np.empty(root, np.uint32)
-    reached = 0
-    for base in range(root):
-        if tree[base].parent != _NONE:
+        tree[v].parent, tree[v].first_child, tree[v].flow = NO_NODE, NO_NODE, 0
+        tree[v].potential, tree[v].size = 0.0, 1
+    # Arcs by node: those of v stand from first[v] to first[v + 1].
+    first = np.zeros(len(tree) + 1, np.int64)
+    for arc in range(len(tails)):
+        first[tails[arc] + 2] += 1
+        first[heads[arc] + 2] += 1
+    for v in range(2, len(first)):
+        first[v] += first[v - 1]
+    arcs = np.empty(2 * len(tails), np.int64)
+    for arc in range(len(tails)):
+        for v in (tails[arc], heads[arc]):
+            arcs[first[v + 1]] = arc
+            first[v + 1] += 1
+    order, reached, largest = np.empty(root, np.uint32), 0, 0.0
+    for seed in range(root):
+        if tree[seed].parent != NO_NODE:
             continue
-        _attach(tree, base, root)
-        tree[0].stack, size = base, 1
-        while size > 0:
-            size -= 1
-            v = tree[size].stack
+        _attach(tree, np.uint32(seed), root)
+        tree[0].stack, height = seed, 1
+        while height > 0:
+            height -= 1
+            v = tree[height].stack
             order[reached] = v
             reached += 1
-            for x in range(first[v], first[v + 1]):
-                e = incident[x]
-                w = heads[e] if tails[e] == v else tails[e]
-                if tree[w].parent == _NONE:
-                    planted[e] = True
+            for position in range(first[v], first[v + 1]):
+                arc = arcs[position]
+                w = heads[arc] if tails[arc] == v else tails[arc]
+                if tree[w].parent == NO_NODE:
+                    in_tree[arc] = True
                     _attach(tree, w, v)
-                    tree[w].flow = mass[e]
-                    tree[w].potential = _cost(tree, v, w, power) - tree[v].potential
-                    tree[size].stack = w
-                    size += 1
-    _measure(tree, order)
-    for e in range(len(tails)):
-        if not planted[e]:
-            reduced = _reduced_cost(tree, tails[e], heads[e], power)
-            _pivot(tree, n, tails[e], heads[e], reduced, mass[e])
-
-
-@compiled
-def _measure(tree: Tree, order: Ints) -> None:
-    """Count each subtree's nodes; `order` has parents before their children."""
-    for v in range(len(tree)):
-        tree[v].size = 1
-    for x in range(len(order) - 1, -1, -1):
-        v = order[x]
+                    # On the tree's arcs the reduced cost is 0.
+                    cost = _reduced_cost(tree, v, w, power)
+                    tree[w].flow, tree[w].potential = mass[arc], cost
+                    largest = max(largest, cost + tree[v].potential)
+                    tree[height].stack = w
+                    height += 1
+    for position in range(len(order) - 1, -1, -1):
+        v = order[position]
         tree[tree[v].parent].size += tree[v].size
+    return largest
 
 
 @compiled
-def _incidence(tails: Ints, heads: Ints, count: Node) -> tuple[Longs, Longs]:
-    """Which pairs each point is in: those of point v stand from first[v] to first[v + 1]."""
-    first = np.zeros(count + 1, np.int64)
-    for e in range(len(tails)):
-        first[tails[e] + 1] += 1
-        first[heads[e] + 1] += 1
-    first = np.cumsum(first)
-    place = first[:-1].copy()
-    incident = np.empty(2 * len(tails), np.int64)
-    for e in range(len(tails)):
-        for v in (tails[e], heads[e]):
-            incident[place[v]] = e
-            place[v] += 1
-    return first, incident
+def _price_near(tree: Tree, near: Ints, v: Node, power: int, limit: float) -> tuple[float, Node]:
+    """Among the partners of a node's neighbours: the least reduced cost below the limit, and whose.
 
-
-@compiled
-def _cheapest_nearby(
-    tree: Tree, near: Ints, v: Node, power: int, limit: float
-) -> tuple[float, int]:
-    """Of point v and its neighbours' partners: the least reduced cost below the limit, and whom."""
-    root, best = np.uint32(len(tree) - 1), _NONE
+    A neighbour's partners are the nodes that it shares an arc of the tree with.
+    """
+    root, best = np.uint32(len(tree) - 1), NO_NODE
     for w in near[v]:
-        if w == _NONE:
+        if w == NO_NODE:
             continue
-        other = tree[w].parent
-        if other != root:
-            cost = _reduced_cost(tree, v, other, power)
-            if cost < limit:
-                limit, best = cost, other
-        other = tree[w].child
-        while other != _NONE:
-            cost = _reduced_cost(tree, v, other, power)
-            if cost < limit:
-                limit, best = cost, other
-            other = tree[other].after
+        partner, following = tree[w].parent, tree[w].first_child
+        while partner != NO_NODE:
+            if partner != root:
+                cost = _reduced_cost(tree, v, partner, power)
+                if cost < limit:
+                    limit, best = cost, partner
+            partner = following
+            if partner != NO_NODE:
+                following = tree[partner].next_sibling
     return limit, best
 
 
 @compiled
-def _pivot(tree: Tree, n: Node, i: Node, j: Node, reduced: float, carried: int) -> None:
-    """Let the pair of row i and column j into the tree, and out one that this empties.
+def _price_all(
+    tree: Tree, n: Node, blocks: Floats, row: Node, power: int, limit: float
+) -> tuple[float, Node]:
+    """A row's least reduced cost below the limit among all columns, and the column.
 
-    reduced: the pair's reduced cost; carried: the mass that it carries already.
+    A block of columns is looked at where its box and its highest potential allow such a cost.
+    """
+    best, stop = NO_NODE, np.uint32(len(tree) - 1)
+    x, y, z = tree[row].x, tree[row].y, tree[row].z
+    for block in range(len(blocks)):
+        box = blocks[block]
+        dx = max(box[0] - x, x - box[3], 0.0)
+        dy = max(box[1] - y, y - box[4], 0.0)
+        dz = max(box[2] - z, z - box[5], 0.0)
+        cost = dx * dx + dy * dy + dz * dz
+        if power == 1:
+            cost = np.sqrt(cost)
+        if cost - tree[row].potential - box[6] < limit:
+            begin = n + np.uint32(block) * BLOCK_SIZE
+            for column in range(begin, min(begin + BLOCK_SIZE, stop)):
+                cost = _reduced_cost(tree, row, np.uint32(column), power)
+                if cost < limit:
+                    limit, best = cost, np.uint32(column)
+    return limit, best
 
-    Mass goes round the circle that the new pair closes until some pair of it is empty. If several
-    are, the last one goes, in the direction of the flow from the circle's top on: so every empty
-    pair left in the tree points to the root, and steps that move no mass can't go round in circles
-    (Cunningham, Math. Program. 11, 1976).
+
+@compiled
+def _blocks(tree: Tree, n: Node) -> Floats:
+    """(blocks, 7) lows and highs of each block's columns along the axes, and its largest potential.
+
+    Equivalent to ``[[*xyz.min(axis=0), *xyz.max(axis=0), potential.max()] for each 16 columns]``.
+    """
+    stop = np.uint32(len(tree) - 1)
+    blocks = np.full(((stop - n + BLOCK_SIZE - 1) // BLOCK_SIZE, 7), -np.inf)
+    blocks[:, :3] = np.inf
+    for column in range(n, stop):
+        box = blocks[(column - n) // BLOCK_SIZE]
+        x, y, z = tree[column].x, tree[column].y, tree[column].z
+        box[0], box[1], box[2] = min(box[0], x), min(box[1], y), min(box[2], z)
+        box[3], box[4], box[5] = max(box[3], x), max(box[4], y), max(box[5], z)
+        box[6] = max(box[6], tree[column].potential)
+    return blocks
+
+
+@compiled
+def _update_potentials(tree: Tree, n: Node, blocks: Floats) -> None:
+    """Put each block's largest potential there."""
+    blocks[:, 6] = -np.inf
+    for column in range(n, np.uint32(len(tree) - 1)):
+        block = (column - n) // BLOCK_SIZE
+        blocks[block, 6] = max(blocks[block, 6], tree[column].potential)
+
+
+@compiled
+def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried: Any) -> None:
+    """Let an arc enter the tree, and one leave that this empties.
+
+    reduced: the entering arc's reduced cost; carried: the flow that it has already.
+
+    Of several arcs that are emptied the last one leaves, along the cycle in the direction of the
+    flow from its apex on. So all arcs without flow point to the root, the tree stays strongly
+    feasible, and degenerate pivots do not cycle (Cunningham 1976).
     """
     root = np.uint32(len(tree) - 1)
-    a, moved, emptied = i, _PLENTY, _NONE
-    b, moved_beyond, emptied_beyond = j, _PLENTY, _NONE
+    # Climb to the apex of the cycle; the subtree of the smaller size can't contain the other node.
+    a, row_flow, row_leaving = row, UNBOUNDED, NO_NODE
+    b, column_flow, column_leaving = column, UNBOUNDED, NO_NODE
     while a != b:
         if tree[a].size <= tree[b].size:
             flow, above = tree[a].flow, tree[a].parent
-            if flow < moved and (a < n or above == root):
-                moved, emptied = flow, a
+            if flow < row_flow and (a < n or above == root):
+                row_flow, row_leaving = flow, a
             a = above
         else:
             flow, above = tree[b].flow, tree[b].parent
-            if flow <= moved_beyond and b >= n and above != root:
-                moved_beyond, emptied_beyond = flow, b
+            if flow <= column_flow and b >= n and above != root:
+                column_flow, column_leaving = flow, b
             b = above
-    top = a
-    on_row_side = moved < moved_beyond
-    if not on_row_side:
-        moved, emptied = moved_beyond, emptied_beyond
-    v, parent = (i, j) if on_row_side else (j, i)
-    size = tree[emptied].size
+    apex = a
+    on_row_side = row_flow < column_flow
+    moved, leaving = (row_flow, row_leaving) if on_row_side else (column_flow, column_leaving)
+    v, parent = (row, column) if on_row_side else (column, row)
+    size = tree[leaving].size
+    # Push the flow around the cycle; the size of the leaving subtree moves to the other side.
     w = parent
-    while w != top:
+    while w != apex:
         tree[w].flow += -moved if (w >= n) == on_row_side else moved
         tree[w].size += size
         w = tree[w].parent
     w = v
-    while moved > 0 and w != emptied:
+    while w != leaving:
         tree[w].flow += -moved if (w < n) == on_row_side else moved
         w = tree[w].parent
-    w = tree[emptied].parent
-    while w != top:
+    w = tree[leaving].parent
+    while w != apex:
         tree[w].flow += -moved if (w < n) == on_row_side else moved
         tree[w].size -= size
         w = tree[w].parent
-    _hang(tree, v, parent, emptied, moved + carried)
-    shift = reduced if on_row_side else -reduced
-    # Prices count against each other only: the smaller side of the tree is brought in line.
-    if 2 * size <= root:
-        _shift(tree, n, v, _NONE, shift)
-    else:
-        _shift(tree, n, root, v, -shift)
-
-
-@compiled
-def _hang(tree: Tree, v: Node, parent: Node, last: Node, flow: int) -> None:
-    """Hang v on a new parent, and the path from v up to `last` upside down below v."""
-    size, taken = tree[last].size, np.uint32(0)
+    # Hang the subtree on the entering arc: the path from v up to the leaving arc is reversed.
+    top, below, taken, flow = v, parent, np.uint32(0), moved + carried
     while True:
         old_parent, old_flow, old_size = tree[v].parent, tree[v].flow, tree[v].size
-        _detach(tree, v)
-        _attach(tree, v, parent)
-        tree[v].flow = flow
-        tree[v].size = size - taken
-        if v == last:
-            return
-        taken = old_size
-        v, parent, flow = old_parent, v, old_flow
-
-
-@compiled
-def _shift(tree: Tree, n: Node, top: Node, without: Node, row_shift: float) -> None:
-    """Shift the prices of the subtree of `top`, without that of one of its nodes."""
-    tree[0].stack, size = top, 1
-    while size > 0:
-        size -= 1
-        v = tree[size].stack
-        tree[v].potential += row_shift if v < n else -row_shift
-        child = tree[v].child
-        while child != _NONE:
-            if child != without:
-                tree[size].stack = child
-                size += 1
-            child = tree[child].after
+        before, after = tree[v].previous_sibling, tree[v].next_sibling
+        if before != NO_NODE:
+            tree[before].next_sibling = after
+        else:
+            tree[old_parent].first_child = after
+        if after != NO_NODE:
+            tree[after].previous_sibling = before
+        _attach(tree, v, below)
+        tree[v].flow, tree[v].size = flow, size - taken
+        if v == leaving:
+            break
+        taken, flow = old_size, old_flow
+        v, below = old_parent, v
+    # Potentials count against each other only: those of the smaller part of the tree are shifted.
+    shift, skipped = reduced if on_row_side else -reduced, NO_NODE
+    if 2 * size > root:
+        shift, skipped, top = -shift, top, root
+    tree[0].stack, height = top, 1
+    while height > 0:
+        height -= 1
+        v = tree[height].stack
+        tree[v].potential += shift if v < n else -shift
+        child = tree[v].first_child
+        while child != NO_NODE:
+            if child != skipped:
+                tree[height].stack = child
+                height += 1
+            child = tree[child].next_sibling
 
 
 @compiled
 def _attach(tree: Tree, v: Node, parent: Node) -> None:
-    sibling = tree[parent].child
-    tree[v].parent, tree[v].after, tree[v].before = parent, sibling, _NONE
-    if sibling != _NONE:
-        tree[sibling].before = v
-    tree[parent].child = v
-
-
-@compiled
-def _detach(tree: Tree, v: Node) -> None:
-    before, after = tree[v].before, tree[v].after
-    if before != _NONE:
-        tree[before].after = after
-    else:
-        tree[tree[v].parent].child = after
-    if after != _NONE:
-        tree[after].before = before
+    sibling = tree[parent].first_child
+    tree[v].parent, tree[v].next_sibling, tree[v].previous_sibling = parent, sibling, NO_NODE
+    if sibling != NO_NODE:
+        tree[sibling].previous_sibling = v
+    tree[parent].first_child = v
 
 
 @compiled
 def _reduced_cost(tree: Tree, a: Node, b: Node, power: int) -> float:
-    return _cost(tree, a, b, power) - tree[a].potential - tree[b].potential
-
-
-@compiled
-def _cost(tree: Tree, a: Node, b: Node, power: int) -> float:
+    """Equivalent to ``np.linalg.norm(p[a] - q[b]) ** power - u[a] - v[b]``."""
     x, y, z = tree[a].x - tree[b].x, tree[a].y - tree[b].y, tree[a].z - tree[b].z
-    squared = x * x + y * y + z * z
-    return squared if power == 2 else np.sqrt(squared)
+    cost = x * x + y * y + z * z
+    if power == 1:
+        cost = np.sqrt(cost)
+    return cost - tree[a].potential - tree[b].potential

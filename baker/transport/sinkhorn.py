@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport import bisection
 from baker.transport.feasibility import share_that_can_flow
 from baker.transport.problem import (
     Edges,
@@ -20,6 +19,7 @@ from baker.transport.problem import (
     make_plan,
     uniform_masses,
 )
+from baker.transport.space_partition import bisection_plan
 from baker.transport.support import balance, nearest, unique
 
 _PLANS = 4  # bisections whose pairs make the support feasible; one alone is a bottleneck
@@ -85,7 +85,7 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
         # of the column alone, which u and v take in.
         here, there = balanced
     masses = uniform_masses(len(start), len(end))
-    plans = [bisection.couple(*balanced, *masses, options.seed + i)[0] for i in range(_PLANS)]
+    plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(_PLANS)]
     return here, there, unique(nearest(here, there, options.neighbors), *plans)
 
 

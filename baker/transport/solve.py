@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from baker.transport.masses import shared_masses
-from baker.transport.multiscale import FEW, WHOLE, Search, couple
+from baker.transport.multiscale import (
+    MAX_POINTS_OF_ONE_CELL,
+    MAX_POINTS_PRICED_AT_ONCE,
+    Search,
+    couple,
+)
 from baker.transport.problem import (
     Method,
     Plan,
@@ -39,9 +44,9 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     here = start - start.mean(axis=0)
     there = end - (end if options.power == 2 else start).mean(axis=0)
     slack = 0.0
-    whole = n + m <= WHOLE  # one sweep finds the optimum
+    whole = n + m <= MAX_POINTS_OF_ONE_CELL  # one sweep finds the optimum
     # Of few points all pairs are looked at: it does not matter how they lie.
-    if options.power == 2 and not (whole and min(n, m) <= FEW):
+    if options.power == 2 and not (whole and min(n, m) <= MAX_POINTS_PRICED_AT_ONCE):
         here, there = balance(start, end)
         if not whole:
             slack = _SLACK * explained_cost(start, end, here, there)

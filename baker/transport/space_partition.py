@@ -1,122 +1,145 @@
-"""The loops of recursive bisection, compiled by numba: import this module late."""
+"""Recursive bisection: clouds cut into even blocks, and plans carried from blocks to points."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.compiled import compiled
+from baker.transport.problem import Edges, Indices, Masses, Points
 
 
-@compiled
-def halve(
-    points: NDArray[np.floating], depth: int, axes: NDArray[np.integer], axes_known: bool
-) -> NDArray[np.intp]:
-    """(n,) indices of (n, 3) points, halved `depth` times, and on the last level sorted.
+@dataclass(frozen=True)
+class Blocks:
+    """A cloud cut into compact blocks that hold equally many points, to within one.
 
-    On every level, part p of 2 ** level parts goes from p n / 2 ** level on, rounded up, and is
-    parted along one axis: along axes[2 ** level + p], or, where those are not known, along the
-    longest extent, which is put there.
+    Attributes
+    ----------
+    order : (n,) int64 ndarray
+        Indices of the points, block after block.
+    first : (blocks,) int64 ndarray
+        Where in `order` each block begins.
     """
+
+    order: Indices
+    first: Indices
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def masses(self, masses: Masses) -> Masses:
+        """(blocks,) int64, the sum of the points' masses in each block."""
+        return np.add.reduceat(masses[self.order], self.first)
+
+    def centroids(self, points: Points) -> NDArray[np.float64]:
+        """(blocks, 3) float64, the mean of the points of each block."""
+        sizes = np.diff(self.first, append=len(self.order))
+        return np.add.reduceat(points[self.order], self.first) / sizes[:, None]
+
+
+def bisection_order(
+    points: Points, seed: int, axes: Indices | None = None
+) -> tuple[Indices, Indices]:
+    """Order a cloud by halving it down to single points: what lies together stands together.
+
+    Every part is cut across its longest extent, in a frame that is rotated at random.
+
+    Parameters
+    ----------
+    points : (n, 3) float ndarray
+    seed : int
+        Of the rotation.
+    axes : (k,) int64 ndarray, optional
+        Axes that another cloud of n points or more was cut along. Cut along the same ones: what is
+        at the same place of both orders then lies at about the same place.
+
+    Returns
+    -------
+    order : (n,) int64 ndarray
+    axes : (k,) int64 ndarray
+    """
+    from baker.transport.partition_kernels import bisect
+
+    depth = max(1, (len(points) - 1).bit_length())
+    known = axes is not None
+    axes = np.zeros(2**depth, np.int64) if axes is None else axes
+    return bisect(points @ _rotation(seed), axes, known, depth), axes
+
+
+@cache
+def _rotation(seed: int) -> NDArray[np.float64]:
+    """(3, 3) a random rotation or reflection."""
+    return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+
+
+def cut(points: Points, count: int, seed: int) -> Blocks:
+    """Cut a cloud into `count` blocks; another seed cuts elsewhere."""
     n = len(points)
-    order = np.arange(n)
-    # What has been parted last is parted on: its points are still in the cache.
-    waiting, left = np.ones(depth + 1, np.int64), min(depth, 1)
-    while left > 0:
-        left -= 1
-        branch = waiting[left]
-        level = 0
-        while branch >> level > 1:
-            level += 1
-        parts, part = 1 << level, branch - (1 << level)
-        begin, end = -(-part * n // parts), -(-(part + 1) * n // parts)
-        members = order[begin:end].copy()
-        if not axes_known:
-            axes[branch] = _longest(points, members)
-        along = np.empty(len(members))
-        for i in range(len(members)):
-            along[i] = points[members[i], axes[branch]]
-        if level + 1 == depth:
-            order[begin:end] = members[np.argsort(along, kind="mergesort")]
-            continue
-        # Only which half they are in counts: the next level orders them anew.
-        _select(along, members, -(-(2 * part + 1) * n // (2 * parts)) - begin)
-        order[begin:end] = members
-        waiting[left], waiting[left + 1] = 2 * branch + 1, 2 * branch
-        left += 2
-    return order
+    count = min(count, n)
+    return Blocks(bisection_order(points, seed)[0], np.arange(count) * n // count)
 
 
-@compiled
-def _select(values: NDArray[np.floating], members: NDArray[np.integer], middle: int) -> None:
-    """Order both so that no value before the middle is larger than one from there on.
+def refine_plan(
+    rows: Blocks, columns: Blocks, supply: Masses, demand: Masses, edges: Edges, mass: Masses
+) -> tuple[Edges, Masses]:
+    """A feasible plan between points from a feasible plan between blocks.
 
-    Quickselect (Hoare, Comm. ACM 4, 1961).
+    Along each pair of blocks the north-west corner rule hands out the mass in the blocks' order.
+    With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
+    equal sizes). Masses are whole, so the plan is feasible for any sizes; it has at most n + m
+    pairs more than that of the blocks.
+
+    Parameters
+    ----------
+    rows, columns : Blocks
+        Of n and m points.
+    supply, demand : (n,) and (m,) int64 ndarray
+        Masses of the points.
+    edges : pair of (E,) int ndarray
+        Pairs of blocks.
+    mass : (E,) int64 ndarray
+
+    Returns
+    -------
+    edges : pair of (F,) int64 ndarray
+        Pairs of points, by row, then column, in the order of the blocks.
+    mass : (F,) int64 ndarray
     """
-    first, last = 0, len(values) - 1
-    while first < last:
-        a, b, c = values[first], values[(first + last) // 2], values[last]
-        pivot = max(min(a, b), min(max(a, b), c))
-        i, j = first, last
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                members[i], members[j] = members[j], members[i]
-                i, j = i + 1, j - 1
-        if middle <= j:
-            last = j
-        elif middle >= i:
-            first = i
-        else:
-            return
+    from baker.transport.partition_kernels import refine
+
+    by_row = np.argsort(edges[0] * len(columns) + edges[1], kind="stable")
+    i, j, handed = refine(
+        edges[1][by_row], mass[by_row], supply[rows.order], demand[columns.order], columns.first
+    )
+    return (rows.order[i], columns.order[j]), handed
 
 
-@compiled
-def _longest(points: NDArray[np.floating], members: NDArray[np.integer]) -> int:
-    """The axis along which the members extend furthest."""
-    longest, chosen = -1.0, 0
-    for axis in range(3):
-        low, high = np.inf, -np.inf
-        for i in members:
-            low, high = min(low, points[i, axis]), max(high, points[i, axis])
-        if high - low > longest:
-            longest, chosen = high - low, axis
-    return chosen
+def bisection_plan(
+    start: Points, end: Points, supply: Masses, demand: Masses, seed: int
+) -> tuple[Edges, Masses]:
+    """A feasible plan that pairs what lies at the same place of both clouds' bisections.
 
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+    supply, demand : (n,) and (m,) int64 ndarray
+        Of equal sum.
+    seed : int
 
-@compiled
-def hand_out(
-    columns: NDArray[np.integer],
-    mass: NDArray[np.integer],
-    supply: NDArray[np.integer],
-    demand: NDArray[np.integer],
-    first: NDArray[np.integer],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of points, by row, then column, and their masses, out of those of pairs of blocks.
-
-    columns, mass: of pairs of blocks, by row, then column: together all mass of either side.
-    supply, demand: of the points, block after block; first: where each block of columns begins.
+    Returns
+    -------
+    edges : pair of (E,) int64 ndarray
+    mass : (E,) int64 ndarray
     """
-    most = len(mass) + len(supply) + len(demand)
-    one, other = np.empty(most, np.int64), np.empty(most, np.int64)
-    handed, made = np.empty(most, np.int64), 0
-    place, row = first.copy(), 0
-    left, wanted = supply[0], demand[first]
-    for pair in range(len(mass)):
-        block, rest = columns[pair], mass[pair]
-        while rest > 0:
-            while left == 0:
-                row += 1
-                left = supply[row]
-            while wanted[block] == 0:
-                place[block] += 1
-                wanted[block] = demand[place[block]]
-            part = min(rest, left, wanted[block])
-            one[made], other[made], handed[made] = row, place[block], part
-            rest, left, made = rest - part, left - part, made + 1
-            wanted[block] -= part
-    return one[:made], other[:made], handed[:made]
+    if len(start) < len(end):
+        (columns, rows), mass = bisection_plan(end, start, demand, supply, seed)
+        return (rows, columns), mass
+    row_order, axes = bisection_order(start, seed)
+    column_order, _ = bisection_order(end, seed, axes)
+    whole = np.zeros(1, np.int64)
+    return refine_plan(
+        Blocks(row_order, whole), Blocks(column_order, whole),
+        supply, demand, (whole, whole), np.array([supply.sum()]),
+    )  # fmt: skip

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from baker.transport import bisection
 from baker.transport.multiscale import Search, couple
 from baker.transport.problem import Points, TransportOptions, checked, costs, uniform_masses
 from baker.transport.solve import solve
+from baker.transport.space_partition import cut
 from baker.transport.support import balance, explained_cost
 
 
@@ -26,9 +26,9 @@ def wasserstein(
     if power == 2:
         here, there = balance(start, end)
         known = explained_cost(start, end, here, there)
-    rows, columns = (bisection.cut(cloud, samples, seed) for cloud in (here, there))
+    rows, columns = (cut(cloud, samples, seed) for cloud in (here, there))
     supply, demand = uniform_masses(len(start), len(end))
-    centres = rows.centres(here), columns.centres(there)
+    centres = rows.centroids(here), columns.centroids(there)
     plan = couple(*centres, rows.masses(supply), columns.masses(demand), Search(power, seed=seed))
     left = float(plan.mass @ costs(*centres, plan.edges, power)) / float(supply.sum())
     return max(known + left, 0.0) ** (1.0 / power)

@@ -5,9 +5,15 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.distance import cdist
 
-from baker.transport.bisection import couple
-from baker.transport.network_simplex import improve_cells
+from baker.transport.network_simplex import (
+    BLOCK_SIZE,
+    NODE,
+    _blocks,
+    _reduced_cost,
+    improve_cells,
+)
 from baker.transport.problem import uniform_masses
+from baker.transport.space_partition import bisection_plan
 from tests.baker.transport.transport_clouds import leaf
 
 
@@ -21,8 +27,9 @@ def optimum(start, end, supply, demand, power):
 
 def improved(start, end, edges, mass, power=2, first=None, exhaustive=True):
     first = np.array([0, len(mass)]) if first is None else first
-    alone = [np.arange(len(side), dtype=np.int32)[:, None] for side in (start, end)]
-    return improve_cells(start, end, *alone, edges[0], edges[1], mass, first, power, exhaustive)
+    alone = tuple(np.arange(len(side))[:, None] for side in (start, end))
+    pairs, mass = improve_cells(start, end, alone, edges, mass, first, power, exhaustive)
+    return *pairs, mass
 
 
 def cost_of(start, end, rows, columns, mass, power=2):
@@ -41,7 +48,7 @@ def assert_sums(plan, supply, demand):
 def test_optimal_from_a_plan_without_circles(n, m, power):
     start, end = leaf(n), leaf(m, 1.4, seed=3)
     supply, demand = uniform_masses(n, m)
-    plan = improved(start, end, *couple(start, end, supply, demand, 0), power=power)
+    plan = improved(start, end, *bisection_plan(start, end, supply, demand, 0), power=power)
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan, power=power) == pytest.approx(
         optimum(start, end, supply, demand, power)
@@ -90,8 +97,29 @@ def test_neighbours_partners_lead_near_the_optimum():
 
     start, end = leaf(150), leaf(210, 1.1, seed=3)
     supply, demand = uniform_masses(150, 210)
-    edges, mass = couple(start, end, supply, demand, 0)
-    near = [cKDTree(side).query(side, np.arange(2, 8))[1].astype(np.int32) for side in (start, end)]
-    plan = improve_cells(start, end, *near, *edges, mass, np.array([0, len(mass)]), 2, False)
+    edges, mass = bisection_plan(start, end, supply, demand, 0)
+    near = tuple(cKDTree(side).query(side, np.arange(2, 8))[1] for side in (start, end))
+    pairs, mass = improve_cells(start, end, near, edges, mass, np.array([0, len(mass)]), 2, False)
+    plan = *pairs, mass
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001
+
+
+def test_loops_compute_what_numpy_does():
+    random = np.random.default_rng(0)
+    n, m = 9, 40
+    tree = np.zeros(n + m + 1, NODE)
+    places, prices = random.random((n + m, 3)), random.random(n + m)
+    for axis, name in enumerate("xyz"):
+        tree[name][:-1] = places[:, axis]
+    tree["potential"][:-1] = prices
+    for power in (1, 2):
+        costs = cdist(places[:n], places[n:]) ** power - prices[:n, None] - prices[n:]
+        found = [[_reduced_cost(tree, i, n + j, power) for j in range(m)] for i in range(n)]
+        np.testing.assert_allclose(found, costs)
+    blocks = _blocks(tree, n)
+    for k, box in enumerate(blocks):
+        own = slice(n + k * int(BLOCK_SIZE), min(n + (k + 1) * int(BLOCK_SIZE), n + m))
+        expected = [*places[own].min(axis=0), *places[own].max(axis=0), prices[own].max()]
+        np.testing.assert_array_equal(box, expected)
+    assert len(blocks) == 3

@@ -63,7 +63,7 @@ def test_what_balancing_leaves_is_near_its_optimum_too():
 def test_cells_keep_the_masses_and_stay_near_the_optimum_of_the_whole(monkeypatch):
     start, end = grown_leaf(3001, 4403)
     cells = solve(start, end)
-    monkeypatch.setattr(multiscale, "WHOLE", 10_000)
+    monkeypatch.setattr(multiscale, "MAX_POINTS_OF_ONE_CELL", 10_000)
     whole = solve(start, end)
     assert_coupling(cells, 3001, 4403)
     assert cells.iterations > whole.iterations == 1

@@ -1,0 +1,79 @@
+"""The solver's loops, compiled before the first problem: once, and with progress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from baker.transport.compiled import code_folder
+from baker.transport.problem import uniform_masses
+from baker.transport.space_partition import bisection_plan
+
+
+def compile_kernels(
+    report_progress: Callable[[int, int], None] = lambda done, total: None,
+) -> str | None:
+    """Compile every loop of the solver, or read it where an earlier process has kept it.
+
+    Parameters
+    ----------
+    report_progress : callable
+        Called with the number of loops compiled and of all, only if some have to be compiled.
+
+    Returns
+    -------
+    str or None
+        A sentence for the user where compiled code cannot be kept, so that every process compiles.
+    """
+    from numba.core.event import install_listener
+
+    from baker.transport import network_simplex, partition_kernels
+
+    kernels = [
+        value
+        for module in (network_simplex, partition_kernels)
+        for value in vars(module).values()
+        if hasattr(value, "py_func")
+    ]
+    with install_listener("numba:compile", _progress_listener(kernels, report_progress)):
+        _solve_smallest()
+    if code_folder() is None:
+        return (
+            "Compiled code can't be kept: there is no room for it, or no permission to write, "
+            "beside the program and in the user's cache folder. Every bake compiles it anew, for "
+            "some seconds; NUMBA_CACHE_DIR may name another folder."
+        )
+    return None
+
+
+def _solve_smallest() -> None:
+    """A problem that calls every loop: two clouds of four points, of all types as in a bake."""
+    from baker.transport.network_simplex import improve_cells
+
+    points = np.random.default_rng(0).random((4, 3))
+    edges, mass = bisection_plan(points, points[::-1], *uniform_masses(4, 4), seed=0)
+    near = np.zeros((4, 1), np.int64), np.zeros((4, 1), np.int64)
+    improve_cells(points, points, near, edges, mass, np.array([0, len(mass)]), 2, True)
+
+
+def _progress_listener(kernels: list[Any], report_progress: Callable[[int, int], None]) -> Any:
+    from numba.core.event import Event, Listener
+
+    functions = {kernel.py_func for kernel in kernels}
+    started, done = set[Any](), set[Any]()
+
+    class Progress(Listener):
+        def on_start(self, event: Event) -> None:
+            if not started:
+                report_progress(0, len(functions))
+            started.add(event.data["dispatcher"].py_func)
+
+        def on_end(self, event: Event) -> None:
+            function = event.data["dispatcher"].py_func
+            if function in functions - done:
+                done.add(function)
+                report_progress(len(done), len(functions))
+
+    return Progress()

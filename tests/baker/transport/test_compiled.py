@@ -1,0 +1,84 @@
+"""Compiled loops: what is kept of them on the disk is never out of date."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import baker
+from baker.transport.problem import TransportOptions
+from baker.transport.solve import solve
+
+ROOT = Path(baker.__file__).parent
+MODULES = [
+    ".".join(["baker", *path.relative_to(ROOT).with_suffix("").parts])
+    for path in sorted(ROOT.rglob("*.py"))
+    if "import compiled\n" in path.read_text()
+]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_machine_code_is_of_one_file(name: str) -> None:
+    """numba does not see that another file changes, and would go on with its old code."""
+    from numba.core.dispatcher import Dispatcher
+
+    module = import_module(name)
+    loops = [value for value in vars(module).values() if isinstance(value, Dispatcher)]
+    assert loops
+    assert {loop.py_func.__module__ for loop in loops} == {name}
+
+
+COMPILE = """
+from baker.transport.compile import compile_kernels
+reported = []
+sentence = compile_kernels(lambda done, total: reported.append((done, total)))
+print(repr((reported, sentence)))
+"""
+
+
+def compile_in(folder: Path) -> tuple[list[tuple[int, int]], str | None]:
+    """What another process reports that keeps its code there."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
+    command = [sys.executable, "-c", COMPILE]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return ast.literal_eval(done.stdout)
+
+
+def test_loops_are_compiled_once(tmp_path: Path) -> None:
+    reported, sentence = compile_in(tmp_path)
+    count = reported[-1][1]
+    assert reported == [(done, count) for done in range(count + 1)]
+    assert count >= 10
+    assert sentence is None
+    assert compile_in(tmp_path) == ([], None)
+
+
+def test_without_room_for_its_code_a_bake_says_so_and_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    reported, sentence = compile_in(tmp_path / "file")
+    assert reported[-1][0] == reported[-1][1]
+    assert "NUMBA_CACHE_DIR" in sentence
+
+
+def test_every_loop_is_compiled_for_one_set_of_types() -> None:
+    from numba.core.dispatcher import Dispatcher
+
+    from baker.transport.compile import compile_kernels
+
+    compile_kernels()
+    random = np.random.default_rng(0)
+    for n, m, options in ((300, 200, {}), (4000, 30, {}), (2000, 2100, {}), (90, 80, {"power": 1})):
+        for kind in (np.float32, np.float64):
+            start, end = random.random((n, 3)).astype(kind), random.random((m, 3)).astype(kind)
+            solve(start, end, TransportOptions(**options))
+    for name in MODULES:
+        for loop in vars(import_module(name)).values():
+            if isinstance(loop, Dispatcher):
+                assert len(loop.signatures) <= 1, loop

@@ -1,0 +1,153 @@
+"""Plans that are feasible by construction, and even, compact blocks."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from baker.transport.partition_kernels import _select, refine
+from baker.transport.problem import uniform_masses
+from baker.transport.space_partition import (
+    bisection_order,
+    bisection_plan,
+    cut,
+    refine_plan,
+)
+from tests.baker.transport.transport_clouds import grown_leaf, leaf
+
+
+def assert_feasible(plan, supply, demand):
+    (rows, columns), mass = plan
+    assert (mass > 0).all()
+    np.testing.assert_array_equal(np.bincount(rows, mass, len(supply)), supply)
+    np.testing.assert_array_equal(np.bincount(columns, mass, len(demand)), demand)
+
+
+@settings(deadline=None)
+@given(st.integers(1, 60), st.integers(1, 60), st.integers(0, 99))
+def test_coupling_is_feasible_for_any_sizes(n, m, seed):
+    masses = uniform_masses(n, m)
+    plan = bisection_plan(*grown_leaf(n, m), *masses, seed)
+    assert_feasible(plan, *masses)
+    assert len(plan[1]) <= n + m - 1
+
+
+def test_one_cloud_twice_is_coupled_with_itself_whatever_the_order():
+    """Halves are halved down to single points, or partners would lie anywhere in a block."""
+    start = leaf(300)
+    end = start[np.random.default_rng(5).permutation(300)]
+    (rows, columns), _ = bisection_plan(start, end, *uniform_masses(300, 300), seed=2)
+    np.testing.assert_array_equal(start[rows], end[columns])
+
+
+@settings(deadline=None)
+@given(st.integers(2, 60), st.integers(2, 60), st.integers(1, 9), st.integers(1, 9))
+def test_expanding_a_plan_of_blocks_keeps_it(n, m, blocks_n, blocks_m):
+    start, end = grown_leaf(n, m)
+    supply, demand = uniform_masses(n, m)
+    rows, columns = cut(start, blocks_n, 0), cut(end, blocks_m, 0)
+    coarse_edges, coarse_mass = bisection_plan(
+        rows.centroids(start),
+        columns.centroids(end),
+        rows.masses(supply),
+        columns.masses(demand),
+        1,
+    )
+    plan = refine_plan(rows, columns, supply, demand, coarse_edges, coarse_mass)
+    assert_feasible(plan, supply, demand)
+    assert (plan[1] > 0).all()
+    row_block, column_block = np.empty(n, int), np.empty(m, int)
+    row_block[rows.order] = np.searchsorted(rows.first, np.arange(n), "right") - 1
+    column_block[columns.order] = np.searchsorted(columns.first, np.arange(m), "right") - 1
+    between = np.zeros((len(rows), len(columns)), int)
+    np.add.at(between, (row_block[plan[0][0]], column_block[plan[0][1]]), plan[1])
+    expected = np.zeros_like(between)
+    np.add.at(expected, coarse_edges, coarse_mass)
+    np.testing.assert_array_equal(between, expected)
+
+
+@pytest.mark.parametrize("count", [1, 7, 64, 500])
+def test_blocks_hold_every_point_once_and_equally_many(count):
+    blocks = cut(leaf(500), count, 3)
+    np.testing.assert_array_equal(np.sort(blocks.order), np.arange(500))
+    assert np.ptp(np.diff(blocks.first, append=500)) <= 1
+
+
+def test_blocks_are_compact():
+    points = leaf(4000)
+    blocks = cut(points, 64, 0)
+    spread = [points[part].std(axis=0).max() for part in np.split(blocks.order, blocks.first[1:])]
+    assert max(spread) < 0.25 * points.std(axis=0).max()
+
+
+def halves(points: np.ndarray, part: int, parts: int, members: np.ndarray) -> list[np.ndarray]:
+    """The parts of all levels by sorting each along its longest extent: what the loop does."""
+    n = len(points)
+    begin, end = -(-part * n // parts), -(-(part + 1) * n // parts)
+    if end - begin <= 1:
+        return [members]
+    axis = np.ptp(points[members], axis=0).argmax()
+    members = members[np.argsort(points[members, axis])]
+    middle = -(-(2 * part + 1) * n // (2 * parts)) - begin
+    return [
+        members,
+        *halves(points, 2 * part, 2 * parts, members[:middle]),
+        *halves(points, 2 * part + 1, 2 * parts, members[middle:]),
+    ]
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 64, 100])
+def test_bisection_is_that_of_numpy(n, monkeypatch):
+    monkeypatch.setattr("baker.transport.space_partition._rotation", lambda seed: np.eye(3))
+    points = np.random.default_rng(n).random((n, 3))
+    order, _ = bisection_order(points, 0)
+    begin = 0
+    for part in halves(points, 0, 1, np.arange(n)):
+        if len(part) == 1:
+            assert order[begin] == part[0]
+            begin += 1
+    assert begin == n
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_selection_is_that_of_numpy(seed):
+    random = np.random.default_rng(seed)
+    values = random.integers(0, 9, random.integers(1, 40)).astype(float)
+    middle = int(random.integers(0, len(values)))
+    members, expected = np.arange(len(values)), np.partition(values, middle)
+    chosen = values.copy()
+    _select(chosen, members, middle)
+    np.testing.assert_array_equal(values[members], chosen)
+    np.testing.assert_array_equal(np.sort(chosen[:middle]), np.sort(expected[:middle]))
+
+
+def north_west(columns, mass, supply, demand, first):
+    """`refine` by cumulative sums: where the masses of points begin within those of pairs."""
+    by_column = np.argsort(columns, kind="stable")
+    row_end, column_end = np.cumsum(supply), np.cumsum(demand)
+    begin = np.cumsum(mass) - mass
+    begin_in_column = np.empty_like(mass)
+    begin_in_column[by_column] = np.cumsum(mass[by_column]) - mass[by_column]
+    found = []
+    for pair in range(len(mass)):
+        ends = np.concatenate([row_end - begin[pair], column_end - begin_in_column[pair]])
+        cuts = np.unique([0, mass[pair], *ends[(ends > 0) & (ends < mass[pair])]])
+        row = np.searchsorted(row_end, begin[pair] + cuts[:-1], "right")
+        column = np.searchsorted(column_end, begin_in_column[pair] + cuts[:-1], "right")
+        found += zip(row, column, np.diff(cuts), strict=True)
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_refining_is_that_of_numpy(seed):
+    random = np.random.default_rng(seed)
+    coarse = random.integers(0, 6, (4, 5))
+    coarse[0, :], coarse[:, 0] = 3, 2  # no block is empty
+    rows, columns = np.nonzero(coarse)
+    mass = coarse[rows, columns]
+    # Every block of rows and of columns is two points, one of which may have nothing.
+    supply = np.stack([s := coarse.sum(axis=1) // 3, coarse.sum(axis=1) - s], axis=1).ravel()
+    demand = np.stack([d := coarse.sum(axis=0) // 2, coarse.sum(axis=0) - d], axis=1).ravel()
+    first = 2 * np.arange(coarse.shape[1])
+    found = np.array(refine(columns, mass, supply, demand, first))
+    np.testing.assert_array_equal(found, north_west(columns, mass, supply, demand, first))
