@@ -18,20 +18,20 @@ from baker.scans.cloud import Cloud
 from gclip.morton import extent
 
 OUTLIER_NEIGHBORS = 16
-FINEST = 2.0**-60  # edge of the smallest cubes that can be numbered, in the coordinates' size
+MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered : coordinates
 RESAMPLING_STEPS = 30
 
-FARTHEST = 1e12
+MAX_COORDINATE = 1e12
 """Coordinates beyond are marks of points that weren't measured (1e30, -1e38, ...); they would be
 too large for 32-bit numbers to hold their products."""
 
-SMALLEST = 1e-9
+MIN_SCAN_SIZE = 1e-9
 """Scans of a smaller size are in no unit that plants are measured in, and so small that products
 of their lengths vanish."""
 
 
 def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
-    """Without points that have a coordinate that is NaN, infinite or beyond `FARTHEST`.
+    """Without points that have a coordinate that is NaN, infinite or beyond `MAX_COORDINATE`.
 
     InputError if none is left.
     """
@@ -39,26 +39,26 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
         raise InputError(f"'{path}' holds no points.")
     with np.errstate(invalid="ignore"):
         low, high = extent(cloud.points)  # NaN where any is
-        if (low >= -FARTHEST).all() and (high <= FARTHEST).all():
+        if (low >= -MAX_COORDINATE).all() and (high <= MAX_COORDINATE).all():
             return cloud
-        finite = (np.abs(cloud.points) <= FARTHEST).all(axis=1)
+        finite = (np.abs(cloud.points) <= MAX_COORDINATE).all(axis=1)
     if not finite.any():
         raise InputError(
             f"'{path}': none of its {len(cloud)} points has finite coordinates (up to "
-            f"{FARTHEST:g})."
+            f"{MAX_COORDINATE:g})."
         )
-    why = f"with coordinates NaN, infinite or beyond {FARTHEST:g}"
+    why = f"with coordinates NaN, infinite or beyond {MAX_COORDINATE:g}"
     return _keep(cloud, np.flatnonzero(finite), why)
 
 
 def require_size(cloud: Cloud, path: Path) -> None:
-    """InputError for a scan that has a size, but one below `SMALLEST`."""
+    """InputError for a scan that has a size, but one below `MIN_SCAN_SIZE`."""
     low, high = extent(cloud.points)
     size = float((high - low).max())
-    if 0.0 < size < SMALLEST:
+    if 0.0 < size < MIN_SCAN_SIZE:
         raise InputError(
-            f"'{path}' is only {size:.2g} in size, at least {SMALLEST:g} is needed; write it in "
-            "a smaller unit."
+            f"'{path}' is only {size:.2g} in size, at least {MIN_SCAN_SIZE:g} is needed; write it "
+            "in a smaller unit."
         )
 
 
@@ -71,7 +71,20 @@ def drop_duplicates(cloud: Cloud) -> Cloud:
 
 
 def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
-    """Statistical outlier removal by Open3D: see `baker.scans.ReadOptions.outliers`.
+    """Statistical outlier removal by Open3D.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        N points.
+    ratio : float
+        Points whose mean distance to their 16 nearest neighbours is more than so many standard
+        deviations above the average of the scan are dropped.
+
+    Returns
+    -------
+    Cloud
+        The points that stay, in their order; all where none is an outlier.
 
     References
     ----------
@@ -88,10 +101,24 @@ def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
     return _keep(cloud, np.sort(np.asarray(kept, np.intp)), "as outliers")
 
 
-def thin(cloud: Cloud, voxel: float) -> Cloud:
-    """Of each cube of edge `voxel`, and of each label in it, the point nearest to their mean."""
+def downsample(cloud: Cloud, voxel: float) -> Cloud:
+    """Voxel down-sampling that keeps labels: one real point for each voxel and label in it.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        N points.
+    voxel : float
+        Edge of a voxel, in the unit of the scan.
+
+    Returns
+    -------
+    Cloud
+        Of each group of points in one voxel with one label, the one nearest to the group's mean;
+        in their order.
+    """
     points = cloud.points.astype(np.float64)
-    cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * FINEST))
+    cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
     group, _ = _groups(cells.T if cloud.labels is None else [*cells.T, cloud.labels])
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, axis) / size for axis in cloud.points.T], axis=1)
@@ -102,9 +129,10 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
 
 
 def resampled(cloud: Cloud, count: int) -> Cloud:
-    """About `count` points, evenly over the surface: the cubes of `thin` grow until that few stay.
+    """About `count` points, evenly over the surface: voxels grow until so few points stay.
 
-    A cloud with fewer stays as it is; within 2 % where points are not stacked label upon label.
+    A cloud with fewer stays as it is. The count is met within 2 % where points of several labels do
+    not share places.
     """
     if len(cloud) <= count:
         return cloud
@@ -112,7 +140,7 @@ def resampled(cloud: Cloud, count: int) -> Cloud:
     best = cloud
     for _ in range(RESAMPLING_STEPS):
         middle = (low + high) / 2
-        kept = thin(replace(cloud, notes=()), middle)
+        kept = downsample(replace(cloud, notes=()), middle)
         if abs(len(kept) - count) < abs(len(best) - count):
             best = kept
         if abs(len(kept) - count) <= 0.02 * count:

@@ -30,7 +30,7 @@ from gclip.terminal.text import printable
 Progress = Callable[[int, int, str], None]
 """Called before each scan is read and once at the end: scans done, scans in all, what is next."""
 
-FEWEST = {"denoise": 4, "resample": 10}
+MIN_VALUES = {"denoise": 4, "resample": 10}
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class ReadOptions:
             if value is not None and not (isfinite(value) and value > 0):
                 raise InputError(f"{name} must be a number above 0, not {value}.")
         for name, number in (("denoise", self.denoise), ("resample", self.resample)):
-            if number is not None and number < FEWEST[name]:
-                raise InputError(f"{name} must be {FEWEST[name]} or more, not {number}.")
+            if number is not None and number < MIN_VALUES[name]:
+                raise InputError(f"{name} must be {MIN_VALUES[name]} or more, not {number}.")
         if self.every < 1:
             raise InputError(f"every must be a whole number, 1 or more, not {self.every}.")
 
@@ -80,46 +80,43 @@ def read_series(
 ) -> Series:
     """Read the scans of one plant, clean them and put them in the order of time.
 
-    `inputs` is one folder that holds one series, or two or more files; a folder with a camera's
-    file holds colour and depth images (`baker.scans.rgbd`). All scans share one `origin`, chosen
-    from the first one (`baker.scans.place.shared_origin`).
+    Parameters
+    ----------
+    inputs : sequence of Path
+        One folder that holds one series, or two or more files; a folder with a camera's file holds
+        colour and depth images (`baker.scans.rgbd`).
+    options : ReadOptions, optional
+        How scans are read.
+    progress : callable, optional
+        Called with the scans done, the scans in all and the name of the next one.
+    map : map-like callable, optional
+        Maps a function over the scans.
 
-    map: maps a function over scans.
+    Returns
+    -------
+    Series
+        All scans share one `origin`, chosen from the first one (`baker.scans.place.shared_origin`).
 
-    Raises InputError for everything that can't be read as one series: see the modules `find`,
-    `times`, `formats`, `fields` and `clean` for each step's own rules.
+    Raises
+    ------
+    InputError
+        For everything that can't be read as one series: see the modules `find`, `times`,
+        `formats`, `fields` and `clean` for each step's own rules.
     """
     options = options or ReadOptions()
     listing = list_series(inputs, options)
     entries = listing.schedule.entries
-    told = progress or (lambda done, total, name: None)
-    told(0, len(entries), entries[0].name)
+    report_progress = progress or (lambda done, total, name: None)
+    report_progress(0, len(entries), entries[0].name)
     raw = _raw(entries[0], listing, options)
     origin = place.shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
-    read = partial(_scan_or_error, origin=origin, listing=listing, options=options)
+    read = partial(_scan, origin=origin, listing=listing, options=options)
     scans: list[Scan] = []
-    for found in map(read, entries, chain([raw], repeat(None))):
-        if isinstance(found, InputError):
-            raise found
-        scans.append(found)
+    for scan in map(read, entries, chain([raw], repeat(None))):
+        scans.append(scan)
         name = entries[len(scans)].name if len(scans) < len(entries) else ""
-        told(len(scans), len(entries), name)
+        report_progress(len(scans), len(entries), name)
     return listing.series(_agree(scans, options), options)
-
-
-def _scan_or_error(
-    entry: Entry,
-    raw: tuple[Cloud, str] | None,
-    *,
-    origin: NDArray[np.float64],
-    listing: Listing,
-    options: ReadOptions,
-) -> Scan | InputError:
-    """A scan from its files, or from `raw` where they have been read; errors as values."""
-    try:
-        return _scan(entry, *(raw or _raw(entry, listing, options)), origin, listing, options)
-    except InputError as error:
-        return error
 
 
 def _raw(entry: Entry, listing: Listing, options: ReadOptions) -> tuple[Cloud, str]:
@@ -129,20 +126,21 @@ def _raw(entry: Entry, listing: Listing, options: ReadOptions) -> tuple[Cloud, s
 
 def _scan(
     entry: Entry,
-    cloud: Cloud,
-    sha256: str,
+    raw: tuple[Cloud, str] | None,
+    *,
     origin: NDArray[np.float64],
     listing: Listing,
     options: ReadOptions,
 ) -> Scan:
-    """One scan, clean, about the series' origin."""
+    """One scan, clean, about the series' origin: from its files, or `raw` if they are read."""
+    cloud, sha256 = raw or _raw(entry, listing, options)
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
     cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
     if options.outliers is not None:
         cloud = clean.drop_outliers(cloud, options.outliers)
     if options.voxel is not None:
-        cloud = clean.thin(cloud, options.voxel)
+        cloud = clean.downsample(cloud, options.voxel)
     if options.denoise is not None:
         cloud = denoised(cloud, options.denoise)
     if options.resample is not None:

@@ -57,9 +57,9 @@ def test_nothing_left_names_the_file():
 
 
 @given(lattice, st.sampled_from([0.5, 1.0, 1.7, 10.0]), st.booleans())
-def test_thinning_keeps_one_real_point_for_each_voxel_and_label(points, voxel, labelled):
+def test_downsampling_keeps_one_real_point_for_each_voxel_and_label(points, voxel, labelled):
     labels = np.arange(len(points)) % 3 if labelled else None
-    kept = clean.thin(numbered(points, labels), voxel)
+    kept = clean.downsample(numbered(points, labels), voxel)
     original = kept.colors[:, 0]
     np.testing.assert_array_equal(kept.points, points[original])
     assert (np.diff(original.astype(int)) > 0).all()
@@ -75,12 +75,12 @@ def test_thinning_keeps_one_real_point_for_each_voxel_and_label(points, voxel, l
 def test_voxels_finer_than_any_number_keep_all_points():
     points = np.random.default_rng(0).normal(size=(50, 3)) * 1e9
     for voxel in (1e-300, 5e-324):
-        assert len(clean.thin(numbered(points), voxel)) == 50
+        assert len(clean.downsample(numbered(points), voxel)) == 50
 
 
-def test_thinning_takes_the_point_nearest_the_mean():
+def test_downsampling_takes_the_point_nearest_the_mean():
     cloud = numbered([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5], [0.8, 0.8, 0.8], [3, 3, 3]])
-    assert clean.thin(cloud, 1.0).colors[:, 0].tolist() == [1, 3]
+    assert clean.downsample(cloud, 1.0).colors[:, 0].tolist() == [1, 3]
 
 
 def test_outliers_go_and_a_plant_stays():
