@@ -14,15 +14,15 @@ from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
-EPILOG = "Exit codes: 0 all are whole, 2 wrong usage or a clip is not, 1 a fault of our own."
-
 
 @app.callback()
 def gclip_command(version: VersionOption = False) -> None:
     """Look after growth clips. `bake` makes them, `play` shows them."""
 
 
-@app.command("check", epilog=EPILOG)
+@app.command(
+    "check", epilog="Exit codes: 0 all whole, 2 wrong usage or one is not, 1 our own fault."
+)
 def check_command(
     clips: Annotated[list[Path], typer.Argument(metavar="CLIP...", help="Growth clips.")],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,

@@ -67,8 +67,7 @@ class Clip:
     floor: float = 0.0  #: height along `up`, local, where lost organs come to rest
     spacing: float = 0.0  #: median distance between neighbouring points
     held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, by time
-    provenance: dict[str, Any] = field(default_factory=dict)
-    #: options, versions, input names and digests; never paths or dates of the bake
+    provenance: dict[str, Any] = field(default_factory=dict)  #: options, versions, input digests
 
     @property
     def times(self) -> list[float]:

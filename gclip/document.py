@@ -82,8 +82,7 @@ def _clean(value: Any) -> Any:
 def write_document(content: Mapping[str, Any], checksums: Mapping[str, str]) -> str:
     """A document as JSON, byte for byte the same for the same content.
 
-    content:   what a `Document` holds, but its version and checksums.
-    checksums: of the buffers by name; the document's own is added.
+    The version and, to those of the buffers by name, the document's own checksum are added.
     """
     fields = to_builtins(content, enc_hook=lambda number: number.item())  # numpy's numbers
     fields["version"] = f"{MAJOR}.{MINOR}"

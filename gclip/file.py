@@ -12,6 +12,7 @@ import re
 import stat
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
 MAX_HEADER = 8 << 20  # bytes, and a quarter of the file: a clip is movers before all
 MAX_AXES = 2
+identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # differs where the file does
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def open_container(path: Path) -> Container:
             mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
         mapped.name = os.fspath(path)
         text, buffers = _read_header(path, np.frombuffer(mapped, np.uint8), 8 + length)
-        if _identity(before) != _identity(os.stat(path)):
+        if identity(before) != identity(os.stat(path)):
             raise ClipError("it is being written right now; try again")
     except (FileNotFoundError, ValueError):  # ValueError: a name with a null character
         raise ClipError("no such file") from None
@@ -118,8 +120,7 @@ def _read_header(
                 kind, shape = view.get_dtype(), view.get_shape()
                 if kind not in DTYPES or len(shape) > MAX_AXES:
                     what = f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes'
-                    allowed = f"{', '.join(DTYPES)} and {MAX_AXES} axes at most"
-                    raise ClipError(f"{what}; {allowed} are allowed")
+                    raise ClipError(f"{what}; {', '.join(DTYPES)} and {MAX_AXES} are allowed")
                 end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
                 buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
                 first = end
@@ -127,10 +128,6 @@ def _read_header(
         reason = printable(str(error), 200)
         raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
     return text, buffers
-
-
-def _identity(state: os.stat_result) -> tuple[int, ...]:
-    return state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
 
 
 def write_container(text: str, buffers: Mapping[str, NDArray[Any]], path: Path) -> None:

@@ -46,8 +46,6 @@ def pack_interval(
 
     Parameters
     ----------
-    start, end : float
-        Times of its ends.
     movers : sequence of Movers
         At least one mover.
     spacing : float

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gclip.terminal.command import run_app
-from gclip.terminal.text import printable
+from gclip.terminal.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.keys import help_text
@@ -194,9 +195,12 @@ def play_command(
 
         from player.info import print_info
 
-        console = Console()
+        stdout: Any = Lossy(sys.stdout)
+        console = Console(file=stdout)
         # In a pipe nothing is cut to a terminal's width that isn't there.
-        print_info(console if console.is_terminal else Console(width=200), _open(clip), clip)
+        print_info(
+            console if console.is_terminal else Console(file=stdout, width=200), _open(clip), clip
+        )
     else:
         from player.start import Wanted, start
 

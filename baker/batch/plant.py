@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import rmtree
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
 from baker.options import Options
+from gclip.terminal.text import Lossy
 
 LONG = 64 * 2**20  # bytes of scans
 
@@ -53,7 +55,8 @@ def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
     from baker.options import worker_count
     from baker.scans.stage import read_scans
 
-    console = Console(stderr=True, quiet=wanted.quiet, soft_wrap=True)
+    stderr: Any = Lossy(sys.stderr)
+    console = Console(file=stderr, quiet=wanted.quiet, soft_wrap=True)
     own = _begun(wanted.clip) if wanted.cache is None and _is_long(inputs) else None
     cache = wanted.cache or own
     kept = None if cache is None else _opened(cache)

@@ -1,7 +1,6 @@
 """Outputs that appear whole or not at all: written in a folder beside the place, then renamed.
 
-Errors and stops remove that folder; only a process that is killed outright leaves it behind
-(`.NAME.xxxxxxxx.part`), where it harms nobody.
+Errors and stops remove that folder, `.NAME.xxxxxxxx.part`; that of a killed process stays.
 """
 
 from __future__ import annotations

@@ -8,12 +8,11 @@ import io
 import os
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
 from gclip.terminal.interrupts import until_interrupted
-from gclip.terminal.text import printable
+from gclip.terminal.text import Lossy, printable
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -26,8 +25,7 @@ LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, e
 def run(command: str, work: Callable[[], int | None]) -> int:
     """Do `work` and turn its outcome into an exit code, with one sentence on stderr.
 
-    Work that has told its failures itself returns the exit code. Set the environment variable
-    ``GCLIP_TRACEBACK=1`` to see the traceback of a fault of our own.
+    Work may return another one. ``GCLIP_TRACEBACK=1`` shows the traceback of a fault of our own.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # where the terminal can't show a name's letters
@@ -89,13 +87,11 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     if argv is None:
         gc.freeze()  # the process ends: to look for garbage once more took a third of a second
     if argv is None and code > 128:
-        with suppress(OSError):
-            sys.stdout.flush()
+        Lossy(sys.stdout).write("")
         os._exit(code)  # all is put away; threads deep in numbers would still be waited for
     return code
 
 
 def _print_error(command: str, sentence: str) -> None:
     """On one line, whatever the names in it are made of: they come from files."""
-    with suppress(OSError):  # a full disk, or nobody reads
-        print(f"{command}: {printable(' '.join(sentence.split()))}", file=sys.stderr)
+    print(f"{command}: {printable(' '.join(sentence.split()))}", file=Lossy(sys.stderr))

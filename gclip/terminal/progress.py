@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+import sys
 from typing import TYPE_CHECKING, Any, Self
 
-from gclip.terminal.text import printable
+from gclip.terminal.text import Lossy, printable
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -15,25 +15,18 @@ class ProgressBars:
     """What reports progress derives from this; its bars are shown while it is a context.
 
     Standard output and error stay as they are: a worker process forked meanwhile never meets a lock
-    of rich's console. That nobody reads the progress, or its log is full, does not end the work.
-    columns: as `rich.progress.Progress` takes them.
-    """
+    of rich's console. That nobody reads the progress, or its log is full, does not end the work."""
 
     def __init__(self, quiet: bool, *columns: str | ProgressColumn) -> None:
         from rich.console import Console
         from rich.progress import Progress
 
-        self._console = Console(stderr=True, quiet=quiet, soft_wrap=True)
-        self._console.on_broken_pipe = lambda: None  # type: ignore[method-assign]
+        stderr: Any = Lossy(sys.stderr)
+        self._console = Console(file=stderr, quiet=quiet, soft_wrap=True)
         bars = self._console.is_terminal and not quiet
         self.plain = not quiet and not bars  #: whether lines take the bars' place
-        self.bars = Progress(
-            *columns,
-            console=self._console,
-            disable=not bars,
-            redirect_stdout=False,
-            redirect_stderr=False,
-        )
+        apart: Any = {"redirect_stdout": False, "redirect_stderr": False}
+        self.bars = Progress(*columns, console=self._console, disable=not bars, **apart)
 
     def __enter__(self) -> Self:
         self.bars.start()
@@ -44,5 +37,4 @@ class ProgressBars:
 
     def say(self, sentence: str) -> None:
         """Print a line that stays, above the bars."""
-        with suppress(OSError):
-            self._console.print(printable(sentence), markup=False, highlight=False)
+        self._console.print(printable(sentence), markup=False, highlight=False)

@@ -1,6 +1,8 @@
-"""Text from files that anyone may have written: safe to print, in any terminal and any log."""
+"""Text from files that anyone may have written, safe to print in any terminal and any log."""
 
+import os
 import unicodedata
+from typing import Any, TextIO
 
 # Control characters, surrogates, separators of lines, and formats such as those that turn the
 # direction of writing; joiners are formats too, and some scripts need them.
@@ -16,3 +18,20 @@ def printable(text: str, most: int | None = None) -> str:
         return text
     safe = (c in JOINERS or unicodedata.category(c) not in UNSAFE for c in text)
     return "".join(c if s else "\N{REPLACEMENT CHARACTER}" for c, s in zip(text, safe, strict=True))
+
+
+class Lossy:
+    """A stream; what can't be written to it is lost, and does not end the work."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> None:
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except OSError:  # nobody reads, or the disk is full: what Python still holds goes nowhere
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
