@@ -65,6 +65,9 @@ def holds_scans(folder: Path) -> bool:
 def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     with asking(folder):
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
+        for path in entries:
+            if path.is_symlink() and suffix_of(path) in READERS and not path.exists():
+                raise InputError(f"'{path}' is a link to a file that is not there.")
         scans = [path for path in entries if _is_scan(path)]
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]

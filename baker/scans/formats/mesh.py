@@ -5,6 +5,7 @@ Open3D's reader of OFF ends the process at damaged files (docs/method.md).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,10 @@ from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults
-from baker.scans.formats.surface import points_on_surface
+from baker.scans.formats.surface import Faces, points_on_surface
+
+Mesh = tuple[NDArray, NDArray, Faces]
+"""(V, 3) vertices, (V, 3) uint8 colours or none, and faces."""
 
 
 def read(path: Path) -> Columns:
@@ -20,8 +24,9 @@ def read(path: Path) -> Columns:
 
     Raises FormatError: not sound, or no faces to sample points on.
     """
+    read_mesh = _read_off if path.suffix.lower() == ".off" else _reader_of_open3d()
     with library_faults(path.suffix[1:].upper()):
-        vertices, colors, faces = _read_off(path) if path.suffix.lower() == ".off" else _open(path)
+        vertices, colors, faces = read_mesh(path)
         if not len(vertices) or not len(faces):
             raise FormatError(
                 f"holds no mesh: {len(vertices)} vertices and {len(faces)} faces found; export "
@@ -33,17 +38,19 @@ def read(path: Path) -> Columns:
         return points_on_surface(columns, faces)
 
 
-def _open(path: Path) -> tuple[NDArray, NDArray, NDArray]:
-    """(V, 3) vertices, (V, 3) uint8 colours or none, (F, 3) triangles."""
+def _reader_of_open3d() -> Callable[[Path], Mesh]:
     import open3d
 
-    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
-        mesh = open3d.io.read_triangle_mesh(path)
-    colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
-    return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
+    def read_mesh(path: Path) -> Mesh:
+        with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+            mesh = open3d.io.read_triangle_mesh(path)
+        colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
+        return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
+
+    return read_mesh
 
 
-def _read_off(path: Path) -> tuple[NDArray, NDArray, list[NDArray]]:
+def _read_off(path: Path) -> Mesh:
     """OFF and COFF (colours from 0 to 255, or to 1, behind the coordinates).
 
     Format: http://www.geomview.org/docs/html/OFF.html

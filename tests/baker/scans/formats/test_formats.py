@@ -1,5 +1,6 @@
 """What is written in any format is read back; what isn't sound is refused with one sentence."""
 
+import gzip
 import os
 import re
 from pathlib import Path
@@ -10,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from baker.errors import InputError
+from baker.scans import formats
 from baker.scans.fields import choose_fields
 from baker.scans.formats import READERS, read_columns
 
@@ -184,3 +186,38 @@ def test_the_shortest_rows_there_can_be_have_room(tmp_path, last):
             assert [columns.values[axis].tolist() for axis in "xyz"] == [
                 [1.0] * count, [2.0] * count, [3.0] * count
             ]  # fmt: skip
+
+
+def test_a_gzipped_file_that_is_cut_short_or_none_is_refused(tmp_path):
+    packed = gzip.compress(b"1 2 3\n4 5 6\n" * 50)
+    for content in (packed[:-9], packed[:20], b"1 2 3\n", gzip.compress(b"")):
+        (tmp_path / "a.xyz.gz").write_bytes(content)
+        with pytest.raises(InputError, match=r"a\.xyz\.gz' (is no sound gzip|holds an empty file)"):
+            read(tmp_path / "a.xyz.gz")
+
+
+def test_a_gzipped_file_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(formats, "LARGEST_UNPACKED", 1 << 20)
+    (tmp_path / "a.xyz.gz").write_bytes(gzip.compress(b"1 2 3\n" * (1 << 19)))
+    with pytest.raises(InputError, match=r"a\.xyz\.gz' unpacks to more than"):
+        read(tmp_path / "a.xyz.gz")
+
+
+def test_a_line_of_a_gzipped_file_is_named(tmp_path):
+    (tmp_path / "a.csv.gz").write_bytes(gzip.compress(b"1,2,3\n4,x,6\n"))
+    with pytest.raises(InputError, match=r"a\.csv\.gz', line 2: 'x' is not a number"):
+        read(tmp_path / "a.csv.gz")
+
+
+def test_bytes_after_the_points_of_a_pcd_do_not_matter(tmp_path):
+    header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA binary\n"
+    points = np.arange(6, dtype="<f4").reshape(2, 3)
+    (tmp_path / "a.pcd").write_bytes(header.encode() + points.tobytes() + bytes(4000))
+    assert read(tmp_path / "a.pcd").points.tolist() == points.tolist()
+
+
+def test_faces_may_come_before_the_vertices_of_a_ply(tmp_path):
+    header = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+    header += "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    (tmp_path / "a.ply").write_text(header + "3 0 0 0\n0 0 0\n1 0 0\n0 1 0\n")
+    assert read(tmp_path / "a.ply").points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]

@@ -1,0 +1,18 @@
+"""What lies in a folder of scans."""
+
+import pytest
+
+from baker.errors import InputError
+from baker.scans.find import find_scans
+
+
+def test_links_to_files_that_are_not_there_are_named(make_folder):
+    folder = make_folder({"day1.ply": "", "day2.ply": "", "day3.ply": ""})
+    (folder / "day4.ply").symlink_to(folder / "annex" / "day4.ply")
+    with pytest.raises(InputError, match=r"day4\.ply' is a link to a file that is not there\."):
+        find_scans([folder])
+
+
+def test_gzipped_scans_are_one_series_with_plain_ones(make_folder):
+    folder = make_folder({"day1.ply": "", "day2.ply.gz": "", "notes.gz": "", "day3.tar.gz": ""})
+    assert [path.name for path in find_scans([folder]).paths] == ["day1.ply", "day2.ply.gz"]
