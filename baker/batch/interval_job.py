@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 from baker.interpolation import Bend, Bending
-from baker.interpolation.attachment import attached
+from baker.interpolation.attachment import attached, attachment_finder
 from baker.interpolation.births import births
-from baker.interpolation.feet import Feet
 from baker.interpolation.movers import Keyframe, Moved, solve_task
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.timing import Timing
@@ -91,7 +90,7 @@ def move_interval(
     """Each task's movers on their paths; arguments as those of `solve_interval`."""
     total = sum(map(_size, job.tasks))
     clouds = job.start.positions, job.end.positions
-    feet = Feet(clouds, job.match, job.organs)
+    attachment = attachment_finder(clouds, job.match, job.organs)
     born = births(clouds[1], job.match, job.organs, job.timings) if job.curved else {}
     bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
 
@@ -106,7 +105,7 @@ def move_interval(
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
-            foot=feet.of(task) if job.limbs else None,
+            foot=attachment(task) if job.limbs else None,
             birth=born.get(task.organ) if task.event == "birth" else None,
             timing=job.timings.get(task.organ) if task.event == "match" else None,
         )

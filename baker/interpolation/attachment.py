@@ -7,16 +7,19 @@ keeps its attachment point, in the least-squares sense, as near to its parent as
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from baker.interpolation.movers import Moved
 from baker.interpolation.resampling import position_at
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
+from baker.transport.tasks import Task
 from gclip.evaluate import bernstein
 from gclip.pack import raised
 
@@ -62,6 +65,39 @@ def attached(
             trees[carrier] = _trees(done[carrier])
         done[index] = _attached(done[index], trees[carrier], spacing)
     return done
+
+
+def attachment_finder(
+    clouds: tuple[NDArray[np.floating], NDArray[np.floating]], match: Match, organs: IntervalOrgans
+) -> Callable[[Task], tuple[int, int] | None]:
+    """A function that finds a task's points nearest to its parent, in both scans.
+
+    It returns their places within the task; None of roots, of what is not matched, and where a
+    parent has no points.
+    """
+    from scipy.spatial import cKDTree
+
+    hierarchies = match.first, match.second
+    segments = {organs.second[b]: (a, b) for a, b in match.pairs}
+
+    @cache
+    def tree(side: int, parent: int) -> cKDTree:
+        points = clouds[side].take(hierarchies[side].segments[parent], axis=0)
+        return cKDTree(points, balanced_tree=False)
+
+    def find(task: Task) -> tuple[int, int] | None:
+        if task.event != "match":
+            return None
+        found = []
+        for side, members in enumerate((task.start, task.end)):
+            parent = hierarchies[side].parents[segments[task.organ][side]]
+            if parent == NO_PARENT or not len(hierarchies[side].segments[parent]):
+                return None
+            distances = tree(side, parent).query(clouds[side].take(members, axis=0))[0]
+            found.append(int(np.argmin(distances)))
+        return found[0], found[1]
+
+    return find
 
 
 def _trees(moved: Moved) -> tuple[cKDTree, ...]:

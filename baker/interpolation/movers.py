@@ -17,7 +17,6 @@ from gclip.pack import Movers
 
 if TYPE_CHECKING:
     from baker.interpolation.births import Birth
-    from baker.interpolation.feet import Foot
     from baker.interpolation.timing import Timing
 
 
@@ -66,7 +65,7 @@ def solve_task(
     decay: Motion,
     vertical: Vertical,
     floor: float,
-    foot: Foot | None = None,
+    foot: tuple[int, int] | None = None,
     birth: Birth | None = None,
     timing: Timing | None = None,
 ) -> Moved:

@@ -23,7 +23,7 @@ from gclip.pack import Movers, raised
 if TYPE_CHECKING:
     from baker.interpolation.movers import Moved
 
-MAX_OVERHANG = 0.5  # of the square root of a mover's area: how far it may be from its mean
+MAX_OVERHANG = 0.35  # of the square root of a mover's area: how far it may be from its mean
 NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
 
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)

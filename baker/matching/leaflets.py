@@ -8,7 +8,6 @@ scans show go each on its own, and the stalk goes with those around it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,6 @@ from numpy.typing import NDArray
 from baker.matching.leaflet_registration import FEWEST, laid_on, middles
 from baker.segmentation.leaflets import limbs
 from baker.transport.support import balance
-
-if TYPE_CHECKING:
-    from baker.interpolation.feet import Foot
 
 Points = NDArray[np.floating]
 Indices = NDArray[np.intp]
@@ -42,7 +38,7 @@ class Piece:
     there: Points
 
 
-def pieces(start: Points, end: Points, foot: Foot) -> list[Piece]:
+def pieces(start: Points, end: Points, foot: tuple[int, int]) -> list[Piece]:
     """An organ with limbs cut into those that both scans show, and the rest; none without limbs.
 
     start, end: (n, 3), (m, 3); foot: the points where the organ is attached, one of either.
@@ -72,7 +68,9 @@ def pieces(start: Points, end: Points, foot: Foot) -> list[Piece]:
     return cut if used == len(start) + len(end) else whole
 
 
-def _limbs_of_both(sides: tuple[Points, Points], foot: Foot) -> tuple[Indices, Indices] | None:
+def _limbs_of_both(
+    sides: tuple[Points, Points], foot: tuple[int, int]
+) -> tuple[Indices, Indices] | None:
     """The limbs of either side; None where one has none, as most have: the smaller is asked."""
     found: dict[int, Indices] = {}
     for side in sorted((0, 1), key=lambda side: len(sides[side])):

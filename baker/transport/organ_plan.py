@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from baker.transport.problem import TransportOptions, costs
 
 if TYPE_CHECKING:
-    from baker.interpolation.feet import Foot
     from baker.matching.leaflets import Piece
 
 Points = NDArray[np.floating]
@@ -37,7 +36,7 @@ def coupled(
     start: Points,
     end: Points,
     options: TransportOptions,
-    foot: Foot | None = None,
+    foot: tuple[int, int] | None = None,
 ) -> Coupled:
     """Pair the points of an organ, (n, 3) and (m, 3), by optimal transport.
 
@@ -72,7 +71,7 @@ def coupled(
     )
 
 
-def _cut(start: Points, end: Points, foot: Foot) -> list[Piece]:
+def _cut(start: Points, end: Points, foot: tuple[int, int]) -> list[Piece]:
     from baker.matching.leaflets import pieces
 
     return pieces(start, end, foot)
