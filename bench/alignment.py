@@ -33,8 +33,8 @@ from pathlib import Path
 import numpy as np
 
 from baker.alignment import Alignment, align
-from baker.alignment.icp import rigid_fit
 from baker.alignment.up_axis_search import upright
+from baker.geometry.rigid import fit_rigid
 from baker.geometry.up_axis import Vertical
 
 WRONG = 30.0  # degrees: locked on a wrong way round
@@ -48,7 +48,7 @@ def pairs(unaligned: Path, aligned: Path, names: list[str]) -> None:
     for name in names:
         table = {path.stem: _table(path)[:, :3] for path in sorted((aligned / name).iterdir())}
         scans = {path.stem: _table(path)[:, :3] for path in sorted((unaligned / name).iterdir())}
-        truth = [rigid_fit(scans[day], table[day]) for day in scans]
+        truth = [fit_rigid(scans[day], table[day]) for day in scans]
         errors, seconds = {}, {}
         for method in totals:
             begun = time.process_time()

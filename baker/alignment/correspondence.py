@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.sampling import EvenSample
+from baker.alignment.sample import EvenSample
 
-TURN_KEPT = np.radians(12.0)  # what turns by much more does not count as kept
+TURN_WIDTH = np.radians(12.0)  # what turns by much more does not count as kept
 
 
 @dataclass(frozen=True)
-class Look:
+class YawSearch:
     """How closely yaws are compared.
 
     points: of the larger sample.
@@ -26,11 +26,11 @@ class Look:
 
 # Measured on 33 pairs of real scans: the wider look mistakes fewer leaves for one another, the
 # narrower one is the more exact once they are told apart.
-ALL_ROUND, CLOSELY = Look(200, 0.5), Look(350, 0.33)
+COARSE, FINE = YawSearch(200, 0.5), YawSearch(350, 0.33)
 
 
 @dataclass(frozen=True)
-class Around:
+class Cylindrical:
     """(n,) cylindrical coordinates about a stem: distance from its axis, azimuth and height."""
 
     radius: NDArray[np.float64]
@@ -38,7 +38,7 @@ class Around:
     height: NDArray[np.float64]
 
     @classmethod
-    def stem(cls, points: NDArray[np.float64]) -> Around:
+    def about_stem(cls, points: NDArray[np.float64]) -> Cylindrical:
         """Of (n, 3) points with z up and the stem's base at the origin."""
         x, y, z = points.T
         return cls(np.hypot(x, y), np.arctan2(y, x), z)
@@ -54,7 +54,9 @@ class Pairs:
     moments: NDArray[np.float64]
 
 
-def pairs_of_least_cost(earlier: Around, later: Around, yaw: float, growth: float) -> Pairs:
+def pairs_of_least_cost(
+    earlier: Cylindrical, later: Cylindrical, yaw: float, growth: float
+) -> Pairs:
     """Which points of two scans belong together at this yaw.
 
     Every point of the smaller sample is paired with one of its own in the other, by the assignment
@@ -71,7 +73,7 @@ def pairs_of_least_cost(earlier: Around, later: Around, yaw: float, growth: floa
     return Pairs(before, after, turns[before, after], moments[before, after])
 
 
-def kept_share(earlier: Around, later: Around, yaw: float, growth: float) -> float:
+def direction_overlap(earlier: Cylindrical, later: Cylindrical, yaw: float, growth: float) -> float:
     """The share (0 to 1) of the points that keep their direction from the stem at this yaw.
 
     A pair counts by its distance from the stem (as an arm's moment does) and with a Gaussian of
@@ -82,7 +84,7 @@ def kept_share(earlier: Around, later: Around, yaw: float, growth: float) -> flo
     total = weights.sum()
     if total == 0.0:
         return 1.0
-    return float((weights * np.exp(-0.5 * (pairs.turns / TURN_KEPT) ** 2)).sum() / total)
+    return float((weights * np.exp(-0.5 * (pairs.turns / TURN_WIDTH) ** 2)).sum() / total)
 
 
 def at_one_spacing(

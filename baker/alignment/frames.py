@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.icp import trimmed_residual
-from baker.alignment.pose import Stand, about_z, possible_stands
-from baker.alignment.yaw import YawFit, kept_near, likely_yaws
+from baker.alignment.pose import Pose, about_z, candidate_poses
+from baker.alignment.sample import EvenSample
+from baker.alignment.yaw import YawFit, likely_yaws, overlap_near
 from baker.geometry.parallel import MapLike
-from baker.geometry.sampling import EvenSample
 from baker.geometry.up_axis import Vertical
 
 SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
@@ -22,17 +22,17 @@ SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
 SAME_FRAME, NO_JUMP = 0.08, 0.2
 
 
-def best_stands(
-    first: Stand,
+def best_poses(
+    first: Pose,
     samples: Sequence[EvenSample],
     vertical: Vertical,
     map: MapLike = map,
-) -> tuple[list[Stand], list[list[YawFit]]]:
-    """Each further scan at that of its possible bases which fits its predecessor, likely yaws.
+) -> tuple[list[Pose], list[list[YawFit]]]:
+    """Each further scan in that of its possible bases which fits its predecessor, likely yaws.
 
-    The first scan's stand comes first; there are as many lists of yaws as samples.
+    The first scan's pose comes first; there are as many lists of yaws as samples.
     """
-    further = list(map(partial(possible_stands, vertical=vertical), samples))
+    further = list(map(partial(candidate_poses, vertical=vertical), samples))
     possible = [[first], *further]
     # Where the predecessor's base is certain, nothing has to wait for it.
     certain = [
@@ -42,25 +42,25 @@ def best_stands(
     earlier = [possible[k][0] for k, _ in certain]
     later = [further[k][place] for k, place in certain]
     known = dict(zip(certain, map(likely_yaws, earlier, later), strict=True))
-    stands, yaws = [first], []
+    poses, yaws = [first], []
     for k, choices in enumerate(further):
-        before = stands[-1]
+        before = poses[-1]
         tries = [
-            (stand, known[k, place] if (k, place) in known else likely_yaws(before, stand))
-            for place, stand in enumerate(choices)
+            (pose, known[k, place] if (k, place) in known else likely_yaws(before, pose))
+            for place, pose in enumerate(choices)
         ]
-        stand, likely = tries[0] if len(tries) == 1 else min(tries, key=partial(_residual, before))
-        stands.append(stand)
+        pose, likely = tries[0] if len(tries) == 1 else min(tries, key=partial(_residual, before))
+        poses.append(pose)
         yaws.append(likely)
-    return stands, yaws
+    return poses, yaws
 
 
-def _residual(earlier: Stand, tried: tuple[Stand, list[YawFit]]) -> float:
-    stand, likely = tried
-    return trimmed_residual(earlier.sample, stand.sample, about_z(likely[0].yaw))
+def _residual(earlier: Pose, tried: tuple[Pose, list[YawFit]]) -> float:
+    pose, likely = tried
+    return trimmed_residual(earlier.sample, pose.sample, about_z(likely[0].yaw))
 
 
-def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:
+def shared_frames(poses: Sequence[Pose], yaws: Sequence[Sequence[YawFit]]) -> NDArray[np.intp]:
     """(S,) a number for each scan; scans with the same number stand in one frame.
 
     A series came aligned if most scans have their base in one place, and most of those keep about
@@ -68,13 +68,13 @@ def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> 
     chance. Where much is lost, or something twice in a row (as one jumped scan does it), and the
     scan doesn't fit the one before the last either, it has jumped, and stands alone.
     """
-    count = len(stands)
+    count = len(poses)
     lost = [
         _lost_unturned(before, after, likely[0].kept)
-        for (before, after), likely in zip(pairwise(stands), yaws, strict=True)
+        for (before, after), likely in zip(pairwise(poses), yaws, strict=True)
     ]
     alone = np.arange(count)
-    in_place = _in_place(stands)
+    in_place = _in_place(poses)
     in_row = np.sort(np.array(lost)[in_place[1:] & in_place[:-1]])
     if not len(in_row) or in_row[(len(in_row) - 1) // 2] > SAME_FRAME:
         return alone
@@ -86,24 +86,24 @@ def shared_frames(stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]]) -> 
         if not broken[at - 1]:
             frames[at] = frames[at - 1]
         elif at > 1:
-            before, after = stands[at - 2], stands[at]
+            before, after = poses[at - 2], poses[at]
             if _lost_unturned(before, after, likely_yaws(before, after)[0].kept) <= SAME_FRAME:
                 frames[at] = frames[at - 2]
     main = np.argmax(np.bincount(frames))
     return np.where(frames == main, count, alone)
 
 
-def _in_place(stands: Sequence[Stand]) -> NDArray[np.bool_]:
+def _in_place(poses: Sequence[Pose]) -> NDArray[np.bool_]:
     """(S,) whether a scan's base is where most have theirs; none is if there is no such place."""
-    bases = np.array([stand.base for stand in stands])
-    apart = np.linalg.norm(bases - np.median(bases, axis=0), axis=1)
-    there = apart <= SAME_PLACE * max(stand.height for stand in stands)
-    return there if 2 * there.sum() > len(stands) else np.zeros(len(stands), bool)
+    bases = np.array([pose.base for pose in poses])
+    offsets = np.linalg.norm(bases - np.median(bases, axis=0), axis=1)
+    in_place = offsets <= SAME_PLACE * max(pose.height for pose in poses)
+    return in_place if 2 * in_place.sum() > len(poses) else np.zeros(len(poses), bool)
 
 
-def _lost_unturned(earlier: Stand, later: Stand, best: float) -> float:
+def _lost_unturned(earlier: Pose, later: Pose, best: float) -> float:
     """How much less is kept where the scans stand as they do than at the best yaw, at most 1."""
-    apart = float(np.linalg.norm(earlier.base - later.base))
-    if apart > SAME_PLACE * max(earlier.height, later.height):
+    distance = float(np.linalg.norm(earlier.base - later.base))
+    if distance > SAME_PLACE * max(earlier.height, later.height):
         return 1.0
-    return best - kept_near(earlier, later, 0.0)
+    return best - overlap_near(earlier, later, 0.0)

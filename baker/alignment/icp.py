@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.sampling import EvenSample
+from baker.alignment.sample import EvenSample
+from baker.geometry.rigid import fit_rigid
 
-KEPT_SHARE = 0.8  # the rest of the earlier points may have no partner: moved, lost or hidden
-ITERATIONS, SMALLEST_GAIN = 100, 1e-4
-DETERMINED = 1e-9  # of the largest singular value of the pairs' covariance: the second
+INLIER_SHARE = 0.8  # the rest of the earlier points may have no partner: moved, lost or hidden
+MAX_ITERATIONS, MIN_GAIN = 100, 1e-4
 
 
 def trimmed_icp(
@@ -20,19 +20,19 @@ def trimmed_icp(
     Every earlier point looks for its nearest later one, as the plant has grown since; the worst
     fifth does not count.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    tree = cKDTree(later.pool)
+    tree = KDTree(later.pool)
     transform, last = start, np.inf
-    for _ in range(ITERATIONS):
-        back = np.linalg.inv(transform)
-        distances, nearest = tree.query(earlier.points @ back[:3, :3].T + back[:3, 3])
-        kept = _nearest_share(distances)
-        error = float(np.sqrt((distances[kept] ** 2).mean()))
-        if error >= (1.0 - SMALLEST_GAIN) * last:
+    for _ in range(MAX_ITERATIONS):
+        inverse = np.linalg.inv(transform)
+        distances, nearest = tree.query(earlier.points @ inverse[:3, :3].T + inverse[:3, 3])
+        inliers = _inliers(distances)
+        error = float(np.sqrt((distances[inliers] ** 2).mean()))
+        if error >= (1.0 - MIN_GAIN) * last:
             break
         last = error
-        transform = rigid_fit(later.pool[nearest[kept]], earlier.points[kept])
+        transform = fit_rigid(later.pool[nearest[inliers]], earlier.points[inliers])
     return transform
 
 
@@ -40,28 +40,13 @@ def trimmed_residual(
     earlier: EvenSample, later: EvenSample, transform: NDArray[np.float64]
 ) -> float:
     """Root mean square distance from the earlier sample to the later scan, best four fifths."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     moved = later.pool @ transform[:3, :3].T + transform[:3, 3]
-    distances, _ = cKDTree(moved).query(earlier.points)
-    return float(np.sqrt((distances[_nearest_share(distances)] ** 2).mean()))
+    distances, _ = KDTree(moved).query(earlier.points)
+    return float(np.sqrt((distances[_inliers(distances)] ** 2).mean()))
 
 
-def rigid_fit(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(4, 4) rotation and translation of least squares between (n, 3) pairs (Kabsch 1976).
-
-    Without a rotation where the pairs don't determine one, as points on a line don't.
-    """
-    centers = source.mean(axis=0), target.mean(axis=0)
-    left, spread, right = np.linalg.svd((source - centers[0]).T @ (target - centers[1]))
-    transform = np.eye(4)
-    if spread[1] > DETERMINED * spread[0]:
-        mirrored = np.linalg.det(left @ right) < 0
-        transform[:3, :3] = (left @ np.diag([1.0, 1.0, -1.0 if mirrored else 1.0]) @ right).T
-    transform[:3, 3] = centers[1] - transform[:3, :3] @ centers[0]
-    return transform
-
-
-def _nearest_share(distances: NDArray[np.float64]) -> NDArray[np.intp]:
-    count = max(int(np.ceil(KEPT_SHARE * len(distances))), 1)
+def _inliers(distances: NDArray[np.float64]) -> NDArray[np.intp]:
+    count = max(int(np.ceil(INLIER_SHARE * len(distances))), 1)
     return np.argsort(distances, kind="stable")[:count]

@@ -7,21 +7,42 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.organs import Organs, find_organs
+from baker.alignment.sample import NEIGHBORS_ON_SURFACE, EvenSample, distance_graph, touching_pairs
 from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import upright
-from baker.geometry.sample_graph import AROUND, touching_pairs
-from baker.geometry.sampling import EvenSample
+from baker.geometry.merge_tree import branches
 from baker.geometry.up_axis import Vertical
 
 # Of the lower plant's height: how much of both is compared, and how near what belongs together is.
 FOOT, TOGETHER = 0.1, (0.03, 0.02)
 FOUND = 0.1  # of a foot: with fewer of its points near the other's it is no help
 STEPS = 4
+MIN_PERSISTENCE = 0.1  # of the longest geodesic distance: shorter tips are no organs of their own
+MIN_POINTS_OF_ORGAN = 4
+AXIS = -1
 
 
 @dataclass(frozen=True)
-class Stand:
+class Organs:
+    """What stands out of a plant, in coordinates with z up and the stem's base at the origin.
+
+    Points turn, bend and multiply as an organ grows; the direction in which the organ as a whole
+    points from the stem is steadier. No labels are needed, and no exact borders.
+
+    Attributes
+    ----------
+    numbers : (n,) intp
+        The organ of each of the sample's points, `AXIS` where it is on what bears the organs.
+    centers : (k, 3) float64
+        The middles of the organs that have four points or more.
+    """
+
+    numbers: NDArray[np.intp]
+    centers: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pose:
     """A scan set upright with its stem's base at the origin.
 
     frame:   (4, 4) from the scan's coordinates to these.
@@ -43,18 +64,18 @@ class Stand:
         return float(np.ptp(self.sample.points[:, 2]))
 
 
-def possible_stands(
+def candidate_poses(
     sample: EvenSample, vertical: Vertical, root: NDArray[np.floating] | None = None
-) -> list[Stand]:
+) -> list[Pose]:
     """The scan of which `sample` was taken, on each base it may have, or on its (3,) root."""
-    pairs = touching_pairs(sample, AROUND)
+    pairs = touching_pairs(sample, NEIGHBORS_ON_SURFACE)
     if root is not None:
-        return [_stand_at(sample, vertical, np.asarray(root, float), pairs)]
+        return [_pose_at(sample, vertical, np.asarray(root, float), pairs)]
     bases = base_candidates(sample, vertical, pairs)
-    return [_stand_at(sample, vertical, base, pairs) for base in bases]
+    return [_pose_at(sample, vertical, base, pairs) for base in bases]
 
 
-def move(earlier: Stand, later: Stand, yaw: float) -> NDArray[np.float64]:
+def move(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
     """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw`, foot on foot."""
     onto = about_z(yaw)
     onto[:2, 3] = _foot_shift(earlier, later, onto)
@@ -70,7 +91,7 @@ def about_z(yaw: float) -> NDArray[np.float64]:
     return turn
 
 
-def _foot_shift(earlier: Stand, later: Stand, onto: NDArray[np.float64]) -> NDArray[np.float64]:
+def _foot_shift(earlier: Pose, later: Pose, onto: NDArray[np.float64]) -> NDArray[np.float64]:
     """(2,) how much further the later scan's foot has to be moved, level, to cover the earlier's.
 
     A base is the middle of a few points at the ground. The foot of the stem above it hardly
@@ -80,7 +101,7 @@ def _foot_shift(earlier: Stand, later: Stand, onto: NDArray[np.float64]) -> NDAr
     from scipy.spatial import cKDTree
 
     height = min(earlier.height, later.height)
-    foot, other = (stand.sample.pool for stand in (earlier, later))
+    foot, other = (pose.sample.pool for pose in (earlier, later))
     foot, other = foot[foot[:, 2] <= FOOT * height], other[other[:, 2] <= FOOT * height]
     shift = np.zeros(3)
     if height == 0.0 or not len(foot) or not len(other):
@@ -98,11 +119,28 @@ def _foot_shift(earlier: Stand, later: Stand, onto: NDArray[np.float64]) -> NDAr
     return shift[:2]
 
 
-def _stand_at(
+def _pose_at(
     sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], pairs: NDArray[np.intp]
-) -> Stand:
+) -> Pose:
     turn = upright(vertical)
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = turn, -turn @ base
     moved = EvenSample((sample.pool - base) @ turn.T, (sample.points - base) @ turn.T, sample.radii)
-    return Stand(frame, moved, find_organs(moved, pairs))
+    return Pose(frame, moved, _find_organs(moved, pairs))
+
+
+def _find_organs(sample: EvenSample, pairs: NDArray[np.intp]) -> Organs:
+    """Branches of the merge tree of the geodesic distance from the base."""
+    from scipy.sparse.csgraph import dijkstra
+
+    points = sample.points
+    if len(points) < 2:
+        return Organs(np.full(len(points), AXIS), np.zeros((0, 3)))
+    graph = distance_graph(points, pairs)
+    distance = dijkstra(graph, indices=int(np.argmin((points**2).sum(axis=1))))
+    numbers = branches(distance, graph, MIN_PERSISTENCE * float(distance.max()))
+    if numbers.max() < 0:
+        numbers[:] = 0  # a single organ, which meets no other one
+    members = (np.flatnonzero(numbers == number) for number in range(numbers.max() + 1))
+    centers = [points[of].mean(axis=0) for of in members if len(of) >= MIN_POINTS_OF_ORGAN]
+    return Organs(numbers, np.array(centers).reshape(-1, 3))

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.frames import best_stands, shared_frames
+from baker.alignment.frames import best_poses, shared_frames
 from baker.alignment.icp import trimmed_icp, trimmed_residual
-from baker.alignment.pose import Stand, move, possible_stands
+from baker.alignment.pose import Pose, candidate_poses, move
+from baker.alignment.sample import EvenSample, even_sample, touching_pairs
 from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import find_up_of, upright
 from baker.alignment.yaw import YawFit, difference
 from baker.geometry.parallel import MapLike, reporting
-from baker.geometry.sample_graph import touching_pairs
-from baker.geometry.sampling import EvenSample, even_sample
 from baker.geometry.up_axis import Vertical
 
 Progress = Callable[[str, int, int], None]
@@ -82,18 +80,18 @@ def align(
     if method == "none" and up != "auto":
         return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
     tell = progress or (lambda stage, done, total: None)
-    total = 3 * len(clouds) - 2
-    map = reporting(map, partial(tell, "aligning"), total)
+    total = 3 * len(clouds) - 1  # samples, poses, yaws, and what is left at the end
+    map = reporting(map, lambda done, _: tell("aligning", done, total), total - 1)
     samples = list(map(even_sample, clouds))
     direction = find_up_of(samples) if up == "auto" else up
     vertical = Vertical.named(direction)
     transforms, notes = [np.eye(4)] * len(clouds), []
     steps = [np.eye(4)] * (len(clouds) - 1)
     if method == "auto":
-        first = possible_stands(samples[0], vertical, root)[0]
-        stands, yaws = best_stands(first, samples[1:], vertical, map)
-        frames = shared_frames(stands, yaws)
-        transforms = _brought_together(stands, yaws, frames)
+        first = candidate_poses(samples[0], vertical, root)[0]
+        poses, yaws = best_poses(first, samples[1:], vertical, map)
+        frames = shared_frames(poses, yaws)
+        transforms = _brought_together(poses, yaws, frames)
         steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
         if len(clouds) > 1 and len(set(frames)) == 1:
             notes.append("the scans stand in one frame already and were left there")
@@ -113,24 +111,24 @@ def align(
 
 
 def _brought_together(
-    stands: Sequence[Stand], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+    poses: Sequence[Pose], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
 ) -> list[NDArray[np.float64]]:
     """Each scan's transform to the first: onto the one before, or with those of its own frame."""
     transforms = [np.eye(4)]
     first = {frames[0]: 0}
-    for at in range(1, len(stands)):
+    for at in range(1, len(poses)):
         if frames[at] in first:
             transforms.append(transforms[first[frames[at]]])
             continue
         first[frames[at]] = at
-        before, after = stands[at - 1 : at + 1]
+        before, after = poses[at - 1 : at + 1]
         step = move(before, after, yaws[at - 1][0].yaw)
         transforms.append(transforms[-1] @ step)
     return transforms
 
 
 def _jumps(frames: NDArray[np.intp]) -> list[str]:
-    """A sentence for the scans that jumped out of the frame that most of the series stands in."""
+    """A sentence for the scans that jumped out of the frame that most of the series poses in."""
     numbers, counts = np.unique(frames, return_counts=True)
     if counts.max() == 1:
         return []

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.alignment.sample import EvenSample, weighted_graph
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
-from baker.geometry.sample_graph import way_graph
-from baker.geometry.sampling import EvenSample
 from baker.geometry.up_axis import Vertical
 from gclip.pack import extent
 
@@ -48,9 +47,9 @@ def base_candidates(
     height = np.ptp(heights)
     low = heights <= heights.min() + LOW_SHARE * height
     among_low = pairs[low[pairs].all(axis=1)]
-    _, part = connected_components(way_graph(among_low, np.ones(len(among_low)), count))
+    _, part = connected_components(weighted_graph(among_low, np.ones(len(among_low)), count))
     descents = np.maximum(heights[pairs[:, 0]] - heights[pairs[:, 1]], 0.0)
-    graph = way_graph(pairs, descents, count)
+    graph = weighted_graph(pairs, descents, count)
     candidates = []
     for number in np.unique(part[low]):
         members = np.flatnonzero(low & (part == number))

@@ -7,15 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.sample_graph import touching_pairs, way_graph
-from baker.geometry.sampling import EvenSample, even_sample
+from baker.alignment.sample import EvenSample, distance_graph, even_sample, touching_pairs
 from baker.geometry.up_axis import Vertical
 
 # What scanners call up, the usual ones first, and what the less usual ones cost beforehand.
 NAMES = ("z", "y", "x", "-z", "-y", "-x")
-HABIT = np.array([0.0, 0.03, 0.1, 0.1, 0.1, 0.1])
-FOOT_SHARE = 0.15  # of the longest way from the lowest point: what should be bare stem
-COARSE = 800
+PRIOR_COSTS = np.array([0.0, 0.03, 0.1, 0.1, 0.1, 0.1])
+STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: should be bare stem
+SAMPLE_SIZE = 800
 
 
 def find_up(clouds: Sequence[NDArray[np.floating]]) -> str:
@@ -30,7 +29,7 @@ def find_up(clouds: Sequence[NDArray[np.floating]]) -> str:
 def find_up_of(samples: Sequence[EvenSample]) -> str:
     """`find_up` of clouds that are sampled already."""
     costs = np.mean([_costs(sample) for sample in samples], axis=0)
-    return NAMES[int(np.argmin(costs + HABIT))]
+    return NAMES[int(np.argmin(costs + PRIOR_COSTS))]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:
@@ -45,24 +44,22 @@ def _costs(sample: EvenSample) -> NDArray[np.float64]:
     """(6,) how unlike an upright plant the sample looks along each direction; 0 is best."""
     from scipy.sparse.csgraph import dijkstra
 
-    points = sample.points[:COARSE]
+    points = sample.points[:SAMPLE_SIZE]
     if len(points) < 2:
         return np.zeros(len(NAMES))
-    coarse = EvenSample(sample.pool, points, sample.radii[:COARSE])
-    pairs = touching_pairs(coarse)
-    lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    ways = way_graph(pairs, lengths, len(points))
+    coarse = EvenSample(sample.pool, points, sample.radii[:SAMPLE_SIZE])
+    graph = distance_graph(points, touching_pairs(coarse))
     costs = []
     for name in NAMES:
         vertical = Vertical.named(name)
         heights = vertical.height(points)
-        way = dijkstra(ways, indices=int(np.argmin(heights)))
-        reach = FOOT_SHARE * way.max()
-        foot = way <= reach
-        sideways = np.delete(points[foot], vertical.axis, axis=1)
+        distances = dijkstra(graph, indices=int(np.argmin(heights)))
+        length = STEM_SHARE * distances.max()
+        stem = distances <= length
+        sideways = np.delete(points[stem], vertical.axis, axis=1)
         width = np.sqrt(((sideways - sideways.mean(axis=0)) ** 2).sum(axis=1).mean())
-        lean = 1.0 - np.ptp(heights[foot]) / reach
+        lean = 1.0 - np.ptp(heights[stem]) / length
         extent = np.ptp(heights)
         lowness = (heights.max() - heights.mean()) / extent if extent > 0 else 1.0
-        costs.append(width / reach + lean + lowness)
+        costs.append(width / length + lean + lowness)
     return np.array(costs)

@@ -1,59 +1,72 @@
-"""An even sample of a point cloud: every point stands for the same share of surface."""
+"""Samples of a point cloud: one point a voxel, or the farthest from those chosen before."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
-
-POOL, MOST, SEED = 6_000, 1_500, 0
+SIZE_TOLERANCE = 1.02  # of the size of voxels that is searched for
 
 
-@dataclass(frozen=True)
-class EvenSample:
-    """Points of a cloud in farthest-point order: any first n of them cover the cloud evenly.
+def farthest_point_sample(
+    points: NDArray[np.float64], count: int
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Choose points one after another, each the farthest from those before it.
 
-    pool:    (M, 3) float64, the cloud itself without outliers, thinned at random if it is large.
-    points:  (n, 3) float64, the sample of it.
-    radii:   (n,) float64, never rising: how far the pool's farthest point is from the first 1, 2, …
-             points of the sample.
+    Parameters
+    ----------
+    points : (N, 3) float64, N > 0
+    count : int
+
+    Returns
+    -------
+    indices : (n,) intp
+        At most `count`, fewer where there are no more different points; the first is the one
+        farthest from the mean.
+    radii : (n,) float64
+        How far any point is from the first 1, 2, ... of these, at most.
+
+    References
+    ----------
+    Eldar et al.: The farthest point strategy for progressive image sampling (1997).
     """
-
-    pool: NDArray[np.float64]
-    points: NDArray[np.float64]
-    radii: NDArray[np.float64]
-
-    def within(self, radius: float) -> NDArray[np.float64]:
-        """As many points of the sample as it takes to come within `radius` of the whole pool."""
-        return self.points[: int(np.searchsorted(-self.radii, -radius)) + 1]
-
-
-def even_sample(cloud: NDArray[np.floating]) -> EvenSample:
-    """At most 1,500 points of an (N, 3) cloud, by farthest-point sampling (Eldar et al. 1997).
-
-    Scanners see some organs densely and others hardly; an even sample weighs organs by area.
-    """
-    pool = _pool(cloud)
-    columns = np.ascontiguousarray(pool.T)  # coordinate by coordinate this is ten times as fast
-    chosen = [int(np.argmax(((columns.T - columns.mean(axis=1)) ** 2).sum(axis=1)))]
+    columns = np.ascontiguousarray(points.T)  # coordinate by coordinate is ten times as fast
+    chosen = [int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))]
     radii: list[float] = []
-    gaps = np.full(len(pool), np.inf)
+    squared = np.full(len(points), np.inf)
     while True:
-        apart = columns - columns[:, chosen[-1:]]
-        gaps = np.minimum(gaps, (apart * apart).sum(axis=0))
-        farthest = int(np.argmax(gaps))
-        radii.append(float(np.sqrt(gaps[farthest])))
-        if radii[-1] == 0.0 or len(chosen) == MOST:
-            return EvenSample(pool, pool[chosen], np.array(radii))
+        offsets = columns - columns[:, chosen[-1:]]
+        squared = np.minimum(squared, (offsets * offsets).sum(axis=0))
+        farthest = int(np.argmax(squared))
+        radii.append(float(np.sqrt(squared[farthest])))
+        if radii[-1] == 0.0 or len(chosen) == count:
+            return np.array(chosen), np.array(radii)
         chosen.append(farthest)
 
 
-def _pool(cloud: NDArray[np.floating]) -> NDArray[np.float64]:
-    """At most 6,000 of the cloud's points, drawn with a fixed seed, without outliers."""
-    if len(cloud) > POOL:
-        cloud = cloud[np.random.default_rng(SEED).choice(len(cloud), POOL, replace=False)]
-    pool = np.asarray(cloud, np.float64)
-    return pool[nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers]
+def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
+    """Indices of the first point in each voxel of that size; of all points where it is 0."""
+    if size <= 0.0:
+        return np.arange(len(points))
+    return np.sort(np.unique(_voxels(points, size), return_index=True)[1])
+
+
+def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
+    """The smallest size, to 2 %, of which at most `count` voxels have points in them."""
+    if len(points) <= count:
+        return 0.0
+    large = float(np.ptp(points, axis=0).max())
+    small = 1e-4 * large
+    while large > SIZE_TOLERANCE * small:
+        middle = float(np.sqrt(small * large))
+        if len(np.unique(_voxels(points, middle))) > count:
+            small = middle
+        else:
+            large = middle
+    return large
+
+
+def _voxels(points: NDArray[np.float64], size: float) -> NDArray[np.int64]:
+    cell = np.floor((points - points.min(axis=0)) / size).astype(np.int64)
+    sides = cell.max(axis=0) + 1
+    return np.asarray((cell[:, 0] * sides[1] + cell[:, 1]) * sides[2] + cell[:, 2], np.int64)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry import rotation
+from baker.geometry.rigid import rotations_between
 from baker.interpolation.spine import Points, Spine, at_levels, levels
 
 if TYPE_CHECKING:
@@ -60,14 +60,16 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
+    from scipy.spatial.transform import Rotation
 
-    turns = rotation.between(before.tangents, after.tangents)
+    turns = rotations_between(before.tangents, after.tangents)
     offset = source - at_levels(before.nodes, before.along)
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, target - _on_spine(after))]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
 
     def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
-        rolled = rotation.about(after.tangents, roll + twist * levels()) @ turns
+        angles = roll + twist * levels()
+        rolled = Rotation.from_rotvec(angles[:, None] * after.tangents).as_matrix() @ turns
         along = before.along[chosen]
         rotated = np.einsum("nij,nj->ni", at_levels(rolled, along), offset[chosen])
         return at_levels(after.nodes, along) + width * rotated

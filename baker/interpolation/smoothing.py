@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry import rotation
 from baker.geometry.attachment import attachment_point
+from baker.geometry.rigid import rotations_between
 from baker.interpolation.movers import Keyframe
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -56,7 +56,7 @@ def smooth_organs(
             directions = _unit(np.array([*course.values()]))
             smooth = _unit(local_regression(when, directions))
             turns |= zip(
-                ((organ, k) for k in course), rotation.between(directions, smooth), strict=True
+                ((organ, k) for k in course), rotations_between(directions, smooth), strict=True
             )
     found = []
     for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):

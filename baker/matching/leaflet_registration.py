@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry import rotation
+from baker.geometry.rigid import rotations_between
 from baker.transport.support import balance
 
 Points = NDArray[np.floating]
@@ -162,7 +162,7 @@ def _swings(planted: _Way, foot: Points) -> list[_Way]:
     size = np.minimum(planted.first.count[i], planted.second.count[j])
     largest = np.argsort(-size, kind="stable")[: TRIED // (2 * grown.size)]
     i, j = i[largest], j[largest]
-    turns = rotation.between(before[i] / far[i, None], after[j] / later[j, None])
+    turns = rotations_between(before[i] / far[i, None], after[j] / later[j, None])
     maps = np.concatenate([turns, turns * grown[i, j, None, None]])
     scales = np.concatenate([np.ones(len(i)), grown[i, j]])
     middle = np.einsum("hxy,ky->hkx", maps, before) + foot

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from baker.alignment import align, find_up
-from baker.alignment.icp import rigid_fit
 from baker.alignment.up_axis_search import upright
+from baker.geometry.rigid import fit_rigid
 from baker.geometry.up_axis import Vertical
 from baker.scans import read_series
 from tests.real.series import EXAMPLE, GROWN, SHARED, labelled, present
@@ -81,7 +81,7 @@ def test_yaw_within_two_degrees_for_every_pair(series, name, up):
     table = clouds_of(series(name))
     scans = table if name == GROWN else clouds_of(SHARED / "unaligned" / name)
     # The copies have their points in the same order: so the true move is known exactly.
-    truth = [rigid_fit(scan.astype(float), there) for scan, there in zip(scans, table, strict=True)]
+    truth = [fit_rigid(scan.astype(float), there) for scan, there in zip(scans, table, strict=True)]
     found = align(scans)
     assert found.up == up
     assert_steps_agree(found.transforms, truth, up)

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from baker.alignment.correspondence import Around, kept_share
-from baker.alignment.pose import Stand, possible_stands
-from baker.alignment.yaw import exact_yaw, kept_near, likely_yaws, organs_kept
-from baker.geometry.sampling import even_sample
+from baker.alignment.correspondence import Cylindrical, direction_overlap
+from baker.alignment.pose import Pose, candidate_poses
+from baker.alignment.sample import even_sample
+from baker.alignment.yaw import exact_yaw, likely_yaws, organ_overlap, overlap_near
 from baker.geometry.up_axis import Vertical
 
 
-def standing(cloud: np.ndarray) -> Stand:
-    return possible_stands(even_sample(cloud), Vertical.named("z"), np.zeros(3))[0]
+def standing(cloud: np.ndarray) -> Pose:
+    return candidate_poses(even_sample(cloud), Vertical.named("z"), np.zeros(3))[0]
 
 
 def apart(yaw: float, other: float) -> float:
@@ -19,18 +19,19 @@ def apart(yaw: float, other: float) -> float:
 
 
 def test_an_unmoved_plant_keeps_all(days):
-    around = Around.stem(even_sample(days[0]).points[:150])
-    assert kept_share(around, around, 0.0, 0.5) == pytest.approx(1.0)
-    assert kept_share(around, around, 65.0, 0.5) < 0.6
+    around = Cylindrical.about_stem(even_sample(days[0]).points[:150])
+    assert direction_overlap(around, around, 0.0, 0.5) == pytest.approx(1.0)
+    assert direction_overlap(around, around, 65.0, 0.5) < 0.6
     stand = standing(days[0])
-    assert organs_kept(stand, stand, 0.0) == pytest.approx(1.0)
-    assert organs_kept(stand, stand, 65.0) < 0.6
-    assert kept_near(stand, stand, 5.0) > kept_near(stand, stand, 65.0)
+    assert organ_overlap(stand, stand, 0.0) == pytest.approx(1.0)
+    assert organ_overlap(stand, stand, 65.0) < 0.6
+    assert overlap_near(stand, stand, 5.0) > overlap_near(stand, stand, 65.0)
 
 
 def test_growth_alone_keeps_nearly_all(days):
     near, grown = (even_sample(days[0]).points[:150] * factor for factor in (1.0, 1.15))
-    assert kept_share(Around.stem(near), Around.stem(grown), 0.0, 0.5) > 0.95
+    before, after = (Cylindrical.about_stem(points) for points in (near, grown))
+    assert direction_overlap(before, after, 0.0, 0.5) > 0.95
 
 
 @pytest.mark.parametrize("yaw", [-170.0, -95.0, 3.0, 88.0, 179.0])

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from baker.geometry.sampling import MOST, even_sample
+from baker.alignment.sample import SAMPLE_SIZE, even_sample
 
 
 def test_the_first_n_points_cover_the_cloud_within_their_radius(days):
@@ -32,4 +32,4 @@ def test_outliers_are_left_out(days):
 def test_at_most_so_many_points_and_no_point_twice():
     cloud = np.repeat(np.random.default_rng(0).random((40, 3)), 50, axis=0)
     assert len(even_sample(cloud).points) == 40
-    assert len(even_sample(np.random.default_rng(0).random((20_000, 3))).points) == MOST
+    assert len(even_sample(np.random.default_rng(0).random((20_000, 3))).points) == SAMPLE_SIZE

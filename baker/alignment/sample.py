@@ -1,0 +1,95 @@
+"""An even sample of a scan, in which every point stands for the same area, and its graph.
+
+Scanners see some organs densely and others hardly; an even sample weighs organs by area.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry.graph import MIN_LENGTH, spanning_tree
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
+from baker.geometry.sampling import farthest_point_sample
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+POOL_SIZE, SAMPLE_SIZE, SEED = 6_000, 1_500, 0
+NEIGHBORS_ON_SURFACE = 6  # of a point of an even sample
+
+
+@dataclass(frozen=True)
+class EvenSample:
+    """Points of a cloud in farthest-point order: any first n of them cover the cloud evenly.
+
+    Attributes
+    ----------
+    pool : (M, 3) float64
+        The cloud without outliers, thinned at random if it is large.
+    points : (n, 3) float64
+        The sample of it.
+    radii : (n,) float64
+        Never rising: how far any point of the pool is from the first 1, 2, ... of the sample.
+    """
+
+    pool: NDArray[np.float64]
+    points: NDArray[np.float64]
+    radii: NDArray[np.float64]
+
+    def within(self, radius: float) -> NDArray[np.float64]:
+        """As many points of the sample as it takes to come within `radius` of the whole pool."""
+        return self.points[: int(np.searchsorted(-self.radii, -radius)) + 1]
+
+
+def even_sample(cloud: NDArray[np.floating]) -> EvenSample:
+    """At most 1,500 points of an (N, 3) cloud, by farthest-point sampling."""
+    if len(cloud) > POOL_SIZE:
+        cloud = cloud[np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)]
+    pool = np.asarray(cloud, np.float64)
+    pool = pool[nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers]
+    indices, radii = farthest_point_sample(pool, SAMPLE_SIZE)
+    return EvenSample(pool, pool[indices], radii)
+
+
+def touching_pairs(sample: EvenSample, k: int = 0) -> NDArray[np.intp]:
+    """Edges of a connected graph of the sample's points.
+
+    Points touch when they lie within two of the sample's radii, or as near as a point's k-th
+    neighbor usually is: where the sample is nearly all of a thin cloud its radius says little.
+    Where that leaves gaps (a scan has shadows) the edges of the minimum spanning tree bridge them.
+
+    Returns
+    -------
+    (E, 2) intp, each edge both ways round.
+    """
+    from scipy.spatial import KDTree
+
+    tree = KDTree(sample.points)
+    distances, _ = tree.query(sample.points, k=[min(k, len(sample.points) - 1) + 1])
+    radius = max(2.0 * sample.radii[-1], float(np.median(distances)))
+    close = tree.query_pairs(radius, output_type="ndarray")
+    spanning = spanning_tree(sample.points, 0)
+    bridges = np.column_stack([spanning.parent[spanning.order[1:]], spanning.order[1:]])
+    pairs = np.concatenate([close, bridges])
+    return np.concatenate([pairs, pairs[:, ::-1]])
+
+
+def weighted_graph(
+    pairs: NDArray[np.intp], lengths: NDArray[np.floating], count: int
+) -> csr_matrix:
+    """The directed graph of (E, 2) edges with (E,) lengths, each edge once."""
+    from scipy.sparse import csr_matrix
+
+    _, first = np.unique(pairs[:, 0] * count + pairs[:, 1], return_index=True)
+    positive = np.maximum(lengths[first], MIN_LENGTH)
+    return csr_matrix((positive, tuple(pairs[first].T)), shape=(count, count))
+
+
+def distance_graph(points: NDArray[np.float64], pairs: NDArray[np.intp]) -> csr_matrix:
+    """The graph of (n, 3) points with (E, 2) edges, weighted by their lengths."""
+    lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    return weighted_graph(pairs, lengths, len(points))
