@@ -240,36 +240,26 @@ def bake_command(
         unit=unit,
         workers=workers,
     )
-    from baker.batch.plant import Wanted, bake_one, check_beside
+    from baker.batch.bake_all import bake_all
+    from baker.batch.plant import Outputs, bake_one, check_output
     from baker.batch.plants import find_plants
 
     if traits is not None:
-        check_beside(traits, "a table of traits", (".csv",))
-    plants = find_plants(inputs, output)
-    if plants:
-        from baker.batch.run import Order, bake_all
-
-        order = Order(
-            clips=Path(output),
-            reports=report,
-            traits=traits,
-            force=force,
-            cluster=cluster,
-            cache=cache,
-            quiet=quiet,
-            verbose=verbose,
-        )
-        return bake_all(plants, options, order)
-    wanted = Wanted(
+        check_output(traits, "a table of traits", (".csv",))
+    outputs = Outputs(
         clip=Path(output),
         report=report,
         traits=traits,
         cluster=cluster,
         cache=cache,
+        force=force,
         quiet=quiet,
         verbose=verbose,
     )
-    bake_one(inputs, options, wanted)
+    plants = find_plants(inputs, output)
+    if plants:
+        return bake_all(plants, options, outputs)
+    bake_one(inputs, options, outputs)
     return 0
 
 

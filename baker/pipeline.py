@@ -6,7 +6,6 @@ read -> align -> segment -> match -> transport -> pack
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,20 +13,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment import Alignment
+from baker.alignment import Alignment, align
 from baker.alignment.stem_base import agreed_base_points, base_point
-from baker.batch.cache import IntervalCache
-from baker.batch.cache.alignments import aligned
-from baker.batch.executor import Executor, Threads
-from baker.batch.interval_job import IntervalJob
-from baker.batch.intervals import solve_intervals
-from baker.batch.provenance import describe_provenance, describe_tracks
 from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors, nearest_neighbors, point_area
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
+from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_intervals
 from baker.interpolation.movers import Keyframe
+from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
 from baker.matching import (
@@ -58,6 +53,7 @@ from baker.transport.wasserstein import wasserstein
 from gclip import Clip, HeldOutScan, Motion, ScanMark
 
 Progress = Callable[[str, int, int], None]
+Register = Callable[..., Alignment]
 
 
 def bake(
@@ -77,39 +73,64 @@ def bake_recorded(
     paths: Sequence[str | Path],
     options: Options | None = None,
     progress: Progress | None = None,
-    executor: Executor | None = None,
-    cache: IntervalCache | None = None,
-    map: MapLike | None = None,
+    register: Register = align,
+    solve: IntervalSolver | None = None,
 ) -> tuple[Clip, BakeRecord]:
-    """`bake`, and what its stages found: for the report and for verification.
+    """Bake as `bake` does, and return what its stages found as well.
 
-    executor: where the intervals are solved; by default on threads of this process.
-    cache:    finished intervals of earlier bakes, which also keeps this one's.
-    map:      maps a function over scans; by default on threads of this process.
+    Parameters
+    ----------
+    paths, options, progress
+        As those of `bake`.
+    register, solve
+        As those of `bake_series`.
+
+    Returns
+    -------
+    clip : Clip
+    record : BakeRecord
+        For the report and for verification.
     """
-    chosen = options or Options()
-    with nullcontext(map) if map else thread_map(worker_count(chosen.workers)) as mapping:
-        found = read_scans([Path(path) for path in paths], chosen, progress or _silent, mapping)
-        return bake_series(found, chosen, progress or _silent, executor, cache, mapping)
+    chosen, progress = options or Options(), progress or _silent
+    with thread_map(worker_count(chosen.workers)) as map:
+        found = read_scans([Path(path) for path in paths], chosen, progress, map)
+        return bake_series(found, chosen, progress, map, register, solve)
 
 
 def bake_series(
     found: Series,
     options: Options,
     tell: Progress,
-    executor: Executor | None = None,
-    cache: IntervalCache | None = None,
     map: MapLike = map,
+    register: Register = align,
+    solve: IntervalSolver | None = None,
 ) -> tuple[Clip, BakeRecord]:
-    """`bake_recorded` of scans that are read already; arguments as those of that."""
+    """Bake scans that have been read.
+
+    Parameters
+    ----------
+    found : Series
+    options : Options
+    tell : callable
+        Called with a stage's name, the steps done and the steps in all.
+    map : MapLike
+        Maps a function over scans.
+    register : callable
+        Aligns the scans as `baker.alignment.align` does; a cache may stand in for it.
+    solve : IntervalSolver, optional
+        Solves the intervals: a cache, or the workers of a cluster. By default threads.
+
+    Returns
+    -------
+    As `bake_recorded`.
+    """
     chosen = told_by(found, options)
     recipe = recipe_for(chosen)
-    alignment = aligned(
-        cache,
+    alignment = register(
         [scan.points for scan in found.scans],
-        method=recipe.align,
-        up=chosen.up,
-        root=_local_root(found, chosen),
+        recipe.align,
+        chosen.up,
+        _local_root(found, chosen),
         progress=tell,
         map=map,
     )
@@ -150,12 +171,8 @@ def bake_series(
         chosen,
         labels.found,
     )
-    intervals = solve_intervals(
-        jobs,
-        executor or Threads(worker_count(chosen.workers)),
-        cache=cache,
-        tell=partial(tell, "transport"),
-    )
+    solve = solve or partial(solve_intervals, workers=worker_count(chosen.workers))
+    intervals = tuple(solve(jobs, partial(tell, "transport")))
     origin = series.scans[0].origin
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
@@ -309,6 +326,14 @@ def _interval_jobs(
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if recipe.paths == Paths.curved:
         timings = organ_timings(clouds, matches, organs, times, spacing)
+    tasks = [
+        tuple(
+            interval_tasks(
+                (clouds[k], clouds[k + 1]), match, organs[k], options.bud, recipe.bud_least
+            )
+        )
+        for k, match in enumerate(matches)
+    ]
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -317,20 +342,11 @@ def _interval_jobs(
             match=match,
             organs=organs[k],
             bases=(feet[k], feet[k + 1]),
-            tasks=tuple(
-                interval_tasks(
-                    (clouds[k], clouds[k + 1]),
-                    match,
-                    organs[k],
-                    options.bud,
-                    recipe.bud_least,
-                )
-            ),
+            tasks=tasks[k],
             timings=timings[k],
             vertical=vertical,
-            floor=floor,
+            floor=floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
             spacing=(spacings[k] + spacings[k + 1]) / 2,
-            series_spacing=spacing,
             transport=recipe.transport,
             limbs=recipe.limbs,
             decay=decay,

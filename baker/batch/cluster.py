@@ -1,81 +1,167 @@
-"""Plants shared out among the workers of a cluster, with dask.distributed.
+"""The workers of a cluster, by dask.distributed.
 
-Workers read the scans and write the clips themselves, in folders that all machines share: only
-names, numbers and rows of traits travel. A window of plants is under way at a time, so neither
-the scheduler nor this process ever holds much, however many plants there are. A worker that dies
+Of many plants each is a task: workers read the scans and write the clips themselves, in folders
+that all machines share, and only names, numbers and rows of traits travel. A window of plants is
+under way at a time, so neither the scheduler nor this process ever holds much. A worker that dies
 costs nothing: the scheduler gives its plants to others (up to `distributed.scheduler.
-allowed-failures` times, 3 by default), and a clip is written whole or not at all.
+allowed-failures` times, 3 by default), and a clip is written whole or not at all. Of one plant each
+interval is a task, which needs no folders.
 """
 
 from __future__ import annotations
 
 import logging
 import os
-import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import partial
 from importlib.metadata import version
-from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from baker.batch.local import lost, with_cores
-from baker.batch.work import Job, Outcome, bake_plant
+from baker.batch.job import Outcome, PlantJob, bake_plant
+from baker.batch.parallel import WorkerDied, as_they_complete
 from baker.errors import InputError
+from baker.geometry.parallel import ReportProgress
+from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
+from baker.interpolation.provenance import software
+from baker.options import worker_count
+from gclip.clip import Interval
+from gclip.terminal.command import OUR_FAULT
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
-
-    from baker.batch.executor import Executor
+    from distributed import Client
 
 LOGS = ("distributed", "distributed.client", "distributed.nanny", "distributed.worker", "asyncio")
-MOST_LOCAL = 256  # workers on one machine
+MAX_LOCAL_WORKERS = 256
 PATIENCE = 5  # seconds that a scheduler has to answer
-WINDOW = 64  # plants under way at least, so that a cluster that grows with its load does grow
-LEAN = {"distributed.worker.profile.enabled": False}  # its records grow for an hour
-LOOK_AGAIN = 5  # seconds until workers are counted anew
+MIN_PLANTS_UNDER_WAY = 64  # so that a cluster that grows with its load does grow
+CONFIG = {
+    "distributed.worker.profile.enabled": False,  # its records grow for an hour
+    "distributed.admin.large-graph-warning-threshold": "1TB",  # scans are large, and meant to go
+}
 
 
 def bake_on_cluster(
-    jobs: Sequence[Job], address: str, say: Callable[[str], None]
-) -> Generator[Outcome, None, None]:
-    """Bake with all workers of the cluster at `address`; outcomes come as they are ready.
+    jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
+) -> Generator[Outcome]:
+    """Bake with all workers of a cluster; outcomes come as they are ready.
 
-    address: where the scheduler listens, the name of its scheduler file, or `local` or `local:N`
-             for N workers that are started here.
-    say:     called with what is worth telling meanwhile.
+    Parameters
+    ----------
+    jobs : sequence of PlantJob
+    address : str
+        Of the scheduler, or the name of its file; ``local`` or ``local:N`` starts workers here.
+    say : callable
+        Called with what the user should know meanwhile.
 
-    Raises InputError: no dask.distributed, nobody there, or a worker that can't take part.
+    Raises
+    ------
+    InputError
+        No dask.distributed, nobody there, or a worker that can't take part.
     """
-    need = _need(jobs)
-    with connected(address) as client:
-        _require_fit(client, need)
+    need = Need(_versions(), _folders(jobs))
+    with _connected(address, need) as client:
         if not client.nthreads():
             say(f"{address} has no workers yet; it is waited for them")
-        yield from _bake(client, address, jobs, need)
+        whole = [_absolute(job) for job in jobs]
+        bake = partial(_bake_there, need=need, split=len(jobs) < _cores(client))
+        executor = client.get_executor(pure=False)
+        try:
+            for job, future in as_they_complete(
+                executor, bake, whole, lambda: max(MIN_PLANTS_UNDER_WAY, 2 * _cores(client))
+            ):
+                yield _outcome(job, future.result, address)
+        finally:
+            executor.shutdown(wait=False)
 
 
 @contextmanager
-def intervals_on(address: str) -> Iterator[Executor]:
-    """Where one plant's intervals are solved by the cluster, the rest here: its workers need no
-    folders. Raises InputError as `bake_on_cluster` does.
-    """
-    from baker.batch.cluster_intervals import ClusterIntervals
+def interval_solver(address: str) -> Iterator[IntervalSolver]:
+    """Have one plant's intervals solved by a cluster. Raises InputError as `bake_on_cluster`."""
+    with _connected(address, Need(_versions(), ())) as client:
+        yield partial(_solve, client)
 
-    with connected(address) as client:
-        _require_fit(client, Need(_software(), ()))
-        yield ClusterIntervals(lambda: nullcontext(client))
+
+@dataclass(frozen=True)
+class Need:
+    """What every worker must have: the same software, for the same bytes, and the folders."""
+
+    versions: dict[str, str]
+    folders: tuple[Path, ...]
+
+    def missing(self) -> str:
+        """What the worker that calls this lacks; empty where it fits."""
+        found = _versions()
+        for name, ours in self.versions.items():
+            if found[name] != ours:
+                return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
+        for folder in self.folders:
+            if not folder.is_dir():
+                return (
+                    f"does not see the folder '{folder}': scans and clips must lie where all "
+                    "machines find them under the same name"
+                )
+        return ""
+
+
+def _bake_there(job: PlantJob, need: Need, split: bool) -> Outcome:
+    """A task. Raises InputError where its worker can't take part.
+
+    split: have the plant's intervals solved as tasks of their own.
+    """
+    from distributed import get_worker
+
+    missing = need.missing()  # workers may have come after `_connected` asked
+    if missing:
+        raise InputError(f"The cluster's worker {get_worker().address} {missing}.")
+    return bake_plant(job, _solve_from_worker if split else None)
+
+
+def _solve(
+    client: Client, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+) -> Iterator[Interval]:
+    from distributed import KilledWorker
+
+    try:
+        yield from solve_by(client.get_executor(pure=False).map, jobs, report_progress)
+    except KilledWorker as error:
+        raise WorkerDied(error.allowed_failures + 1) from None
+
+
+def _solve_from_worker(
+    jobs: Sequence[IntervalJob], report_progress: ReportProgress
+) -> Iterator[Interval]:
+    """While a task waits for others, its worker takes some of them."""
+    from distributed import worker_client
+
+    with worker_client() as client:
+        yield from _solve(client, jobs, report_progress)
+
+
+def _outcome(job: PlantJob, result: Callable[[], Outcome], address: str) -> Outcome:
+    from distributed import KilledWorker
+
+    try:
+        return result()
+    except KilledWorker as error:
+        died = WorkerDied(error.allowed_failures + 1)
+        return Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+    except CancelledError:
+        raise InputError(
+            f"--cluster {address}: the scheduler is gone; the plants that are done stay done, and "
+            "the same command does the others."
+        ) from None
+    except ImportError as error:
+        raise InputError(f"A worker of the cluster lacks the program: {error}.") from None
 
 
 @contextmanager
-def connected(address: str) -> Iterator[Client]:
-    """A client of the cluster, or of one started here; closed at the end.
-
-    Raises InputError where dask.distributed is missing or nobody answers.
-    """
+def _connected(address: str, need: Need) -> Iterator[Client]:
+    """A client of the cluster, or of one started here, whose workers have what they need."""
     try:
         import dask
         import distributed
@@ -86,9 +172,9 @@ def connected(address: str) -> Iterator[Client]:
         ) from None
     with ExitStack() as stack:
         stack.enter_context(_quiet())
+        stack.enter_context(dask.config.set(CONFIG))
         where: dict[str, Any] = {"address": address}
         if address.partition(":")[0] == "local":
-            stack.enter_context(dask.config.set(LEAN))
             where["address"] = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=_local_workers(address),
@@ -103,144 +189,56 @@ def connected(address: str) -> Iterator[Client]:
         try:
             client = distributed.Client(**where, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
+            reason = str(error).strip().partition("\n")[0] or type(error).__name__
             raise InputError(
                 f"--cluster {address}: no scheduler answers there within {PATIENCE} s; is it "
-                f"running, and is that its address? ({_first_line(error)})"
+                f"running, and is that its address? ({reason})"
             ) from None
-        yield stack.enter_context(client)
+        stack.enter_context(client)
+        for worker, missing in client.run(need.missing, on_error="return").items():
+            if isinstance(missing, Exception):
+                lacks = "ModuleNotFoundError" in repr(missing)
+                advice = "; install the program there, too" if lacks else ""
+                missing = f"can't take part ({missing}){advice}"
+            if missing:
+                raise InputError(f"The cluster's worker {worker} {missing}.")
+        yield client
 
 
-@dataclass(frozen=True)
-class Need:
-    """What every worker must have: the same software, for the same bytes, and the folders."""
-
-    software: dict[str, str]
-    folders: tuple[Path, ...]
-
-    def missing(self) -> str:
-        """What the worker that calls this lacks; "" where it fits."""
-        found = _software()
-        for name, ours in self.software.items():
-            theirs = found[name]
-            if theirs != ours:
-                return f"has {name} {theirs}, but here it is {ours}; install the same on both"
-        for folder in self.folders:
-            if not folder.is_dir():
-                return (
-                    f"does not see the folder '{folder}': scans and clips must lie where all "
-                    "machines find them under the same name"
-                )
-        return ""
+def _cores(client: Client) -> int:
+    return sum(client.nthreads().values())
 
 
-def bake_there(job: Job, need: Need, split: bool) -> Outcome:
-    """A task: runs on a worker. Raises InputError where that can't take part.
-
-    split: have the plant's intervals solved as tasks of their own.
-    """
-    from baker.batch.cluster_intervals import on_this_worker
-
-    missing = need.missing()
-    if missing:
-        raise InputError(_unfit(_own_address(), missing))
-    return bake_plant(job, on_this_worker() if split else None)
-
-
-def _bake(
-    client: Client, address: str, jobs: Sequence[Job], need: Need
-) -> Generator[Outcome, None, None]:
-    from distributed import as_completed
-
-    waiting = (with_cores(_absolute(job), 1) for job in jobs)
-    under_way: dict[Future, Job] = {}
-    ready = as_completed([], loop=client.loop)
-    cores, counted = 0, float("-inf")
-    try:
-        while True:
-            if time.monotonic() - counted > LOOK_AGAIN:
-                cores = sum(client.nthreads().values())
-                counted = time.monotonic()
-            window = max(WINDOW, 2 * cores)
-            for job in islice(waiting, window - len(under_way)):
-                # A window full of plants keeps all cores busy; few plants share their intervals.
-                split = len(jobs) < cores
-                future = client.submit(bake_there, job, need, split, pure=False)
-                under_way[future] = job
-                ready.add(future)
-            if not under_way:
-                return
-            future = next(ready)
-            yield _outcome(future, under_way.pop(future), address)
-    finally:
-        if under_way:
-            client.cancel(list(under_way), force=True)
-
-
-def _outcome(future: Future, job: Job, address: str) -> Outcome:
-    from concurrent.futures import CancelledError
-
-    from distributed import KilledWorker
-
-    try:
-        found: Outcome = future.result()
-    except KilledWorker as error:
-        return lost(job.name, f"its worker died {error.allowed_failures + 1} times")
-    except CancelledError:
+def _local_workers(address: str) -> int:
+    count = address.partition(":")[2]
+    if count and not (count.isdecimal() and 0 < int(count[:9]) <= MAX_LOCAL_WORKERS):
         raise InputError(
-            f"--cluster {address}: the scheduler is gone; the plants that are done stay done, and "
-            "the same command does the others."
-        ) from None
-    except ImportError as error:
-        raise InputError(f"A worker of the cluster lacks the program: {error}.") from None
-    return found
+            f"--cluster {address}: local:N starts N workers, from 1 to {MAX_LOCAL_WORKERS}, such "
+            "as local:2."
+        )
+    return worker_count(int(count or 0))
 
 
-def _require_fit(client: Client, need: Need) -> None:
-    """Ask every worker there is; those that come later are asked with each plant."""
-    for worker, missing in client.run(need.missing, on_error="return").items():
-        if isinstance(missing, Exception):
-            lacks = "ModuleNotFoundError" in repr(missing)
-            advice = "; install the program there, too" if lacks else ""
-            missing = f"can't take part ({missing}){advice}"
-        if missing:
-            raise InputError(_unfit(worker, missing))
-
-
-def _unfit(worker: str, missing: str) -> str:
-    return f"The cluster's worker {worker} {missing}."
-
-
-def _own_address() -> str:
-    from distributed import get_worker
-
-    return str(get_worker().address)
-
-
-def _need(jobs: Sequence[Job]) -> Need:
-    folders = {job.clip.parent for job in jobs} | {job.folder.parent for job in jobs}
-    folders |= {job.report.parent for job in jobs if job.report is not None}
-    return Need(_software(), tuple(sorted(map(_whole, folders))))
-
-
-@cache
-def _software() -> dict[str, str]:
-    from baker.batch.provenance import software
-
+def _versions() -> dict[str, str]:
     ours = software()
     program = {ours["program"]["name"]: ours["program"]["version"]}
     return {**program, **ours["packages"], "distributed": version("distributed")}
 
 
-def _absolute(job: Job) -> Job:
-    """Under names that hold in other processes' working folders."""
-    options = job.options
-    if options.times is not None:
-        options = replace(options, times=_whole(options.times))
+def _folders(jobs: Sequence[PlantJob]) -> tuple[Path, ...]:
+    folders = {job.clip.parent for job in jobs} | {job.folder.parent for job in jobs}
+    folders |= {job.report.parent for job in jobs if job.report is not None}
+    return tuple(sorted(map(_whole, folders)))
+
+
+def _absolute(job: PlantJob) -> PlantJob:
+    """The job on one core, under names that hold in other processes' working folders."""
+    times = job.options.times
     return replace(
-        job,
+        job.on_cores(1),
         folder=_whole(job.folder),
         clip=_whole(job.clip),
-        options=options,
+        options=replace(job.options, workers=1, times=None if times is None else _whole(times)),
         report=None if job.report is None else _whole(job.report),
         cache=None if job.cache is None else _whole(job.cache),
     )
@@ -250,21 +248,9 @@ def _whole(path: Path) -> Path:
     return Path(os.path.abspath(path))
 
 
-def _local_workers(address: str) -> int:
-    from baker.options import worker_count
-
-    count = address.partition(":")[2]
-    if count and not (count.isdecimal() and 0 < int(count[:9]) <= MOST_LOCAL):
-        raise InputError(
-            f"--cluster {address}: local:N starts N workers, from 1 to {MOST_LOCAL}, such as "
-            "local:2."
-        )
-    return worker_count(int(count or 0))
-
-
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """What goes wrong is told in our own words."""
+    """Keep dask's logs off the terminal: what goes wrong is told in our own words."""
     logs = [logging.getLogger(name) for name in LOGS]
     levels = [log.level for log in logs]
     for log in logs:
@@ -274,7 +260,3 @@ def _quiet() -> Iterator[None]:
     finally:
         for log, level in zip(logs, levels, strict=True):
             log.setLevel(level)
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).strip().partition("\n")[0] or type(error).__name__

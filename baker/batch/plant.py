@@ -1,4 +1,4 @@
-"""Bake one plant as the command does: its clip, its report and its traits, and what is told."""
+"""One plant, baked as the command does it: its clip, its report and its traits."""
 
 from __future__ import annotations
 
@@ -6,31 +6,53 @@ import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from shutil import rmtree
 from typing import TYPE_CHECKING, Any
 
+from baker.alignment import align
+from baker.batch.cache import Cache
+from baker.batch.cluster import interval_solver
+from baker.batch.progress import StageProgress
+from baker.batch.traits import write_traits
 from baker.errors import InputError
-from baker.options import Options
+from baker.geometry.parallel import thread_map
+from baker.interpolation.interval_job import IntervalSolver, solve_intervals
+from baker.options import Options, worker_count
+from baker.pipeline import Register, bake_series
+from baker.report import write_report
+from baker.report.summary import print_summary
+from baker.report.verification import print_errors, verify
+from baker.scans.stage import read_scans
 from gclip.terminal.text import Lossy
-
-LONG = 64 * 2**20  # bytes of scans
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from baker.batch.cache import IntervalCache
-    from gclip import Clip
+    from gclip.clip import Clip
+
+MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What to make of one plant's scans, and how.
+class Outputs:
+    """What to write, and how.
 
-    clip:    the file to write; report, traits: those beside it, where wanted.
-    cluster: where a scheduler of dask.distributed listens; on this machine where None.
-    cache:   the folder of finished intervals; where None, those of long bakes are kept beside the
-             clip until it is written.
+    Attributes
+    ----------
+    clip : Path
+        The file; of many plants the folder of their clips.
+    report, traits : Path, optional
+        The report, a folder where there are many plants; the table of traits.
+    cluster : str, optional
+        Address of a scheduler of dask.distributed. By default this machine works alone.
+    cache : Path, optional
+        Folder of intervals from earlier bakes. By default long bakes keep theirs beside the clip
+        until that is written.
+    force : bool
+        Of many plants, bake those again whose clips are up to date, too.
+    quiet, verbose : bool
     """
 
     clip: Path
@@ -38,117 +60,100 @@ class Wanted:
     traits: Path | None = None
     cluster: str | None = None
     cache: Path | None = None
+    force: bool = False
     quiet: bool = False
     verbose: bool = False
 
 
-def bake_one(inputs: Sequence[Path], options: Options, wanted: Wanted) -> None:
-    """Bake, write and tell. Raises InputError before the work where an output can't be written."""
-    check_clip(wanted.clip)
-    if wanted.report is not None:
-        check_beside(wanted.report, "a report", (".html", ".htm"))
+def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
+    """Bake one plant, write what is wanted and print a summary.
+
+    Raises
+    ------
+    InputError
+        Before the work where an output can't be written; else what the scans or options lack.
+    """
     from rich.console import Console
 
-    from baker.batch.forks import on_cores
-    from baker.batch.progress import StageProgress
-    from baker.geometry.parallel import thread_map
-    from baker.options import worker_count
-    from baker.scans.stage import read_scans
-
+    check_clip(outputs.clip)
+    if outputs.report is not None:
+        check_output(outputs.report, "a report", (".html", ".htm"))
+    begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
+    folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
+    cache = Cache(folder) if folder else None
+    workers = worker_count(options.workers)
     stderr: Any = Lossy(sys.stderr)
-    console = Console(file=stderr, quiet=wanted.quiet, soft_wrap=True)
-    own = _begun(wanted.clip) if wanted.cache is None and _is_long(inputs) else None
-    cache = wanted.cache or own
-    kept = None if cache is None else _opened(cache)
-    with ExitStack() as stack, StageProgress(wanted.quiet) as progress:
-        workers = worker_count(options.workers)
-        executor, _ = on_cores(workers)
-        if wanted.cluster is not None:
-            from baker.batch.cluster import intervals_on
-
-            executor = stack.enter_context(intervals_on(wanted.cluster))
+    console = Console(file=stderr, quiet=outputs.quiet, soft_wrap=True)
+    with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
         map = stack.enter_context(thread_map(workers))
+        register: Register = align
+        solve: IntervalSolver = partial(solve_intervals, workers=workers)
+        if outputs.cluster is not None:
+            solve = stack.enter_context(interval_solver(outputs.cluster))
+        if cache is not None:
+            register, solve = cache.kept(register), cache.kept_intervals(solve)
         scans = read_scans(inputs, options, progress, map)
-        # Only now: they have been loaded beside the forks that read.
-        from baker.pipeline import bake_series
-        from baker.report.summary import print_summary
-        from baker.report.verification import print_errors, verify
-
-        clip, record = bake_series(scans, options, progress, executor, kept, map)
+        clip, record = bake_series(scans, options, progress, map, register, solve)
         progress("writing", 0, 1)
-        clip.save(wanted.clip)
+        clip.save(outputs.clip)
         progress("writing", 1, 1)
-        rmtree(_begun(wanted.clip), ignore_errors=True)
+        rmtree(begun, ignore_errors=True)
         errors = verify(clip, record, progress)
-        if wanted.report is not None:
-            from baker.report import write_report
-
+        if outputs.report is not None:
             write_report(
-                wanted.report,
+                outputs.report,
                 clip,
                 record,
-                title=wanted.clip.name,
+                title=outputs.clip.name,
                 errors=errors,
                 seconds=progress.seconds,
                 workers=options.workers,
                 progress=progress,
             )
-        if wanted.traits is not None:
-            from baker.batch.traits import write_traits
-
-            write_traits(wanted.traits, clip, wanted.clip.stem, progress)
-    _print_notes(console, clip, wanted.verbose)
-    told = kept if wanted.cache or (kept and kept.found) else None
-    print_summary(console, clip, wanted.clip, progress.seconds, told)
+        if outputs.traits is not None:
+            write_traits(outputs.traits, clip, outputs.clip.stem, progress)
+    _print_notes(console, clip, outputs.verbose)
+    kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
+    print_summary(console, clip, outputs.clip, progress.seconds, kept)
     if errors:
         print_errors(console, errors)
-    for what, path in (("report", wanted.report), ("traits", wanted.traits)):
+    for what, path in (("report", outputs.report), ("traits", outputs.traits)):
         if path is not None:
             console.print(f"{what}: {path}", markup=False, highlight=False)
 
 
-def _opened(folder: Path) -> IntervalCache:
-    from baker.batch.cache import IntervalCache
+def check_clip(path: Path) -> None:
+    """Raise InputError where a clip can't be written, before the work and not after it."""
+    if path.suffix != ".gclip":
+        raise InputError(f"{path}: a clip's name ends in .gclip.")
+    _require_place(path)
 
-    return IntervalCache(folder)
+
+def check_output(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
+    """Raise InputError where what is wanted beside the clip can't be written."""
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
+    _require_place(path)
 
 
-def _is_long(inputs: Sequence[Path]) -> bool:
-    """Whether a bake takes minutes, by the bytes of its scans."""
+def _require_place(path: Path) -> None:
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; a file's name is needed.")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist.")
+
+
+def _size(inputs: Sequence[Path]) -> int:
+    """Bytes of the scans."""
     size = 0
     with suppress(OSError):  # reading them will say what is wrong
         for given in inputs:
             files = given.iterdir() if given.is_dir() else [given]
             size += sum(path.stat().st_size for path in files if path.is_file())
-    return size >= LONG
-
-
-def _begun(clip: Path) -> Path:
-    """Where a long bake's finished intervals are until the clip is: the next run goes on there."""
-    return clip.with_name(f".{clip.name}.begun")
+    return size
 
 
 def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
     """What was decided; with -v also what was found in each scan."""
     for note in clip.provenance["decisions"] + (clip.provenance["notes"] if verbose else []):
         console.print(note, markup=False, highlight=False)
-
-
-def check_clip(output: Path) -> None:
-    """Refuse before the work, not after it."""
-    if output.suffix != ".gclip":
-        raise InputError(f"{output}: a clip's name ends in .gclip.")
-    if output.is_dir():
-        raise InputError(f"{output} is a folder; a file's name is needed.")
-    if not output.parent.is_dir():
-        raise InputError(f"{output}: the folder {output.parent} does not exist.")
-
-
-def check_beside(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
-    """Refuse what can't be written beside the clip."""
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; a file's name is needed.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist.")

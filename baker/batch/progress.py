@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import time
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from gclip.terminal.progress import ProgressBars
+from gclip.terminal.text import printable
+
+if TYPE_CHECKING:
+    from baker.batch.job import Outcome
 
 
 class StageProgress(ProgressBars):
@@ -56,3 +61,51 @@ class StageProgress(ProgressBars):
                 self.say(f"{self._stage}: {elapsed:.1f} s")
         self._stage = None
         self._began = time.perf_counter()
+
+
+class PlantProgress(ProgressBars):
+    """Shows how many of the plants are done; in a pipe a line a plant.
+
+    Parameters
+    ----------
+    plants : int
+    quiet : bool
+    verbose : bool
+        Say what was decided and found, too.
+    """
+
+    def __init__(self, plants: int, quiet: bool, verbose: bool) -> None:
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        super().__init__(
+            quiet,
+            "plants",
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[latest]}", markup=False),
+            TimeRemainingColumn(),
+        )
+        self._plants = plants
+        self._verbose = verbose and not quiet
+        self._failed = self._done = 0
+        self._task = self.bars.add_task("", total=plants, latest="")
+
+    def __call__(self, outcome: Outcome) -> None:
+        self._failed += outcome.state == "failed"
+        self._done += 1
+        name = printable(outcome.name)
+        failed = f", {self._failed} failed" * bool(self._failed)
+        self.bars.update(self._task, advance=1, latest=f"{name} {outcome.state}{failed}")
+        if self.plain:
+            sentence = f"{name} {outcome.state}, {outcome.seconds:.1f} s"
+            self.say(f"{self._done}/{self._plants}: {sentence}")
+        if self._verbose:
+            for note in outcome.notes:
+                self.say(f"    {note}")

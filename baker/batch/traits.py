@@ -1,32 +1,114 @@
-"""`bake --traits`: what the plant and its organs measure, as a table (see `measure`)."""
+"""`bake --traits`: what plants and their organs measure, as a table (see the package `traits`)."""
 
 from __future__ import annotations
 
+import csv
 import io
-from collections.abc import Callable
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from baker.errors import InputError
+from baker.report.page import write_chunks, write_whole
+from traits.table import COLUMNS, Namer, measure_days, write_table
+
 if TYPE_CHECKING:
-    from gclip import Clip
+    from baker.batch.job import TraitsSource
+    from gclip.clip import Clip
 
 
 def write_traits(
     path: Path, clip: Clip, plant: str, progress: Callable[[str, int, int], None]
 ) -> None:
-    """Measure at the scans and half way between; whole or not at all.
+    """Measure one plant at the scans and half-way between, and write the table.
 
-    plant: what the table calls it. Raises InputError where the file can't be written.
+    Parameters
+    ----------
+    path : Path
+    clip : Clip
+    plant : str
+        What the table calls it.
+    progress : callable
+        Called with the stage's name, the days measured and the days in all.
+
+    Raises
+    ------
+    InputError
+        Where the file can't be written.
     """
-    from baker.report.page import write_whole
-    from traits import measure_days, write_table
-    from traits.table import Namer
-
     table = io.StringIO()
+    days = measure_days(clip)
     write_table(
-        table,
-        Namer(clip, plant),
-        measure_days(clip),
-        lambda done, total: progress("measuring", done, total),
+        table, Namer(clip, plant), days, lambda done, total: progress("measuring", done, total)
     )
     write_whole(path, table.getvalue())
+
+
+class TraitsTable:
+    """One table of many plants, in the making; `close` drops what was not saved.
+
+    Rows of plants whose clips are up to date are taken from the table that was there before. Rows
+    wait in a temporary data base on the disk, so that memory stays small however many plants there
+    are.
+
+    Raises
+    ------
+    InputError
+        Where nothing can be written beside `path`, or it can't be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._rows = sqlite3.connect("")  # a temporary file, gone when it is closed
+        self._rows.execute("CREATE TABLE plants (name PRIMARY KEY, program, digest, rows)")
+        try:
+            if path.is_file():
+                with path.open(newline="", encoding="utf-8") as file:
+                    self._rows.executemany("INSERT INTO plants VALUES (?, ?, ?, ?)", _plants(file))
+        except OSError as error:
+            raise InputError(f"{path} can't be read: {error.strerror or error}.") from None
+        except (UnicodeDecodeError, csv.Error, sqlite3.IntegrityError):
+            self._rows.execute("DELETE FROM plants")  # no table that we wrote
+
+    def close(self) -> None:
+        self._rows.close()
+
+    def known(self, plant: str) -> TraitsSource | None:
+        """Of which clip the table has this plant's rows."""
+        return self._rows.execute(
+            "SELECT program, digest FROM plants WHERE name = ?", (plant,)
+        ).fetchone()
+
+    def add(self, plant: str, rows: str) -> None:
+        """Take a plant's rows, CSV without a header; nothing where those known are right."""
+        if rows:
+            self._rows.execute("INSERT OR REPLACE INTO plants VALUES (?, '', '', ?)", (plant, rows))
+
+    def save(self, plants: Iterable[str]) -> None:
+        """Write the rows of these plants in their order; whole or not at all."""
+        write_chunks(self.path, self._chunks(plants))
+
+    def _chunks(self, plants: Iterable[str]) -> Iterator[bytes]:
+        yield (",".join(COLUMNS) + "\n").encode()
+        for plant in plants:
+            for (rows,) in self._rows.execute("SELECT rows FROM plants WHERE name = ?", (plant,)):
+                yield rows.encode()
+
+
+def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:
+    """Each plant of a table that we wrote: its name, program and digest, and its rows."""
+    reader = csv.reader(file)
+    if tuple(next(reader, ())) != COLUMNS:
+        return
+    for name, rows in groupby(reader, itemgetter(0)):
+        text = io.StringIO()
+        sources = set()
+        for row in rows:
+            sources.add((len(row), *row[-2:]))
+            csv.writer(text, lineterminator="\n").writerow(row)
+        if len(sources) != 1 or sources.pop()[0] != len(COLUMNS):
+            raise csv.Error("rows of several clips")
+        yield name, row[-2], row[-1], text.getvalue()

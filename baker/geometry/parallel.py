@@ -15,6 +15,9 @@ MapLike = Callable[..., Iterable[Any]]
 """``map(function, *iterables)``: the results in the items' order. Executors of worker processes
 need a function and items that can be pickled."""
 
+ReportProgress = Callable[[int, int], None]
+"""``report_progress(done, total)``"""
+
 
 @contextmanager
 def thread_map(workers: int) -> Iterator[MapLike]:
@@ -26,7 +29,7 @@ def thread_map(workers: int) -> Iterator[MapLike]:
             yield executor.map
 
 
-def reporting(map: MapLike, report_progress: Callable[[int, int], None], total: int) -> MapLike:
+def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
     """A map that reports after each item how many of `total` are done.
 
     Parameters
@@ -34,7 +37,7 @@ def reporting(map: MapLike, report_progress: Callable[[int, int], None], total: 
     map : MapLike
         What maps.
     report_progress : callable
-        Called as ``report_progress(done, total)``, at once with none done.
+        Called at once with none done.
     total : int
         Items of all calls of the map together; more than that are not reported.
     """

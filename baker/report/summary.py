@@ -10,7 +10,6 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from baker.batch.cache import IntervalCache
     from gclip import Clip
 
 
@@ -19,11 +18,11 @@ def print_summary(
     clip: Clip,
     path: Path,
     seconds: dict[str, float],
-    cache: IntervalCache | None = None,
+    kept: str = "",
 ) -> None:
     """Print scans, points, segments, births, losses, movers, clip size and seconds per stage.
 
-    With a cache, also how many of the intervals came from it.
+    kept: how many intervals came from a cache, if any.
     """
     from rich.markup import escape
     from rich.table import Table
@@ -33,7 +32,6 @@ def print_summary(
     worst = max((pair.marginal_error for k in clip.intervals for pair in k.segments), default=0.0)
     first, last = clip.scans[0], clip.scans[-1]
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    kept = {} if cache is None else {"from the cache": cache.told()}
     for name, value in {
         "scans": f"{len(clip.scans)}, {first.date} to {last.date}",
         "points": f"{sum(scan.points for scan in clip.scans):,}",
@@ -43,7 +41,7 @@ def print_summary(
         "movers": f"{sum(len(interval) for interval in clip.intervals):,}",
         "transport": ", ".join(f"{n} x {solver}" for solver, n in sorted(solvers.items()))
         + f"; marginal error at most {worst:.1g}",
-        **kept,
+        **({"from the cache": kept} if kept else {}),
         "up": clip.up,
         "seconds": ", ".join(f"{stage} {s:.1f}" for stage, s in seconds.items())
         + f"; {sum(seconds.values()):.1f} in all",

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from baker.batch import cluster as cluster_module
-from baker.batch.work import Job, bake_plant
+from baker.batch.job import PlantJob, bake_plant
 from baker.cli import main
 from baker.errors import InputError
 from baker.options import Options
@@ -74,7 +74,7 @@ def clips(house, tmp_path_factory) -> dict[str, bytes]:
     """What each plant alone bakes to, here."""
     folder = tmp_path_factory.mktemp("alone")
     options = Options(align="none", workers=1)
-    jobs = [Job(p, house / p, folder / f"{p}.gclip", options) for p in PLANTS]
+    jobs = [PlantJob(p, house / p, folder / f"{p}.gclip", options) for p in PLANTS]
     assert all(bake_plant(job).state == "baked" for job in jobs)
     return {job.clip.name: job.clip.read_bytes() for job in jobs}
 
@@ -107,8 +107,8 @@ def test_one_plants_clip_is_the_same_too(cluster, house, clips, tmp_path):
 
 
 def test_a_worker_of_another_version_is_told(cluster, house, tmp_path, capsys, monkeypatch):
-    ours = cluster_module._software() | {"numpy": "0.9"}
-    monkeypatch.setattr(cluster_module, "_software", lambda: ours)
+    ours = cluster_module._versions() | {"numpy": "0.9"}
+    monkeypatch.setattr(cluster_module, "_versions", lambda: ours)
     assert bake(house, f"{tmp_path}/", cluster.address) == 2
     told = capsys.readouterr().err.strip().splitlines()[-1]
     assert "tcp://127.0.0.1:" in told
@@ -173,28 +173,26 @@ def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monk
 
 
 def test_folders_that_a_worker_does_not_see_are_told(tmp_path):
-    need = cluster_module.Need(cluster_module._software(), (tmp_path, tmp_path / "elsewhere"))
+    need = cluster_module.Need(cluster_module._versions(), (tmp_path, tmp_path / "elsewhere"))
     assert "elsewhere" in need.missing()
-    assert not cluster_module.Need(cluster_module._software(), (tmp_path,)).missing()
+    assert not cluster_module.Need(cluster_module._versions(), (tmp_path,)).missing()
 
 
 def test_what_ends_a_task_is_told_in_a_sentence(tmp_path):
-    job = Job("p", tmp_path, tmp_path / "p.gclip", Options())
+    job = PlantJob("p", tmp_path, tmp_path / "p.gclip", Options())
 
-    class Ended:
-        def __init__(self, error: Exception) -> None:
-            self.error = error
+    def ended(error: Exception):
+        def result():
+            raise error
 
-        def result(self) -> None:
-            raise self.error
+        return cluster_module._outcome(job, result, "there")
 
-    died = distributed.KilledWorker("task", None, 3)
-    outcome = cluster_module._outcome(Ended(died), job, "there")
-    assert (outcome.name, outcome.state, outcome.code) == ("p", "failed", 2)
-    assert "died 4 times" in outcome.error
+    outcome = ended(distributed.KilledWorker("task", None, 3))
+    assert (outcome.name, outcome.state, outcome.code) == ("p", "failed", 1)
+    assert "killed 4 times" in outcome.error
     for error, words in (
         (concurrent.futures.CancelledError(), "there: the scheduler is gone"),
         (ModuleNotFoundError("No module named 'baker'"), "lacks the program"),
     ):
         with pytest.raises(InputError, match=words):
-            cluster_module._outcome(Ended(error), job, "there")
+            ended(error)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.parallel import MapLike
+from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation import Bend, Bending
 from baker.interpolation.attachment import attached, attachment_finder
@@ -28,7 +28,7 @@ class IntervalJob:
     """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
 
     What spans intervals is settled before: alignment, segments, which organ is which (`match`,
-    `organs`), how growth is timed, the series' `floor` and `series_spacing`.
+    `organs`), how growth is timed, the series' `floor`.
 
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
@@ -38,8 +38,9 @@ class IntervalJob:
     decay:    how lost organs leave.
     curved:   whether organs deform along curved paths and stay attached to their parents, or
               move in straight lines.
-    spacing:  the point spacing of the two scans, which says what gaps and bows matter.
-    series_spacing: that of all scans, which says how fine the clip's positions have to be.
+    floor:    height that lost organs fall to; 0 where none falls.
+    spacing:  the point spacing of the two scans, which says what gaps and bows matter and how fine
+              positions have to be.
     even, precision: as in the options.
     """
 
@@ -54,7 +55,6 @@ class IntervalJob:
     vertical: Vertical
     floor: float
     spacing: float
-    series_spacing: float
     transport: TransportOptions
     limbs: bool
     decay: Motion
@@ -62,46 +62,69 @@ class IntervalJob:
     even: float
     precision: str
 
-    def __len__(self) -> int:
-        """How many tasks there are: the steps of its progress."""
-        return len(self.tasks)
+
+IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
+"""Solves all jobs of a series; the intervals come in the jobs' order."""
 
 
-def solve_interval(
-    job: IntervalJob,
-    map: MapLike = map,
-    workers: int = 1,
-    done: Callable[[int], None] = lambda steps: None,
-) -> Interval:
-    """The interval, ready for the clip. Deterministic, whatever the workers.
+def solve_intervals(
+    jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
+) -> Iterator[Interval]:
+    """Solve intervals on threads of this process.
 
-    map: maps a function over organs, by `workers` threads.
-    done: called, in any thread, with how many more of the job's tasks are done.
+    The threads take an interval each; where there are fewer intervals, they share its organs.
+
+    Parameters
+    ----------
+    jobs : sequence of IntervalJob
+    report_progress : callable
+        Called with the number of organs solved, and of all.
+    workers : int
+        Threads.
     """
-    return packed_interval(job, move_interval(job, map, workers, done), map)
+    with thread_map(workers) as map:
+        if len(jobs) >= workers:
+            yield from solve_by(map, jobs, report_progress)
+        else:
+            organ_map = reporting(map, report_progress, sum(len(job.tasks) for job in jobs))
+            yield from (solve_interval(job, organ_map, workers) for job in jobs)
 
 
-def move_interval(
-    job: IntervalJob,
-    map: MapLike = map,
-    workers: int = 1,
-    done: Callable[[int], None] = lambda steps: None,
-) -> list[Moved]:
-    """Each task's movers on their paths; arguments as those of `solve_interval`."""
-    total = sum(map(_size, job.tasks))
+def solve_by(
+    map: MapLike, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+) -> Iterator[Interval]:
+    """Solve intervals by a map, such as that of any executor of `concurrent.futures`."""
+    done, total = 0, sum(len(job.tasks) for job in jobs)
+    report_progress(0, total)
+    for job, interval in zip(jobs, map(solve_interval, jobs), strict=True):
+        done += len(job.tasks)
+        report_progress(done, total)
+        yield interval
+
+
+def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
+    """Solve one interval; the same bytes whatever the map and the workers.
+
+    Parameters
+    ----------
+    job : IntervalJob
+    map : MapLike
+        Maps a function over organs, by threads.
+    workers : int
+        Threads for the transport of an organ that is more than a thread's share of all.
+    """
     clouds = job.start.positions, job.end.positions
     attachment = attachment_finder(clouds, job.match, job.organs)
     born = births(clouds[1], job.match, job.organs, job.timings) if job.curved else {}
     bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
+    sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
-    def solve(task: Task) -> tuple[Moved, Bend | None]:
-        # Only what is more than one's share of the work is shared out itself.
-        threads = workers if _size(task) * workers > total else 1
+    def solve(task: Task, size: int) -> tuple[Moved, Bend | None]:
         moved = solve_task(
             task,
             job.start,
             job.end,
-            transport=replace(job.transport, workers=threads),
+            transport=replace(job.transport, workers=workers if size * workers > sum(sizes) else 1),
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
@@ -109,29 +132,19 @@ def move_interval(
             birth=born.get(task.organ) if task.event == "birth" else None,
             timing=job.timings.get(task.organ) if task.event == "match" else None,
         )
-        bend = bending.of(moved) if bending else None
-        done(1)
-        return moved, bend
+        return moved, bending.of(moved) if bending else None
 
-    # The largest first: none is left to a single thread in the end.
-    order = sorted(range(len(job)), key=lambda k: -_size(job.tasks[k]))
-    found = list(map(solve, [job.tasks[k] for k in order]))
+    # The largest first, so that none is left to a single thread in the end.
+    order = np.argsort(sizes, kind="stable")[::-1]
+    found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, bends = zip(*(found[k] for k in np.argsort(order)), strict=True)
-    return bending.curved(moved, bends) if bending else [*moved]
-
-
-def packed_interval(job: IntervalJob, solved: list[Moved], map: MapLike = map) -> Interval:
-    """The interval's movers kept attached, made even and packed for the clip."""
+    solved = bending.curved(moved, bends) if bending else [*moved]
     if job.curved:
         solved = attached(solved, job.match, job.organs, job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, job.even),
-        spacing=job.series_spacing,
+        spacing=job.spacing,
         precision=job.precision,
         segments=tuple(m.pair for m in solved),
     )
-
-
-def _size(task: Task) -> int:
-    return len(task.start) + len(task.end)

@@ -1,0 +1,139 @@
+"""Many plants: shared out, reported one by one, and listed in the end."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections import Counter
+from collections.abc import Generator, Sequence
+from contextlib import closing, nullcontext
+from dataclasses import replace
+from pathlib import Path
+
+from baker.batch.cluster import bake_on_cluster
+from baker.batch.job import Outcome, PlantJob, bake_plant
+from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
+from baker.batch.plant import Outputs
+from baker.batch.plants import Plant
+from baker.batch.progress import PlantProgress
+from baker.batch.traits import TraitsTable
+from baker.errors import InputError
+from baker.options import Options, worker_count
+from gclip.terminal.command import DONE, OUR_FAULT
+from gclip.terminal.text import Lossy, printable
+
+
+def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int:
+    """Bake each plant, report how it went, and go on whatever fails.
+
+    Returns
+    -------
+    int
+        The exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
+
+    Raises
+    ------
+    InputError
+        Where nothing can be begun with.
+    """
+    began = time.perf_counter()
+    for folder in (outputs.clip, outputs.report):
+        if folder is not None:
+            _make_folder(folder)
+    with closing(TraitsTable(outputs.traits)) if outputs.traits else nullcontext() as table:
+        jobs = [_job(plant, options, outputs, table) for plant in plants]
+        outcomes: dict[str, Outcome] = {}
+        with (
+            PlantProgress(len(jobs), outputs.quiet, outputs.verbose) as progress,
+            closing(_outcomes(jobs, options, outputs, progress)) as found,
+        ):
+            for outcome in found:
+                progress(outcome)
+                if table:
+                    table.add(outcome.name, outcome.traits)
+                outcomes[outcome.name] = replace(outcome, traits="", notes=())
+        listed = [outcomes[plant.name] for plant in plants]
+        if table:
+            table.save(outcome.name for outcome in listed if outcome.state != "failed")
+    lines = [] if outputs.quiet else _summary(listed, outputs, time.perf_counter() - began)
+    lines += _failures(listed)
+    if lines:
+        Lossy(sys.stderr).write("\n".join([*map(printable, lines), ""]))
+    codes = {outcome.code for outcome in listed}
+    return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
+
+
+def _outcomes(
+    jobs: Sequence[PlantJob], options: Options, outputs: Outputs, progress: PlantProgress
+) -> Generator[Outcome]:
+    if outputs.cluster is None:
+        return bake_here(jobs, worker_count(options.workers))
+    return bake_on_cluster(jobs, outputs.cluster, progress.say)
+
+
+def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
+    """Bake in worker processes, one plant a core; where there are fewer plants, they share cores.
+
+    Outcomes come as they are ready. Close the iterator to stop at once.
+    """
+    processes = max(1, min(workers, len(jobs)))
+    shared = [job.on_cores(workers // processes) for job in jobs]
+    with ProcessExecutor(processes) as executor:
+        for job, future in as_they_complete(executor, bake_plant, shared, lambda: 2 * processes):
+            try:
+                yield future.result()
+            except WorkerDied as error:
+                yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(error))
+
+
+def _job(plant: Plant, options: Options, outputs: Outputs, table: TraitsTable | None) -> PlantJob:
+    return PlantJob(
+        name=plant.name,
+        folder=plant.folder,
+        clip=outputs.clip / f"{plant.name}.gclip",
+        options=options,
+        report=outputs.report / f"{plant.name}.html" if outputs.report else None,
+        traits=table is not None,
+        known=table.known(plant.name) if table else None,
+        force=outputs.force,
+        cache=outputs.cache,
+    )
+
+
+def _make_folder(folder: Path) -> None:
+    if folder.is_file() or folder.suffix.lower() in (".html", ".htm"):
+        raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder} can't be made: {error.strerror or error}.") from None
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder} can't be written to.")
+
+
+def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:
+    """A line a plant, their sum, and where all was written."""
+    width = max(5, *(len(outcome.name) for outcome in outcomes))
+    row = f"{{:<{width}}}{{:>10}}{{:>10}}{{:>10}}{{:>10}}  {{}}".format
+    lines = ["", row("plant", "scans", "tracks", "points", "seconds", "result")]
+    for one in outcomes:
+        counts = [f"{count:,}" for count in (one.scans, one.tracks, one.points)]
+        counts = counts if one.state != "failed" else [""] * 3
+        lines.append(row(one.name, *counts, f"{one.seconds:.1f}", one.state))
+    states = Counter(one.state for one in outcomes)
+    found = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
+    plants = f"{len(outcomes):,} plant{'s' * (len(outcomes) != 1)}"
+    points = sum(one.points for one in outcomes)
+    lines.append(f"{plants}: {found}; {points:,} points in {seconds:.1f} s")
+    places = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
+    return lines + [f"{what}: {path}" for what, path in places if path is not None]
+
+
+def _failures(outcomes: Sequence[Outcome]) -> list[str]:
+    """What failed, each with its sentence."""
+    failed = [one for one in outcomes if one.state == "failed"]
+    if not failed:
+        return []
+    lines = ["", f"{len(failed)} of {len(outcomes)} plants failed:"]
+    return lines + [f"  {one.name}: {one.error}" for one in failed]

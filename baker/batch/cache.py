@@ -1,0 +1,162 @@
+"""Results kept in a folder from bake to bake (`bake --cache DIR`).
+
+A result is found again by a digest of all that it is worked out from: the function's arguments, the
+program's own code, the versions of its packages and the kind of machine. It is kept as MessagePack,
+which runs no code when it is read, behind a digest of its own bytes.
+
+One folder may serve many bakes at once, on several machines too, which is why it holds plain files
+and no data base.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+
+import msgspec
+import numpy as np
+
+from baker.errors import InputError
+from baker.geometry.parallel import ReportProgress
+from baker.interpolation.interval_job import IntervalJob, IntervalSolver
+from baker.interpolation.provenance import software
+from gclip.clip import Interval
+from gclip.terminal.atomic import atomic_file
+
+Result = TypeVar("Result")
+
+
+class Cache:
+    """Keep results in `folder`; it may be deleted at any time.
+
+    What is missing, damaged or another result's is worked out again and replaced. Where the folder
+    can't take a result, the bake goes on without.
+
+    Parameters
+    ----------
+    folder : path
+
+    Attributes
+    ----------
+    found, solved : int
+        Intervals that were taken from the folder, and that were not.
+    trouble : str
+        Why results could not be kept; empty where they all were.
+
+    Raises
+    ------
+    InputError
+        Where the folder can't be made.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.found = self.solved = 0
+        self.trouble = ""
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"{self.folder} can't be a cache: {error.strerror or error}."
+            ) from None
+
+    def kept(self, function: Callable[..., Result]) -> Callable[..., Result]:
+        """The function with its results kept, by its positional arguments; its return type is
+        annotated."""
+        kind = get_type_hints(function)["return"]
+
+        def look_up(*arguments: Any, **named: Any) -> Result:
+            key = self._key(function.__qualname__, arguments)
+            result: Result | None = self._read(key, kind)
+            if result is None:
+                result = function(*arguments, **named)
+                self._write(key, result)
+            return result
+
+        return look_up
+
+    def kept_intervals(self, solve: IntervalSolver) -> IntervalSolver:
+        """The solver with its intervals kept, each as soon as it and those before it are solved."""
+
+        def look_up(
+            jobs: Sequence[IntervalJob], report_progress: ReportProgress
+        ) -> Iterator[Interval]:
+            keys = [self._key("interval", job) for job in jobs]
+            kept = [self._read(key, Interval) for key in keys]
+            missing = [job for job, interval in zip(jobs, kept, strict=True) if interval is None]
+            self.found, self.solved = len(jobs) - len(missing), len(missing)
+            solved = iter(solve(missing, report_progress))
+            for key, interval in zip(keys, kept, strict=True):
+                if interval is None:
+                    interval = next(solved)
+                    self._write(key, interval)
+                yield interval
+
+        return look_up
+
+    def summary(self) -> str:
+        """How many intervals were found, and what the folder did not take."""
+        found = f"{self.found} of {self.found + self.solved} intervals"
+        return f"{found}; not all others could be kept: {self.trouble}" if self.trouble else found
+
+    @cached_property
+    def _program(self) -> bytes:
+        """Digest of the code, the packages and the machine: no result outlives a change of them."""
+        import baker
+        import gclip
+
+        digest = sha256(_encoded((software(), platform.machine())))
+        for package in (baker, gclip):
+            for path in sorted(Path(str(package.__file__)).parent.rglob("*.py")):
+                digest.update(sha256(path.read_bytes()).digest())
+        return digest.digest()
+
+    def _key(self, name: str, arguments: Any) -> str:
+        return sha256(_encoded((self._program, name, arguments))).hexdigest()
+
+    def _path(self, key: str) -> Path:
+        return self.folder / key[:2] / key
+
+    def _read(self, key: str, kind: type[Result]) -> Result | None:
+        path = self._path(key)
+        try:
+            if not path.is_file():
+                return None
+            entry = memoryview(path.read_bytes())
+            if sha256(key.encode() + entry[32:]).digest() != entry[:32]:
+                return None
+            return msgspec.msgpack.decode(entry[32:], type=kind, dec_hook=_array)
+        except (OSError, msgspec.MsgspecError):
+            return None
+
+    def _write(self, key: str, result: Any) -> None:
+        path, payload = self._path(key), _encoded(result)
+        try:
+            path.parent.mkdir(exist_ok=True)
+            with atomic_file(path) as part:
+                part.write_bytes(sha256(key.encode() + payload).digest() + payload)
+        except OSError as error:
+            self.trouble = self.trouble or f"{path} can't be written: {error.strerror or error}"
+
+
+def _encoded(value: Any) -> bytes:
+    """Dataclasses, containers, numbers, text and arrays as MessagePack."""
+    return msgspec.msgpack.encode(value, enc_hook=_plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return (value.dtype.str, value.shape, np.ascontiguousarray(value).data.cast("B"))
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} has no digest")
+
+
+def _array(kind: type, value: Any) -> Any:
+    """What `_plain` made of an array: read-only."""
+    dtype, shape, data = value
+    return np.frombuffer(data, dtype).reshape(shape)

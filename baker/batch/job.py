@@ -1,0 +1,214 @@
+"""One of many plants: what to bake goes to a worker, and how it went comes back."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import time
+import traceback
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import gclip
+from baker.alignment import align
+from baker.batch.cache import Cache
+from baker.interpolation.interval_job import IntervalSolver, solve_intervals
+from baker.interpolation.provenance import software
+from baker.options import Options, worker_count
+from baker.pipeline import Register, bake_recorded
+from baker.report import write_report
+from baker.report.verification import verify
+from baker.scans.read import list_series
+from baker.scans.stage import read_options, told_by
+from baker.scans.unchanged import digest
+from gclip.terminal.command import OUR_FAULT, verdict
+from traits.table import Namer, measure_days, provenance, write_table
+
+if TYPE_CHECKING:
+    from gclip.clip import Clip
+
+TraitsSource = tuple[str, str]
+"""What measured a plant's traits, and the digest of the clip that they are of."""
+
+
+@dataclass(frozen=True)
+class PlantJob:
+    """One plant to bake.
+
+    Attributes
+    ----------
+    name : str
+    folder, clip : Path
+        Of its scans; the file to write.
+    options : Options
+    report : Path, optional
+        The file to write.
+    traits : bool
+        Whether to measure.
+    known : TraitsSource, optional
+        Of the traits there are already.
+    force : bool
+        Bake even where the clip is up to date.
+    cache : Path, optional
+        Folder of intervals from earlier bakes.
+    """
+
+    name: str
+    folder: Path
+    clip: Path
+    options: Options
+    report: Path | None = None
+    traits: bool = False
+    known: TraitsSource | None = None
+    force: bool = False
+    cache: Path | None = None
+
+    def on_cores(self, cores: int) -> PlantJob:
+        """The same, on so many cores."""
+        return replace(self, options=replace(self.options, workers=cores))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a plant's bake went.
+
+    Attributes
+    ----------
+    code : int
+        0, or the exit code of the failure that `error` tells in one sentence.
+    points : int
+        Of all scans.
+    seconds : float
+        Of wall clock, all in all.
+    traits : str
+        Rows of the table; empty where they were not wanted, or are known already.
+    notes : tuple of str
+        What was decided and found.
+    """
+
+    name: str
+    state: Literal["baked", "unchanged", "failed"]
+    scans: int = 0
+    tracks: int = 0
+    points: int = 0
+    seconds: float = 0.0
+    code: int = 0
+    error: str = ""
+    traits: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
+    """Bake one plant, or find that its clip is up to date. What goes wrong is in the outcome.
+
+    Parameters
+    ----------
+    job : PlantJob
+    solve : IntervalSolver, optional
+        By default threads of this process.
+    """
+    began = time.perf_counter()
+    try:
+        clip = None if job.force else current_clip(job)
+        state: Literal["baked", "unchanged"] = "unchanged" if clip else "baked"
+        clip = clip or _bake(job, solve)
+        traits = _traits(clip, job) if job.traits else ""
+    except Exception as error:
+        code, sentence = verdict(error)
+        if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
+            traceback.print_exc()
+        seconds = time.perf_counter() - began
+        return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
+    return Outcome(
+        job.name,
+        state,
+        scans=len(clip.scans),
+        tracks=len(clip.track_table),
+        points=sum(scan.points for scan in clip.scans),
+        seconds=time.perf_counter() - began,
+        traits=traits,
+        notes=tuple(clip.provenance["decisions"] + clip.provenance["notes"]),
+    )
+
+
+def _bake(job: PlantJob, solve: IntervalSolver | None) -> Clip:
+    solve = solve or partial(solve_intervals, workers=worker_count(job.options.workers))
+    register: Register = align
+    if job.cache is not None:
+        cache = Cache(job.cache)
+        register, solve = cache.kept(register), cache.kept_intervals(solve)
+    clip, record = bake_recorded([job.folder], job.options, _silent, register, solve)
+    if job.report is not None:
+        # Before the clip: one that is up to date has its report.
+        errors = verify(clip, record, _silent)
+        write_report(
+            job.report,
+            clip,
+            record,
+            title=job.clip.name,
+            errors=errors,
+            seconds={},
+            workers=job.options.workers,
+            progress=_silent,
+        )
+    clip.save(job.clip)
+    return clip
+
+
+def current_clip(job: PlantJob) -> Clip | None:
+    """The job's clip if it is whole and what a bake would give, else None.
+
+    The clip itself says what it was made of. It is current if the program and its packages have the
+    same versions, the options are the same, and so are the scans: their names, order, times and the
+    digests of their bytes.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds no series of scans.
+    """
+    if not job.clip.exists() or not (job.report is None or job.report.exists()):
+        return None
+    try:
+        clip = gclip.open(job.clip)
+    except gclip.ClipError:
+        return None
+    chosen = read_options(job.options)
+    listing = list_series([job.folder], chosen)
+    entries = listing.schedule.entries
+    resolved = told_by(listing.series((), chosen), job.options)
+    expected = {**software(), "options": resolved.provenance()}
+    moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
+    made_of = clip.provenance.get("inputs")
+    if (
+        any(clip.provenance.get(key) != _as_json(value) for key, value in expected.items())
+        or any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans)
+        or not isinstance(made_of, list)
+        or len(made_of) != len(entries)
+    ):
+        return None
+    same = (  # last, as it reads every scan
+        scan == {"name": entry.name, "sha256": digest(listing.files(entry))}
+        for scan, entry in zip(made_of, entries, strict=True)
+    )
+    return clip if all(same) else None
+
+
+def _as_json(value: object) -> object:
+    """As it reads once it has been written: tuples as lists."""
+    return json.loads(json.dumps(value))
+
+
+def _traits(clip: Clip, job: PlantJob) -> str:
+    if provenance(clip) == job.known:
+        return ""
+    table = io.StringIO()
+    write_table(table, Namer(clip, job.name), measure_days(clip))
+    return table.getvalue().partition("\n")[2]
+
+
+def _silent(stage: str, done: int, total: int) -> None:
+    """Nobody watches the stages of one of many plants."""

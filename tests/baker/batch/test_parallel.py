@@ -1,0 +1,213 @@
+"""Worker processes: results, errors, deaths, and that none is left behind."""
+
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from contextlib import closing, suppress
+from pathlib import Path
+
+import pytest
+
+from baker.batch.bake_all import bake_here
+from baker.batch.job import PlantJob
+from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
+from baker.options import Options
+from tests.baker.batch.conftest import write_greenhouse
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def whoami(number: int) -> int:
+    time.sleep(0.2)
+    return os.getpid()
+
+
+def fail(number: int) -> int:
+    raise ArithmeticError(f"no {number}")
+
+
+def die(marker: Path | None) -> str:
+    """Be killed; where a marker is given, only the first time."""
+    if marker is None or not marker.exists():
+        if marker is not None:
+            marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "alive"
+
+
+def leave_marker(folder: Path) -> None:
+    """Work for long, and remove what is half done when it ends."""
+    marker = folder / str(os.getpid())
+    marker.touch()
+    try:
+        time.sleep(600)
+    finally:
+        marker.unlink()
+
+
+def warn(number: int) -> int:
+    warnings.warn(f"number {number}", stacklevel=1)
+    return number
+
+
+def test_results_are_in_the_items_order_and_from_other_processes() -> None:
+    with ProcessExecutor(2) as executor:
+        assert list(executor.map(square, range(9))) == [k * k for k in range(9)]
+        processes = set(executor.map(whoami, range(4)))
+    assert len(processes) == 2
+    assert os.getpid() not in processes
+
+
+def test_errors_are_raised_here() -> None:
+    with pytest.raises(ArithmeticError, match="no 3"), ProcessExecutor(2) as executor:
+        list(executor.map(fail, [3, 4]))
+
+
+def test_only_a_window_of_items_is_under_way() -> None:
+    taken = 0
+
+    def items():
+        nonlocal taken
+        while taken < 50:
+            taken += 1
+            yield taken
+
+    with ProcessExecutor(1) as executor:
+        for count, (item, future) in enumerate(
+            as_they_complete(executor, square, items(), lambda: 3), start=1
+        ):
+            assert future.result() == item * item
+            assert taken <= count + 3
+    assert count == 50
+
+
+def test_a_killed_process_is_replaced_and_its_task_done_again(tmp_path: Path) -> None:
+    with ProcessExecutor(2) as executor:
+        assert list(executor.map(die, [tmp_path / "0", tmp_path / "1"])) == ["alive", "alive"]
+
+
+def test_a_task_that_kills_its_process_each_time_fails_alone(tmp_path: Path) -> None:
+    with ProcessExecutor(2) as executor:
+        doomed, other = executor.submit(die, None), executor.submit(square, 3)
+        assert other.result() == 9
+        with pytest.raises(WorkerDied, match="need more memory"):
+            doomed.result()
+        assert executor.submit(square, 4).result() == 16
+
+
+def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("baker.batch.bake_all.bake_plant", _bake_or_die)
+    jobs = [PlantJob(f"p{k}", tmp_path, tmp_path / f"p{k}.gclip", Options()) for k in range(3)]
+    with closing(bake_here(jobs, 1)) as found:
+        codes = {outcome.name: outcome.code for outcome in found}
+    assert codes == {"p0": 0, "p1": 1, "p2": 0}
+
+
+def _bake_or_die(job: PlantJob):
+    from baker.batch.job import Outcome
+
+    if job.name == "p1":
+        die(None)
+    return Outcome(job.name, "baked")
+
+
+def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
+    with suppress(KeyboardInterrupt), ProcessExecutor(2) as executor:
+        for _ in range(8):
+            executor.submit(leave_marker, tmp_path)
+        processes = _wait_for_markers(tmp_path, 2)
+        raise KeyboardInterrupt
+    assert not any(map(alive, processes))
+    assert not list(tmp_path.iterdir())
+
+
+def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
+    code = (
+        "from pathlib import Path\n"
+        "from baker.batch.parallel import ProcessExecutor\n"
+        "from tests.baker.batch.test_parallel import leave_marker\n"
+        "with ProcessExecutor(2) as executor:\n"
+        f"    list(executor.map(leave_marker, 2 * [Path({str(tmp_path)!r})]))\n"
+    )
+    command = subprocess.Popen([sys.executable, "-c", code])
+    processes = _wait_for_markers(tmp_path, 2)
+    command.kill()
+    command.wait()
+    while any(map(alive, processes)):
+        time.sleep(0.05)
+
+
+def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
+    """While bars are drawn as fast as they can be, their locks are held nearly always."""
+    code = (
+        "from baker.batch.parallel import ProcessExecutor\n"
+        "from gclip.terminal.progress import ProgressBars\n"
+        "from tests.baker.batch.test_parallel import warn\n"
+        "bars = ProgressBars(False, '{task.description}')\n"
+        "bars.bars.live.refresh_per_second = 2000\n"
+        "with bars:\n"
+        "    task = bars.bars.add_task('warning', total=40)\n"
+        "    for _ in range(5):\n"
+        "        with ProcessExecutor(4) as executor:\n"
+        "            for number in executor.map(warn, range(8)):\n"
+        "                bars.bars.update(task, advance=1)\n"
+    )
+    ours, terminal = pty.openpty()
+    command = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=terminal, stdout=terminal, stderr=terminal
+    )
+    os.close(terminal)
+    written = bytearray()
+
+    def read() -> None:
+        try:
+            while part := os.read(ours, 4096):
+                written.extend(part)
+        except OSError:  # Linux: nobody has the terminal any more
+            pass
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    try:
+        assert command.wait(timeout=300) == 0, written.decode()
+    finally:
+        command.kill()
+    reader.join()
+    os.close(ours)
+    assert written.count(b"UserWarning: number") >= 5
+
+
+def test_plants_have_the_same_bytes_by_any_number_of_workers(tmp_path: Path) -> None:
+    house = write_greenhouse(tmp_path / "house", ["a", "b"], days=3)
+    found = []
+    for workers in (1, 2, 5):
+        folder = tmp_path / str(workers)
+        folder.mkdir()
+        options = Options(align="none", up="z")
+        jobs = [PlantJob(n, house / n, folder / f"{n}.gclip", options) for n in ("a", "b")]
+        assert {outcome.state for outcome in bake_here(jobs, workers)} == {"baked"}
+        found.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    assert found[0] == found[1] == found[2]
+
+
+def _wait_for_markers(folder: Path, count: int) -> list[int]:
+    while len(markers := list(folder.iterdir())) < count:
+        time.sleep(0.05)
+    return [int(marker.name) for marker in markers]
+
+
+def alive(process: int) -> bool:
+    """Whether it runs: what nobody has waited for yet does not."""
+    try:
+        return ") Z " not in Path(f"/proc/{process}/stat").read_text()
+    except OSError:
+        return False

@@ -1,0 +1,83 @@
+"""An interval is a unit of its own: it can be solved anywhere, and the clip is the same."""
+
+import pickle
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+from baker import Options
+from baker.interpolation.interval_job import solve_interval, solve_intervals
+from baker.interpolation.movers import solve_task
+from baker.pipeline import bake_recorded
+
+PLAIN = Options(align="none", up="z", workers=1)
+
+
+def sent_away(jobs, report_progress):
+    """A solver that sends each job away, the last first, as a cluster may."""
+    solve, sent = pickle.loads(pickle.dumps((solve_interval, jobs)))
+    yield from [solve(job) for job in reversed(sent)][::-1]
+
+
+def on_threads(workers):
+    return partial(solve_intervals, workers=workers)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [PLAIN, replace(PLAIN, paper=True), replace(PLAIN, labels="ignore")],
+    ids=["default", "paper", "no labels"],
+)
+def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
+    """Whether threads have an interval each, or share its organs."""
+    folder = write_scans(days=(0, 1, 2, 3))
+    solvers = {"here": None, "few": on_threads(2), "many": on_threads(5), "away": sent_away}
+    for name, solve in solvers.items():
+        bake_recorded([folder], options, solve=solve)[0].save(tmp_path / f"{name}.gclip")
+    assert len({(tmp_path / f"{name}.gclip").read_bytes() for name in solvers}) == 1
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_progress_reaches_all_organs(write_scans, workers):
+    reported = []
+    bake_recorded(
+        [write_scans(days=(0, 1, 2))],
+        PLAIN,
+        lambda stage, *counts: reported.append(counts) if stage == "transport" else None,
+        solve=on_threads(workers),
+    )
+    assert reported[0][0] == 0
+    assert reported[-1][0] == reported[-1][1] > 0
+    assert reported == sorted(reported)
+
+
+@pytest.mark.parametrize(
+    ("options", "limbs"),
+    [
+        (PLAIN, True),
+        (replace(PLAIN, transport="sinkhorn"), False),
+        (replace(PLAIN, paper=True), False),
+        (replace(PLAIN, paper=True, transport="exact"), False),
+    ],
+)
+def test_the_paper_knows_of_no_limbs(write_scans, monkeypatch, options, limbs):
+    asked = []
+
+    def solve(*arguments, foot, **named):
+        asked.append(foot is not None)
+        return solve_task(*arguments, foot=foot, **named)
+
+    monkeypatch.setattr("baker.interpolation.interval_job.solve_task", solve)
+    bake_recorded([write_scans()], options)
+    assert any(asked) == limbs
+
+
+def test_an_error_in_a_job_ends_the_bake(write_scans, monkeypatch):
+    def fail(*arguments, **named):
+        raise ArithmeticError("no way")
+
+    monkeypatch.setattr("baker.interpolation.interval_job.solve_task", fail)
+    for workers in (1, 3):
+        with pytest.raises(ArithmeticError, match="no way"):
+            bake_recorded([write_scans(name=str(workers))], PLAIN, solve=on_threads(workers))
