@@ -15,7 +15,8 @@ class ProgressBars:
     """What reports progress derives from this; its bars are shown while it is a context.
 
     Standard output and error stay as they are: a worker process forked meanwhile never meets a lock
-    of rich's console. That nobody reads the progress, or its log is full, does not end the work."""
+    of rich's console. That nobody reads the progress, or its log is full, does not end the work.
+    """
 
     def __init__(self, quiet: bool, *columns: str | ProgressColumn) -> None:
         from rich.console import Console
