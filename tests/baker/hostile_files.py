@@ -20,6 +20,8 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -237,7 +239,6 @@ SOUND: dict[str, tuple[str, Callable[[], bytes]]] = {
     "off with colors": ("s.off", lambda: _mesh("coff")),
     "glb": ("s.glb", lambda: _mesh("glb")),
     "gltf": ("s.gltf", lambda: _mesh("gltf")),
-    "e57": ("s.e57", _e57),
     "npy": ("s.npy", lambda: _arrays(np.save)),
     "npz": ("s.npz", lambda: _arrays(np.savez)),
     "npz compressed": ("s.npz", lambda: _arrays(np.savez_compressed)),
@@ -260,6 +261,10 @@ SOUND: dict[str, tuple[str, Callable[[], bytes]]] = {
     "depth tif": ("depth_000_00.png", lambda: _image("depth", "TIFF")),
     "color jpg": ("rgb_000_00.png", lambda: _image("color", "JPEG")),
 }
+
+
+if find_spec("pye57"):  # which has no wheel for every machine
+    SOUND["e57"] = ("s.e57", _e57)
 
 
 @cache
@@ -407,12 +412,9 @@ def check_file(file: File, folder: Path) -> str:
 
 @cache
 def _load_libraries() -> None:
-    import laspy  # noqa: F401
-    import open3d
-    import plyfile  # noqa: F401
-    import pye57  # noqa: F401
-
-    open3d.geometry.TriangleMesh.create_box()
+    for name in ("laspy", "open3d", "plyfile", "pye57"):
+        if find_spec(name):
+            import_module(name)
 
 
 def _reading(kind: str, path: Path) -> Callable[[], None]:

@@ -9,10 +9,10 @@ from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
 
+pye57 = pytest.importorskip("pye57", reason="it has no wheel for this machine")
+
 
 def write(path, *scans, **placed):
-    import pye57
-
     file = pye57.E57(str(path), mode="w")
     for scan in scans:
         file.write_scan_raw(scan, **placed)
