@@ -26,13 +26,28 @@ COLOR_NAMES = (
 def choose_fields(
     columns: Columns, path: Path, label_field: str | None = None, use_labels: bool = True
 ) -> Cloud:
-    """The scan that the fields in `columns` (of the file at `path`) describe.
+    """Positions, labels and colours among the fields of a file.
 
-    label_field:  the field to take as labels instead of the first of `LABEL_NAMES`.
-    use_labels:   False leaves labels unread.
+    Parameters
+    ----------
+    columns : Columns
+        All fields of the file.
+    path : Path
+        The file, for messages.
+    label_field : str, optional
+        The field to take as labels instead of the first of `LABEL_NAMES`.
+    use_labels : bool
+        False leaves labels unread.
 
-    Colours that make no sense are left out with a note. Raises InputError: no x, y, z;
-    `label_field` not there; labels that aren't integers.
+    Returns
+    -------
+    Cloud
+        Points in float64; colours that make no sense are left out with a note.
+
+    Raises
+    ------
+    InputError
+        There is no x, y or z, or no `label_field`, or labels are no integers.
     """
     by_name: dict[str, str] = {}
     for name in columns.values:
@@ -64,11 +79,21 @@ def choose_fields(
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
-    """Three (N,) channels as (N, 3) uint8 sRGB, with a word on how they were read.
+    """Colours in 8 bits, whatever numbers a file has them in.
 
-    Bytes stay as they are. Other numbers count as 0–1 where none is above 1 and they are not of an
-    integer type, as 8-bit where none is above 255, as 16-bit where none is above 65535. Numbers
-    beyond that, negative or not finite are no colours: None.
+    Parameters
+    ----------
+    channels : sequence of three (N,) ndarrays
+        Red, green and blue. Bytes stay as they are. Other numbers count as 0–1 where none is above
+        1 and they are not of an integer type, as 8-bit where none is above 255, as 16-bit where
+        none is above 65535.
+
+    Returns
+    -------
+    colors : (N, 3) ndarray of uint8, or None
+        sRGB; None where numbers are beyond that, negative or not finite.
+    scale : str
+        How the numbers were read, for people.
     """
     is_integer = all(channel.dtype.kind in "iu" for channel in channels)
     if all(channel.dtype == np.uint8 for channel in channels):

@@ -18,14 +18,26 @@ IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
 def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
-    """The scans among `inputs`: one folder with one series, or files in order.
+    """The scans among `inputs`.
 
-    In a folder, hidden files, sub-folders, files of unknown suffix, texts such as README.txt and
-    the `times_file` are passed over. Where there is a `times_file`, it says what belongs together,
-    and the names may be any.
+    Parameters
+    ----------
+    inputs : sequence of Path
+        One folder with one series, or files in order. In a folder, hidden files, sub-folders, files
+        of unknown suffix, texts such as README.txt and the `times_file` are passed over.
+    times_file : Path, optional
+        A file with the scans' times. It says what belongs together: names may be any.
 
-    Raises InputError: nothing given, not there, a folder among files, a file given twice, an
-    unknown suffix, fewer than two scans, or what looks like two series in one folder.
+    Returns
+    -------
+    FoundScans
+        At least two files.
+
+    Raises
+    ------
+    InputError
+        Nothing given, not there, a folder among files, a file given twice, an unknown suffix, a
+        link to nothing, fewer than two scans, or what looks like two series in one folder.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
