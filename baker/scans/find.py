@@ -14,6 +14,9 @@ from baker.scans.times import FoundScans, names_without_times, natural_key
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
 """Stems of the text files that often lie beside scans."""
 
+BESIDE_SCANS = {"mesh", "arrays"}
+"""Readers of files that often lie beside the point clouds they were made from."""
+
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
@@ -24,7 +27,8 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     ----------
     inputs : sequence of Path
         One folder with one series, or files in order. In a folder, hidden files, sub-folders, files
-        of unknown suffix, texts such as README.txt and the `times_file` are passed over.
+        of unknown suffix, texts such as README.txt and the `times_file` are passed over; beside
+        point clouds, so are meshes and arrays.
     times_file : Path, optional
         A file with the scans' times. It says what belongs together: names may be any.
 
@@ -81,6 +85,8 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
             if path.is_symlink() and suffix_of(path) in READERS and not path.exists():
                 raise InputError(f"'{path}' is a link to a file that is not there.")
         scans = [path for path in entries if _is_scan(path)]
+        clouds = [path for path in scans if READERS[suffix_of(path)] not in BESIDE_SCANS]
+        scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
     if not scans:
