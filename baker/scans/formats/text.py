@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -237,11 +238,7 @@ def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> lis
 
 
 def _distinct(names: list[str] | None) -> list[str] | None:
-    twice = (
-        set()
-        if names is None or len(set(names)) == len(names)
-        else {name for name in names if names.count(name) > 1}
-    )
+    twice = [name for name, count in Counter(names or []).items() if count > 1]
     if twice:
         raise FormatError(f"has a header that names two columns '{excerpt(min(twice))}'.")
     return names
