@@ -1,8 +1,8 @@
 """Organs on a plant's skeleton: blades told from stem and petioles, and bare branches.
 
 A ball of the stem's diameter sees a round rod where there is stem or petiole, and a flat sheet
-where there is a blade. On every way from the base to a tip the stem ends once, where the blade
-begins; where that is best for all ways together is found exactly, from the tips down.
+where there is a blade. On every path from the base to a tip the stem ends once, where the blade
+begins; where that is best for all paths together is found exactly, from the tips down.
 """
 
 from __future__ import annotations
@@ -10,44 +10,46 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segmentation.reeb_graph import LevelTree
-from baker.segmentation.voxel_sampling import EvenSample
+from baker.segmentation.reeb_graph import PlantSample, ReebTree
 
-BALL = 1.0  # radius of the ball, in stem diameters
-ROUND = 0.55  # from this ratio of the ball's least two axes on, what it sees is round
-CLEAR = 0.3  # further from it than this, nothing gets clearer
-PRICE = 0.7  # a blade is larger than this, in squares of the stem's diameter
-SLENDER = 2.0  # a branch of a blade this many times as long as wide is a blade of its own
-BARE = 3.0  # a branch without blades is an organ from this length on, in stem diameters
+BALL_RADIUS = 1.0  # radius of the ball, in stem diameters
+MIN_ROD_FLATNESS = 0.55  # from this ratio of the ball's least two axes on, what it sees is round
+FLATNESS_RANGE = 0.3  # further from it than this, nothing gets clearer
+MIN_BLADE_AREA = 0.7  # a blade is larger than this, in squares of the stem's diameter
+MIN_SLENDERNESS = 2.0  # a branch of a blade this many times as long as wide is a blade of its own
+MIN_BARE_LENGTH = 3.0  # a branch without blades is an organ from this length on, in stem diameters
 STEM = 0
 
 
-def blade_likeness(sample: EvenSample) -> NDArray[np.float64]:
+def blade_scores(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) how surely each point lies on a blade: from -1, on stem or petiole, to 1."""
-    clear: NDArray[np.float64] = np.clip(ROUND - flatness(sample), -CLEAR, CLEAR) / CLEAR
+    clear: NDArray[np.float64] = (
+        np.clip(MIN_ROD_FLATNESS - flatness(sample), -FLATNESS_RANGE, FLATNESS_RANGE)
+        / FLATNESS_RANGE
+    )
     return clear
 
 
 def organs_of_nodes(
-    sample: EvenSample, tree: LevelTree, likeness: NDArray[np.float64]
+    sample: PlantSample, tree: ReebTree, scores: NDArray[np.float64]
 ) -> NDArray[np.intp]:
     """(m,) the organ of each node: 0 for stem and petioles, blades and bare branches from 1 on.
 
-    likeness: (n,) how surely each point of the sample lies on a blade, not on stem or petiole.
+    scores: (n,) how surely each point of the sample lies on a blade, not on stem or petiole.
     """
-    gain = np.bincount(tree.node, likeness, len(tree.parent)).astype(np.float64)
-    least = PRICE * (sample.diameter / sample.spacing) ** 2
-    organ = _blades(sample, tree, _begins_blade(tree, tree.gathered(gain) - least), least)
+    gain = np.bincount(tree.node, scores, len(tree.parent)).astype(np.float64)
+    least = MIN_BLADE_AREA * (sample.diameter / sample.spacing) ** 2
+    organ = _blades(sample, tree, _begins_blade(tree, tree.subtree_sums(gain) - least), least)
     return _with_bare_branches(sample, tree, organ)
 
 
-def flatness(sample: EvenSample) -> NDArray[np.float64]:
+def flatness(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) ratio of the least two axes of what is within a ball: 1 in a rod, 0 on a flat sheet."""
     from scipy.sparse import csr_matrix, identity
     from scipy.spatial import cKDTree
 
     points, count = sample.points, len(sample.points)
-    pairs = cKDTree(points).query_pairs(BALL * sample.diameter, output_type="ndarray")
+    pairs = cKDTree(points).query_pairs(BALL_RADIUS * sample.diameter, output_type="ndarray")
     half = csr_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
     within = half + half.T + identity(count, format="csr")
     number = within @ np.ones(count)
@@ -61,7 +63,7 @@ def flatness(sample: EvenSample) -> NDArray[np.float64]:
     return np.asarray(axes[:, 0] / np.maximum(axes[:, 1], np.finfo(float).tiny))
 
 
-def _begins_blade(tree: LevelTree, whole: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _begins_blade(tree: ReebTree, whole: NDArray[np.float64]) -> NDArray[np.bool_]:
     """(m,) whether all from a node on gains more as one blade than as blades further out.
 
     whole: (m,) gain of all from each node on as one blade.
@@ -75,12 +77,12 @@ def _begins_blade(tree: LevelTree, whole: NDArray[np.float64]) -> NDArray[np.boo
 
 
 def _blades(
-    sample: EvenSample, tree: LevelTree, begins: NDArray[np.bool_], least: float
+    sample: PlantSample, tree: ReebTree, begins: NDArray[np.bool_], least: float
 ) -> NDArray[np.intp]:
     """(m,) blades from 1 on. Where one forks into slender branches, each of them is a blade, the
     largest one together with what lies below the fork."""
     organ, born = np.zeros(len(tree.parent), np.intp), 0
-    size = tree.gathered(tree.count)
+    size = tree.subtree_sums(tree.count)
     for node, parent in enumerate(tree.parent):
         if parent >= 0 and organ[parent] and not organ[node]:
             organ[node] = organ[parent]
@@ -100,28 +102,28 @@ def _blades(
 
 
 def _is_slender(
-    sample: EvenSample, tree: LevelTree, size: NDArray[np.float64], branch: int
+    sample: PlantSample, tree: ReebTree, size: NDArray[np.float64], branch: int
 ) -> bool:
     """Whether a branch is long for the width it begins with, over the first stem diameter."""
-    node, way, widths = branch, sample.thickness, [tree.width[branch]]
-    while way < sample.diameter and tree.children[node]:
+    node, length, widths = branch, sample.thickness, [tree.width[branch]]
+    while length < sample.diameter and tree.children[node]:
         node = max(tree.children[node], key=lambda child: size[child])
         widths.append(tree.width[node])
-        way += sample.thickness
+        length += sample.thickness
     neck = max(float(np.median(widths)), 0.5 * sample.diameter)
-    return bool(tree.reach[branch] >= SLENDER * neck)
+    return bool(tree.reach[branch] >= MIN_SLENDERNESS * neck)
 
 
 def _with_bare_branches(
-    sample: EvenSample, tree: LevelTree, organ: NDArray[np.intp]
+    sample: PlantSample, tree: ReebTree, organ: NDArray[np.intp]
 ) -> NDArray[np.intp]:
     """The organs and, further ones, long branches of the stem that bear no blades.
 
     A leaf still rolled up, or a twig. Where a bare branch forks again, its longest branch goes on.
     """
     organ, born = organ.copy(), int(organ.max())
-    bears = tree.gathered((organ > STEM).astype(np.float64)) > 0
-    long = tree.reach >= BARE * sample.diameter
+    bears = tree.subtree_sums((organ > STEM).astype(np.float64)) > 0
+    long = tree.reach >= MIN_BARE_LENGTH * sample.diameter
     for node, parent in enumerate(tree.parent):
         if parent < 0 or bears[node]:
             continue

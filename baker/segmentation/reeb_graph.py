@@ -1,32 +1,89 @@
-"""The skeleton of a plant: level sets of the way from its base, hung into a tree.
+"""The Reeb graph of a plant: components of the level sets of the geodesic distance from its base.
 
-The parts of each level set are the nodes of a Reeb graph, the plant's skeleton. Where leaves touch,
-that graph has loops; they are cut, each point staying with the part that it was reached through. A
-small loop is no touch of two organs but a hole in the scan, and is closed again.
+The plant is thinned to one point a voxel first. All lengths are in diameters of the stem, which is
+measured here: so it does not matter in what unit, how densely or how evenly a plant was scanned.
+
+Where leaves touch, the graph has loops; they are cut, each point staying with the component that it
+was reached through, so that a tree is left. A small loop is no touch of two organs but a hole in
+the scan, and is closed again.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segmentation.voxel_sampling import EvenSample, section_width
+from baker.geometry.graph import connected_knn_graph
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors, point_spacing
+from baker.geometry.sampling import voxel_downsample, voxel_size_for
 
-HOLE = 3.0  # length of a loop that is but a hole, in stem diameters
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # points at most: to measure the stem, and to segment with
+VOXEL_SIZE = 0.2  # in stem diameters
+LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.5, 3.0  # in stem diameters, in point spacings at least
+STEM_LENGTH = 6.0  # that the stem is measured over, in its diameters
+MIN_POINTS_OF_SECTION = 6
+MAX_ROUNDS = 15
+MAX_HOLE = 3.0  # length of a loop that is but a hole, in stem diameters
 
 
 @dataclass(frozen=True)
-class LevelTree:
-    """Parts of level sets, numbered from the base on: parents before their children.
+class PlantSample:
+    """A plant's points, one a voxel, and their geodesic distances from the plant base.
 
-    node:     (n,) the node of each point of the sample.
-    parent:   of each node; -1 for the root, node 0.
-    children: of each node.
-    count:    (m,) points of each node.
-    width:    (m,) of each node's section.
-    reach:    (m,) way from the beginning of each node to the farthest tip beyond it.
+    Attributes
+    ----------
+    points : (n, 3) float64
+    nearest : (N,) intp
+        The sample's point nearest to each point of the cloud.
+    graph : (n, n) csr_matrix
+        The connected kNN graph.
+    distance : (n,) float64
+        Geodesic distance from the plant base.
+    predecessor : (n,) intp
+        The point before each on the shortest path from there, -1 at the base.
+    spacing : float
+        Point spacing of the sample.
+    diameter : float
+        Of the stem; 0 where the cloud is too small to tell.
+    """
+
+    points: NDArray[np.float64]
+    nearest: NDArray[np.intp]
+    graph: csr_matrix
+    distance: NDArray[np.float64]
+    predecessor: NDArray[np.intp]
+    spacing: float
+    diameter: float
+
+    @property
+    def thickness(self) -> float:
+        """Of a level set of the distance."""
+        return max(LEVEL_THICKNESS * self.diameter, MIN_LEVEL_THICKNESS * self.spacing)
+
+
+@dataclass(frozen=True)
+class ReebTree:
+    """Components of level sets, numbered from the base on: parents before their children.
+
+    Attributes
+    ----------
+    node : (n,) intp
+        The node of each point of the sample.
+    parent : list of int
+        Of each node; -1 for the root, node 0.
+    children : list of list of int
+    count : (m,) float64
+        Points of each node.
+    width : (m,) float64
+        Of each node's section.
+    reach : (m,) float64
+        Distance from the beginning of each node to the farthest tip beyond it.
     """
 
     node: NDArray[np.intp]
@@ -36,7 +93,7 @@ class LevelTree:
     width: NDArray[np.float64]
     reach: NDArray[np.float64]
 
-    def gathered(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
+    def subtree_sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
         """(m,) sums over each node and all nodes beyond it of (m,) values."""
         sums = np.array(values, np.float64)
         for node in range(len(self.parent) - 1, 0, -1):
@@ -44,14 +101,14 @@ class LevelTree:
         return sums
 
 
-def level_tree(sample: EvenSample) -> LevelTree:
+def reeb_tree(sample: PlantSample) -> ReebTree:
     """Cut the sample into level sets of its distance from the base and hang them into a tree."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
-    entry = _entries(sample.before, level)
+    entry = _entries(sample.predecessor, level)
     for members in _parts(sample, level):
         here = int(level[members[0]])
-        before = sample.before[entry[members]]
+        before = sample.predecessor[entry[members]]
         source = np.where(before < 0, -1, node[before])
         for origin, own in _by_origin(members, source, parent, depth, here, sample):
             node[own] = len(parent)
@@ -60,10 +117,10 @@ def level_tree(sample: EvenSample) -> LevelTree:
     return _measured(sample, node, parent)
 
 
-def _entries(before: NDArray[np.intp], level: NDArray[np.intp]) -> NDArray[np.intp]:
-    """(n,) the point through which the way to each point entered that point's level set."""
-    inside = (before >= 0) & (level[before] == level)
-    entry = np.where(inside, before, np.arange(len(before)))
+def _entries(predecessor: NDArray[np.intp], level: NDArray[np.intp]) -> NDArray[np.intp]:
+    """(n,) the point through which the path to each point entered that point's level set."""
+    inside = (predecessor >= 0) & (level[predecessor] == level)
+    entry = np.where(inside, predecessor, np.arange(len(predecessor)))
     while True:
         further = entry[entry]
         if np.array_equal(further, entry):
@@ -71,7 +128,7 @@ def _entries(before: NDArray[np.intp], level: NDArray[np.intp]) -> NDArray[np.in
         entry = further
 
 
-def _parts(sample: EvenSample, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+def _parts(sample: PlantSample, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The connected parts of all level sets, from the base on."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -91,7 +148,7 @@ def _by_origin(
     parent: list[int],
     depth: list[int],
     level: int,
-    sample: EvenSample,
+    sample: PlantSample,
 ) -> list[tuple[int, NDArray[np.intp]]]:
     """A part's points by the node that they were reached through, holes closed."""
     origins, counts = np.unique(source, return_counts=True)
@@ -101,7 +158,7 @@ def _by_origin(
     for origin in origins[np.argsort(-counts, kind="stable")].tolist():
         for other, joined in kept.items():
             loop = level - depth[_fork(parent, origin, other)]
-            if loop * sample.thickness < HOLE * sample.diameter:
+            if loop * sample.thickness < MAX_HOLE * sample.diameter:
                 joined.append(origin)
                 break
         else:
@@ -116,7 +173,7 @@ def _fork(parent: list[int], one: int, other: int) -> int:
     return one
 
 
-def _measured(sample: EvenSample, node: NDArray[np.intp], parent: list[int]) -> LevelTree:
+def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) -> ReebTree:
     children: list[list[int]] = [[] for _ in parent]
     reach = np.full(len(parent), sample.thickness)
     for child in range(len(parent) - 1, 0, -1):
@@ -126,4 +183,101 @@ def _measured(sample: EvenSample, node: NDArray[np.intp], parent: list[int]) -> 
     members = np.split(order, np.flatnonzero(np.diff(node[order])) + 1)
     width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
     count = np.array([len(m) for m in members], np.float64)
-    return LevelTree(node, parent, children, count, width, reach)
+    return ReebTree(node, parent, children, count, width, reach)
+
+
+def sample_plant(points: NDArray[np.floating], base: int, k: int) -> PlantSample:
+    """Thin a cloud to voxels of a fifth of its stem's diameter.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    base : int
+        The point at the plant base.
+    k : int
+        Neighbors of a point in the graph.
+    """
+    cloud = np.asarray(points, np.float64)
+    coarse = _sampled(cloud, voxel_size_for(cloud, COARSE_SIZE), base, k)
+    if coarse.diameter == 0.0:
+        return coarse
+    size = max(VOXEL_SIZE * coarse.diameter, voxel_size_for(cloud, FINE_SIZE))
+    return _sampled(cloud, size, base, k)
+
+
+def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> PlantSample:
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import KDTree
+
+    points = cloud[voxel_downsample(cloud, size)]
+    points = points[nearest_neighbors(points, NEIGHBORS_FOR_REACH).inliers]
+    tree = KDTree(points)
+    graph, _, _ = connected_knn_graph(points, k)
+    root = int(tree.query(cloud[base])[1])
+    distance, before = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
+    predecessor = np.where(before < 0, -1, before).astype(np.intp)
+    spacing = point_spacing(points)
+    diameter = _stem_diameter(points, graph, distance, spacing)
+    nearest = tree.query(cloud)[1]
+    return PlantSample(points, nearest, graph, distance, predecessor, spacing, diameter)
+
+
+def _stem_diameter(
+    points: NDArray[np.float64],
+    graph: csr_matrix,
+    distance: NDArray[np.float64],
+    spacing: float,
+) -> float:
+    """Median width of the sections up to six diameters above the base: a fixed point, found by
+    iteration; 0 where there are none."""
+    if spacing == 0.0:
+        return 0.0
+    diameter = 8.0 * spacing
+    for _ in range(MAX_ROUNDS):
+        thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
+        found = _sections(
+            points, graph, distance, 0.5 * diameter, STEM_LENGTH * diameter, thickness
+        )
+        if not len(found):
+            return 0.0
+        before = diameter
+        diameter = float(np.quantile(found[:, 0], 0.5, weights=found[:, 1], method="inverted_cdf"))
+        if abs(diameter - before) < 0.02 * before:
+            break
+    return diameter
+
+
+def _sections(
+    points: NDArray[np.float64],
+    graph: csr_matrix,
+    distance: NDArray[np.float64],
+    low: float,
+    high: float,
+    thickness: float,
+) -> NDArray[np.float64]:
+    """(s, 2) width and number of points of each component of the levels from `low` to `high`."""
+    from scipy.sparse.csgraph import connected_components
+
+    found = []
+    for begin in np.arange(low, high, thickness):
+        level = np.flatnonzero((distance >= begin) & (distance < begin + thickness))
+        if len(level) < MIN_POINTS_OF_SECTION:
+            continue
+        _, part = connected_components(graph[level][:, level], directed=False)
+        order = np.argsort(part, kind="stable")
+        for members in np.split(level[order], np.flatnonzero(np.diff(part[order])) + 1):
+            if len(members) >= MIN_POINTS_OF_SECTION:
+                width = section_width(points[members], distance[members])
+                found.append((width, len(members)))
+    return np.array(found)
+
+
+def section_width(points: NDArray[np.float64], distance: NDArray[np.float64]) -> float:
+    """Diameter of the circle that the points of a section would lie on, seen along the way up."""
+    centred = points - points.mean(axis=0)
+    along = centred.T @ (distance - distance.mean())
+    length = np.linalg.norm(along)
+    if length > 0.0:
+        along /= length
+        centred = centred - np.outer(centred @ along, along)
+    return float(2.0 * np.sqrt((centred**2).sum(axis=1).mean()))

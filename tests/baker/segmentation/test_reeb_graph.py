@@ -4,28 +4,20 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.segmentation.merging import join_touching
 from baker.segmentation.organ_classification import flatness
-from baker.segmentation.reeb_graph import level_tree
-from baker.segmentation.voxel_sampling import even_sample, one_per_cube
+from baker.segmentation.organs import merge_strips
+from baker.segmentation.reeb_graph import reeb_tree, sample_plant
 from tests.baker.segmentation.seedling import seedling, tube
 
 
 def sample_of(points: np.ndarray):
-    return even_sample(points, int(np.argmin(points[:, 2])), 10)
+    return sample_plant(points, int(np.argmin(points[:, 2])), 10)
 
 
 def test_the_stem_is_measured():
     for factor in (0.2, 1.0, 30.0):
         points, _ = seedling(density=60)
         assert sample_of(points * factor).diameter == pytest.approx(factor, rel=0.25)
-
-
-def test_one_point_a_cube():
-    points = np.random.default_rng(0).random((2000, 3))
-    kept = one_per_cube(points, 0.2)
-    assert len(np.unique(np.floor((points[kept] - points.min(axis=0)) / 0.2), axis=0)) == len(kept)
-    assert len(kept) == len(np.unique(np.floor((points - points.min(axis=0)) / 0.2), axis=0))
 
 
 def test_every_point_of_the_cloud_goes_to_its_nearest():
@@ -45,11 +37,11 @@ def test_distances_never_undercut_the_straight_way():
 def test_nodes_form_a_tree_and_hold_every_point_once():
     points, _ = seedling()
     sample = sample_of(points)
-    tree = level_tree(sample)
+    tree = reeb_tree(sample)
     assert tree.parent[0] == -1
     assert all(0 <= parent < node for node, parent in enumerate(tree.parent) if node)
     assert tree.count.sum() == len(sample.points)
-    assert tree.gathered(tree.count)[0] == len(sample.points)
+    assert tree.subtree_sums(tree.count)[0] == len(sample.points)
     for node, children in enumerate(tree.children):
         assert all(tree.parent[child] == node for child in children)
 
@@ -58,7 +50,7 @@ def test_a_hole_in_the_stem_makes_no_branches():
     rng = np.random.default_rng(0)
     stem = tube([0, 0, 0], [0, 0, 20], 1.0, 60, rng)
     hole = (abs(stem[:, 2] - 10) < 0.5) & (stem[:, 0] > 0)
-    tree = level_tree(sample_of(stem[~hole]))
+    tree = reeb_tree(sample_of(stem[~hole]))
     assert max(map(len, tree.children)) == 1
 
 
@@ -70,7 +62,7 @@ def test_leaves_that_touch_stay_two():
         tube([4 * side, 0, 12], [0.05 * side, 0, 16], 0.6, 60, rng) for side in (-1, 1)
     ]
     sample = sample_of(np.vstack([stem, *arms]))
-    tree = level_tree(sample)
+    tree = reeb_tree(sample)
     branch = np.zeros(len(tree.parent), int)
     for node, parent in enumerate(tree.parent):
         above = tree.reach[node] > 4 and parent >= 0 and len(tree.children[parent]) > 1
@@ -95,11 +87,11 @@ def test_strips_of_a_sheet_are_joined_and_leaves_are_not():
     points, truth = seedling(density=60)
     sample = sample_of(points)
     label = truth[cKDTree(points).query(sample.points)[1]]
-    assert np.array_equal(join_touching(sample, label), label)
+    assert np.array_equal(merge_strips(sample, label), label)
     own = np.flatnonzero(label == 1)
     middle = sample.points[own] - sample.points[own].mean(axis=0)
     across = np.linalg.svd(middle, full_matrices=False)[2][1]
     strip = label.copy()
     strip[own[abs(middle @ across - 0.4) < 0.35]] = 4
     assert (strip == 4).any()
-    assert not (join_touching(sample, strip) == 4).any()
+    assert not (merge_strips(sample, strip) == 4).any()
