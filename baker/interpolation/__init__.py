@@ -1,11 +1,1 @@
-"""How organs bend and turn between two scans: spines, a coherent warp, curved paths."""
-
-from baker.interpolation.organ_motion import OrganMotion, fit_motion
-from baker.interpolation.paths import Bend, Bending
-
-__all__ = [
-    "Bend",
-    "Bending",
-    "OrganMotion",
-    "fit_motion",
-]
+"""What movers do between two scans: spines, deformation, control points, attachment, density."""

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation import Bend, Bending
 from baker.interpolation.attachment import attached, attachment_finder
 from baker.interpolation.births import births
 from baker.interpolation.movers import Keyframe, Moved, solve_task
+from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
@@ -116,10 +116,12 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     clouds = job.start.positions, job.end.positions
     attachment = attachment_finder(clouds, job.match, job.organs)
     born = births(clouds[1], job.match, job.organs, job.timings) if job.curved else {}
-    bending = Bending(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
+    paths = (
+        OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
+    )
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
-    def solve(task: Task, size: int) -> tuple[Moved, Bend | None]:
+    def solve(task: Task, size: int) -> tuple[Moved, Deviation | None]:
         moved = solve_task(
             task,
             job.start,
@@ -132,13 +134,13 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             birth=born.get(task.organ) if task.event == "birth" else None,
             timing=job.timings.get(task.organ) if task.event == "match" else None,
         )
-        return moved, bending.of(moved) if bending else None
+        return moved, paths.deviation(moved) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]
     found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    moved, bends = zip(*(found[k] for k in np.argsort(order)), strict=True)
-    solved = bending.curved(moved, bends) if bending else [*moved]
+    moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
+    solved = paths.curved(moved, deviations) if paths else [*moved]
     if job.curved:
         solved = attached(solved, job.match, job.organs, job.spacing)
     return pack_interval(

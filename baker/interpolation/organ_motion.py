@@ -1,4 +1,4 @@
-"""How one organ moves through an interval: where each point goes, and by which way."""
+"""How one organ moves through an interval: its deformation, and its spine at mid-interval."""
 
 from __future__ import annotations
 
@@ -10,54 +10,60 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
-from baker.interpolation.organ_shape import OrganShape
-from baker.interpolation.spine import Points, at_levels, fit_spine, unit
+from baker.interpolation.spine import OrganShape, Points, at_levels, fit_spine, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-EVEN, UNEVEN = 0.04, 0.1  # unevenness of a warp up to which an organ turns, from which it grows
-STEADY, WANDERING = 0.1, 0.3  # how far a hinge moves, in organ lengths: likewise
-NO_SIGN = (0.08, 0.2)  # of either, that goes with growth by the factor e
-TORN = 0.4  # unevenness of a warp that is not to be trusted
-NEAR, FAR, STEP = 24, 72, 8  # neighbours whose distances tell how evenly a warp stretches
-ASKED = 100  # points whose neighbours are asked
+# Unevenness of a deformation, and movement of the attachment point in organ lengths, up to which an
+# organ turns evenly in time and from which on it turns as it grows (docs/method.md, "Motion").
+UNEVENNESS_RANGE = (0.04, 0.1)
+HINGE_RANGE = (0.1, 0.3)
+UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # of what grows by the factor e, besides
+MAX_UNEVENNESS = 0.4  # of a deformation that can be right
+FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # whose distances show the stretch
+POINTS_COMPARED = 100
 
 
 @dataclass(frozen=True)
 class OrganMotion:
     """The motion of an organ, known at a sample of its points and at the nodes of its spine.
 
-    sample: (n, 3) points of the start; along: (n,) their places along the spine, 0 to 1;
-    warped: (n, 3) where they come to lie in the end's shape.
-    start_nodes, half_nodes, end_nodes: (LEVELS, 3) the spine at the start, half way and the end.
-    pace:   0 where the organ turns evenly in time, 1 where it turns as it grows.
+    Attributes
+    ----------
+    sample : (n, 3) float64
+        Points of the first scan.
+    along : (n,) float64
+        Their places along the spine, 0 to 1.
+    deformed : (n, 3) float64
+        Where they come to lie in the second scan.
+    start_nodes, mid_nodes, end_nodes : (LEVELS, 3) float64
+        The spine at both scans and at mid-interval.
     """
 
     sample: Points
     along: NDArray[np.float64]
-    warped: Points
+    deformed: Points
     start_nodes: Points
-    half_nodes: Points
+    mid_nodes: Points
     end_nodes: Points
-    pace: float
 
-    def warp(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) where points of the start's shape come to lie in the end's."""
-        return points + self._nearby(points, self.warped - self.sample)
+    def deform(self, points: NDArray[np.floating]) -> Points:
+        """(n, 3) where points of the first scan come to lie in the second."""
+        return points + self._interpolated(points, self.deformed - self.sample)
 
-    def bow(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) how far movers that start at these points are off their chord half way."""
-        return at_levels(self.bows, self._nearby(points, self.along))
+    def deviation(self, points: NDArray[np.floating]) -> Points:
+        """(n, 3) mid-interval deviation from their chords of movers that start at these points."""
+        return at_levels(self.deviations, self._interpolated(points, self.along))
 
-    def halfway(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Points:
-        """(n, 3) where movers from `start` to `end` are in the organ's shape half way."""
-        return 0.5 * (np.asarray(start, float) + end) + self.bow(start)
+    def position_at_middle(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Points:
+        """(n, 3) where movers from `start` to `end` are at mid-interval."""
+        return 0.5 * (np.asarray(start, float) + end) + self.deviation(start)
 
     @cached_property
-    def bows(self) -> Points:
-        """(LEVELS, 3) how far the spine's nodes are off their chord half way."""
-        return self.half_nodes - 0.5 * (self.start_nodes + self.end_nodes)
+    def deviations(self) -> Points:
+        """(LEVELS, 3) mid-interval deviation of the spine's nodes from their chords."""
+        return self.mid_nodes - 0.5 * (self.start_nodes + self.end_nodes)
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -65,106 +71,127 @@ class OrganMotion:
 
         return cKDTree(self.sample)
 
-    def _nearby(
+    def _interpolated(
         self, points: NDArray[np.floating], values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Values of the sample, (n, ...), read between its points."""
+        """Values of the sample, (n, ...), weighted by inverse distance."""
         count = min(4, len(self.sample))
-        away, near = self._tree.query(points, k=count)
-        away, near = away.reshape(len(points), count), near.reshape(len(points), count)
-        weight = 1.0 / np.maximum(away, 1e-9 * (away.max() + 1e-30))
-        weight /= weight.sum(axis=1, keepdims=True)
-        return np.einsum("nk,nk...->n...", weight, values[near])
+        distances, near = self._tree.query(points, k=[*range(1, count + 1)])
+        weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
+        weights /= weights.sum(axis=1, keepdims=True)
+        return np.einsum("nk,nk...->n...", weights, values[near])
 
 
-def fit_motion(start: OrganShape, end: OrganShape, least: float = 0.0) -> OrganMotion | None:
-    """Bend the start's shape onto the end's, draw it close, and lay the spine half way.
+def fit_motion(
+    source: OrganShape, target: OrganShape, min_deviation: float = 0.0
+) -> OrganMotion | None:
+    """Deform an organ of the first scan onto that of the second, and place its spine in between.
 
-    least: bows up to this length don't matter.
+    Parameters
+    ----------
+    source, target : OrganShape
+        In both scans.
+    min_deviation : float
+        From their chords, up to which paths may as well be straight.
 
-    None where the organ's bows don't matter, or where the warp tears it: it goes straight.
+    Returns
+    -------
+    OrganMotion or None
+        None where paths may be straight, or the deformation is too uneven to be right.
     """
-    here, there = start.spine.nodes, end.spine.nodes
-    if max(_largest(_bows(here, there, pace)) for pace in (0.0, 1.0)) < least:
+    before, after = source.spine.nodes, target.spine.nodes
+    if max(_deviation(before, after, share) for share in (0.0, 1.0)) < min_deviation:
         return None
-    carried = spine_deformation(start.points, end.points, start.spine, end.spine)
-    warped = register_nonrigid(carried, end.points)
-    uneven = unevenness(start.points, warped)
-    if uneven > TORN:
+    carried = spine_deformation(source.points, target.points, source.spine, target.spine)
+    deformed = register_nonrigid(carried, target.points)
+    uneven = unevenness(source.points, deformed)
+    if uneven > MAX_UNEVENNESS:
         return None
-    motion = motion_of(start.points, start.spine.along, warped, uneven)
-    return motion if _largest(motion.bows) >= least else None
+    along = source.spine.along
+    start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
+    share = growth_share(start, end, uneven)
+    if _deviation(start, end, share) < min_deviation:
+        return None
+    middle = mid_spine(start, end, share)
+    return OrganMotion(source.points, along, deformed, start, middle, end)
 
 
-def motion_of(
-    sample: Points, along: NDArray[np.float64], warped: Points, uneven: float
-) -> OrganMotion:
-    """The motion that a warp of (n, 3) points at places (n,) along a spine is.
+def mid_spine(start: Points, end: Points, share: float) -> Points:
+    """(LEVELS, 3) nodes of a spine at mid-interval.
 
-    uneven: the warp's `unevenness`.
+    Each piece has a mean of its lengths, and they are joined from the attachment on: so the spine
+    keeps its length where chords would cut across the bend. It is the squared mean of their roots:
+    tissue grows by a factor while young and by an amount later on, so that at mid-interval it is
+    the shorter the more it grows.
+
+    Parameters
+    ----------
+    start, end : (LEVELS, 3) float64
+    share : float
+        0 where a piece has made half of its turn; 1 where the longer of both pieces counts more, as
+        where tissue that is added lies in the new direction.
     """
-    here, there = fit_spine(sample, along).nodes, fit_spine(warped, along).nodes
-    pace = growth_pace(here, there, uneven)
-    return OrganMotion(sample, along, warped, here, half_way_spine(here, there, pace), there, pace)
-
-
-def half_way_spine(start: Points, end: Points, pace: float) -> Points:
-    """(LEVELS, 3) nodes of a spine half way from one shape to another.
-
-    Every piece has a mean of its lengths, and they are laid one after the other from the base: so
-    the spine keeps its length where chords would cut across the bend. It is the mean of their
-    roots, squared: tissue grows by a factor while young, by an amount later on, so that half-way it
-    is the shorter the more it grows. Which way a piece points is a question of pace. At 0 it has
-    made half of its turn. At 1 the longer of both pieces counts more, as where tissue that is added
-    lies in the new direction: just as chords would have it.
-    """
-    one, two = np.diff(start, axis=0), np.diff(end, axis=0)
-    before = np.linalg.norm(one, axis=1, keepdims=True)
-    after = np.linalg.norm(two, axis=1, keepdims=True)
-    heading = before**pace * unit(one) + after**pace * unit(two)
-    steps = (0.5 * (np.sqrt(before) + np.sqrt(after))) ** 2 * unit(heading)
+    pieces = np.diff(start, axis=0), np.diff(end, axis=0)
+    lengths = [np.linalg.norm(piece, axis=1, keepdims=True) for piece in pieces]
+    direction = sum(
+        length**share * unit(piece) for length, piece in zip(lengths, pieces, strict=True)
+    )
+    steps = (0.5 * (np.sqrt(lengths[0]) + np.sqrt(lengths[1]))) ** 2 * unit(np.asarray(direction))
     # Where a piece turns right round no way is shorter than another: the chord's is as good.
-    turned = (unit(one) * unit(two)).sum(axis=1, keepdims=True) < -0.9
-    steps = np.where(turned, 0.5 * (one + two), steps)
+    cosine = (unit(pieces[0]) * unit(pieces[1])).sum(axis=1, keepdims=True)
+    steps = np.where(cosine < -0.9, 0.5 * (pieces[0] + pieces[1]), steps)
     first = 0.5 * (start[0] + end[0])
     return first + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 
-def growth_pace(start: Points, end: Points, uneven: float) -> float:
+def growth_share(start: Points, end: Points, uneven: float) -> float:
     """0 where an organ turns evenly in time, 1 where it turns as it grows, between where unsure.
 
-    It turns as a body does where the warp stretches it evenly and the hinge stands still, for as
-    much as it grows: what trebles is never stretched as evenly as what stays as long as it was.
+    It turns evenly where its deformation is even and its attachment point stands still, for as much
+    as it grows: what trebles is never stretched as evenly as what keeps its length.
+
+    Parameters
+    ----------
+    start, end : (LEVELS, 3) float64
+        Nodes of the spine.
+    uneven : float
+        The deformation's `unevenness`.
     """
     before, after = max(_length(start), 1e-30), max(_length(end), 1e-30)
     growth = abs(float(np.log(after / before)))
-    wander = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
-    signs = (
-        (uneven - NO_SIGN[0] * growth - EVEN) / (UNEVEN - EVEN),
-        (wander - NO_SIGN[1] * growth - STEADY) / (WANDERING - STEADY),
+    hinge = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
+    return max(
+        _ramp(uneven - UNEVENNESS_OF_GROWTH * growth, *UNEVENNESS_RANGE),
+        _ramp(hinge - HINGE_OF_GROWTH * growth, *HINGE_RANGE),
     )
-    return float(np.clip(max(signs), 0.0, 1.0))
 
 
-def unevenness(sample: Points, warped: Points) -> float:
-    """Standard deviation of the logarithm of a warp's stretch between points near each other."""
+def unevenness(sample: Points, deformed: Points) -> float:
+    """Standard deviation of the logarithm of a deformation's stretch between neighbouring points.
+
+    sample, deformed: (n, 3) points before and after.
+    """
     from scipy.spatial import cKDTree
 
-    some = np.arange(0, len(sample), max(len(sample) // ASKED, 1))
-    near = cKDTree(sample).query(sample[some], k=min(FAR, len(sample)))[1][:, NEAR::STEP]
+    some = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))
+    near = cKDTree(sample).query(sample[some], k=min(LAST_NEIGHBOR, len(sample)))[1]
+    near = near[:, FIRST_NEIGHBOR::NEIGHBOR_STEP]
     before = np.linalg.norm(sample[some, None] - sample[near], axis=2)
-    after = np.linalg.norm(warped[some, None] - warped[near], axis=2)
+    after = np.linalg.norm(deformed[some, None] - deformed[near], axis=2)
     stretch = np.log(after[before > 0] / before[before > 0] + 1e-6)
-    return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVEN
+    return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVENNESS_RANGE[1]
+
+
+def _deviation(start: Points, end: Points, share: float) -> float:
+    """The largest mid-interval deviation of a spine's nodes from their chords."""
+    deviation = mid_spine(start, end, share) - 0.5 * (start + end)
+    return float(np.linalg.norm(deviation, axis=1).max())
 
 
 def _length(nodes: Points) -> float:
     return float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
 
 
-def _bows(start: Points, end: Points, pace: float) -> Points:
-    return half_way_spine(start, end, pace) - 0.5 * (start + end)
-
-
-def _largest(vectors: Points) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
+def _ramp(value: float, zero: float, one: float) -> float:
+    """0 up to the one, 1 from the other on."""
+    return float(np.clip((value - zero) / (one - zero), 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""The spine of an organ: how far each point is along it, and the curve through its level sets."""
+"""The spine of an organ: the curve through the level sets of geodesic distance within it."""
 
 from __future__ import annotations
 
@@ -8,24 +8,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
-from baker.geometry.neighbors import Neighbors
+from baker.geometry.neighbors import Neighbors, nearest_neighbors
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 Points = NDArray[np.float64]
 
 LEVELS = 11  # nodes of a spine
-NEIGHBORS = 9  # that paths go through
-TIP = 0.98  # the share of points that lie before the tip; the rest may be noise
-BAND = 0.09  # width of a level's kernel, as a share of the length
+NEIGHBORS = 9  # of the kNN graph
+TIP_QUANTILE = 0.98  # of geodesic distance, at which the tip lies; what is beyond may be noise
+KERNEL_WIDTH = 0.09  # of a level, as a share of the spine's length
+MAX_SAMPLE = 750  # points of an organ that its spine is fitted to
+MIN_POINTS_FOR_SPINE = 40
+CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 
 
 @dataclass(frozen=True)
 class Spine:
     """A curve from an organ's attachment (along = 0) to its tip (along = 1).
 
-    nodes:    (LEVELS, 3) at even steps along.
-    tangents: (LEVELS, 3) unit vectors towards the tip.
-    along:    (n,) where each of the organ's points lies, in [0, 1].
-    length:   of the path from attachment to tip through the organ's tissue.
+    Attributes
+    ----------
+    nodes : (LEVELS, 3) float64
+        At even steps along.
+    tangents : (LEVELS, 3) float64
+        Unit vectors towards the tip.
+    along : (n,) float64
+        Where each of the organ's points lies, from 0 to 1.
+    length : float
+        Of the geodesic from attachment to tip.
     """
 
     nodes: Points
@@ -34,45 +44,124 @@ class Spine:
     length: float
 
 
-def levels() -> NDArray[np.float64]:
-    """(LEVELS,) the places of a spine's nodes."""
-    return np.linspace(0.0, 1.0, LEVELS)
+@dataclass(frozen=True)
+class OrganShape:
+    """A segment of a scan: a sample of its points, and the spine through it.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        At most 750.
+    spine : Spine
+    lengths : (n,) float64
+        Geodesic distances from the plant base.
+    """
+
+    points: Points
+    spine: Spine
+    lengths: NDArray[np.float64]
+
+
+class OrganShapes:
+    """Finds the shapes of a scan's organs, each when it is first asked for, from any thread.
+
+    Geodesics run through the parents: an organ that leaves its parent over a long contact, as a
+    grass leaf does its whorl, is measured from where it leaves it first.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+        Of the scan.
+    hierarchy : Hierarchy
+    base : (3,) float
+        Plant base.
+    """
+
+    def __init__(
+        self, points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
+    ) -> None:
+        self._points, self._hierarchy, self._base = points, hierarchy, base
+        self._found: dict[int, OrganShape | None] = {NO_PARENT: None}
+
+    def of(self, segment: int) -> OrganShape | None:
+        """The shape of a segment; None where it has too few points."""
+        for above in (*reversed(self._hierarchy.ancestors(segment)), segment):
+            if above not in self._found:
+                self._found[above] = self._shape(above)
+        return self._found[segment]
+
+    def _shape(self, segment: int) -> OrganShape | None:
+        members = self._hierarchy.segments[segment]
+        if len(members) < MIN_POINTS_FOR_SPINE:
+            return None
+        sample = self._points[members[_sample(len(members))]].astype(np.float64)
+        neighbors = nearest_neighbors(sample, NEIGHBORS)
+        parent = self._found[self._hierarchy.parents[segment]]
+        seeds, offsets = _contact(sample, CONTACT_RADIUS * neighbors.spacing, parent, self._base)
+        lengths = path_lengths(sample, seeds, offsets, neighbors)
+        return OrganShape(sample, fit_spine(sample, lengths), lengths + offsets.min())
 
 
 def path_lengths(
     points: Points,
     seeds: NDArray[np.intp],
-    head_starts: NDArray[np.float64],
+    offsets: NDArray[np.float64],
     neighbors: Neighbors | None = None,
 ) -> NDArray[np.float64]:
-    """(n,) length of the shortest path through the points from the nearest seed.
+    """Geodesic distances from the seeds, above the smallest of their offsets.
 
-    head_starts: (seeds,) what the path is long already where it enters at each seed.
-    neighbors: the NEIGHBORS nearest ones of the points, where these are known.
+    Parameters
+    ----------
+    points : (n, 3) float64
+    seeds : (s,) int
+    offsets : (s,) float64
+        Distances at the seeds.
+    neighbors : Neighbors, optional
+        The NEIGHBORS nearest ones of the points, where these are known.
+
+    Returns
+    -------
+    (n,) float64
     """
     graph, _, _ = connected_knn_graph(points, NEIGHBORS, neighbors)
-    return geodesic_distances(graph, seeds, head_starts - head_starts.min())
+    return geodesic_distances(graph, seeds, offsets - offsets.min())
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
-    """The spine through an organ's level sets of path length.
+    """The spine through an organ's level sets of geodesic distance.
 
-    A node is the level's value of a line fitted to the points around the level, which leans
-    neither in nor out at the ends; the line's slope is the tangent.
+    A node is the value at its level of a line fitted to the points around it, which is not biased
+    at the ends; the line's slope is the tangent.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    lengths : (n,) float64
     """
-    length = float(np.quantile(lengths, TIP)) or 1.0
+    length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
-    place = levels()
-    away = along[None, :] - place[:, None]
-    weight = np.exp(-0.5 * (away / BAND) ** 2) + 1e-12
-    total = weight.sum(1)
-    mean_away = (weight * away).sum(1) / total
+    lag = along[None, :] - levels()[:, None]
+    weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + 1e-12
+    total = weight.sum(axis=1)
+    mean_lag = (weight * lag).sum(axis=1) / total
     mean_point = weight @ points / total[:, None]
-    spread = (weight * (away - mean_away[:, None]) ** 2).sum(1) / total
-    cross = (weight * (away - mean_away[:, None])) @ points / total[:, None]
-    slope = cross / (spread[:, None] + 1e-4 * BAND**2)
-    nodes = mean_point - mean_away[:, None] * slope
-    return Spine(nodes, unit(slope), along, length)
+    centered = weight * (lag - mean_lag[:, None])
+    spread = (centered * (lag - mean_lag[:, None])).sum(axis=1) / total
+    slope = centered @ points / total[:, None] / (spread[:, None] + 1e-4 * KERNEL_WIDTH**2)
+    return Spine(mean_point - mean_lag[:, None] * slope, unit(slope), along, length)
+
+
+def levels() -> NDArray[np.float64]:
+    """(LEVELS,) the places of a spine's nodes."""
+    return np.linspace(0.0, 1.0, LEVELS)
+
+
+def at_levels(values: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values at the levels, (LEVELS, ...), interpolated linearly at (n,) places: (n, ...)."""
+    place = np.clip(along, 0.0, 1.0) * (LEVELS - 1)
+    before = np.minimum(place.astype(np.intp), LEVELS - 2)
+    share = (place - before).reshape(-1, *[1] * (values.ndim - 1))
+    return (1.0 - share) * values[before] + share * values[before + 1]
 
 
 def unit(vectors: Points) -> Points:
@@ -81,9 +170,24 @@ def unit(vectors: Points) -> Points:
     return np.where(norm > 0, vectors / np.where(norm > 0, norm, 1.0), (0.0, 0.0, 1.0))
 
 
-def at_levels(values: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values at the levels, (LEVELS, ...), read between them: (n, ...)."""
-    place = np.clip(along, 0.0, 1.0) * (LEVELS - 1)
-    before = np.minimum(place.astype(np.intp), LEVELS - 2)
-    share = (place - before).reshape(-1, *[1] * (values.ndim - 1))
-    return (1.0 - share) * values[before] + share * values[before + 1]
+def _sample(count: int) -> NDArray[np.intp]:
+    if count <= MAX_SAMPLE:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).permutation(count)[:MAX_SAMPLE])
+
+
+def _contact(
+    sample: Points, radius: float, parent: OrganShape | None, base: NDArray[np.floating]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The points where an organ touches its parent, and their distances from the plant base.
+
+    radius: how far beyond the smallest gap points still touch.
+    """
+    from scipy.spatial import cKDTree
+
+    if parent is None:
+        lowest = int(np.argmin(((sample - base) ** 2).sum(axis=1)))
+        return np.array([lowest]), np.zeros(1)
+    gap, touched = cKDTree(parent.points).query(sample)
+    seeds = np.flatnonzero(gap <= gap.min() + radius)
+    return seeds, parent.lengths[touched[seeds]] + gap[seeds]

@@ -14,13 +14,17 @@ from baker.interpolation.births import Birth
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import Moved
 from baker.interpolation.organ_motion import fit_motion
-from baker.interpolation.organ_shape import FEWEST, OrganShape
 from baker.interpolation.resampling import (
     position_at,
     surface_half_way,
     with_even_density,
 )
-from baker.interpolation.spine import fit_spine, path_lengths
+from baker.interpolation.spine import (
+    MIN_POINTS_FOR_SPINE,
+    OrganShape,
+    fit_spine,
+    path_lengths,
+)
 from baker.matching.labels import label_agreement
 from baker.matching.tracking import track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
@@ -171,10 +175,10 @@ def test_spines_and_warps_of_any_shapes_are_finite(shape):
         for first, second in ((plant, other), (other, plant), (other, other)):
             carried = spine_deformation(first.points, second.points, first.spine, second.spine)
             assert np.isfinite(register_nonrigid(carried, second.points)).all()
-            few = min(len(first.points), len(second.points)) < FEWEST
+            few = min(len(first.points), len(second.points)) < MIN_POINTS_FOR_SPINE
             motion = None if few else fit_motion(first, second)
             if motion is not None:
-                assert np.isfinite(motion.halfway(first.points, carried)).all()
+                assert np.isfinite(motion.position_at_middle(first.points, carried)).all()
 
 
 @pytest.mark.parametrize("shape", SOUND)

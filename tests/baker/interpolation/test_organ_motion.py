@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.interpolation import OrganMotion, fit_motion
-from baker.interpolation.organ_motion import growth_pace, half_way_spine, unevenness
-from baker.interpolation.organ_shape import OrganShape
-from baker.interpolation.spine import fit_spine, path_lengths
+from baker.interpolation.organ_motion import (
+    OrganMotion,
+    fit_motion,
+    growth_share,
+    mid_spine,
+    unevenness,
+)
+from baker.interpolation.spine import OrganShape, fit_spine, path_lengths
 from baker.transport.correspondences import movers
 from baker.transport.solve import solve
 from tests.baker.interpolation.shapes import SHAPES, Array, Shape, sample
@@ -46,7 +50,7 @@ def errors(shape: Shape) -> tuple[float, float, float]:
     truth = sample(shape, 0.5, 20_000, 3)
     motion = motion_between(start, end)
     straight = (start[rows] + end[columns]) / 2
-    bent = straight if motion is None else motion.halfway(start[rows], end[columns])
+    bent = straight if motion is None else motion.position_at_middle(start[rows], end[columns])
     return (
         error(sample(shape, 0.5, POINTS, 4, 0.2), truth),
         error(straight, truth),
@@ -73,7 +77,7 @@ def test_the_spine_keeps_its_length(name: str) -> None:
     assert motion is not None
     start, half, end = (
         np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-        for nodes in (motion.start_nodes, motion.half_nodes, motion.end_nodes)
+        for nodes in (motion.start_nodes, motion.mid_nodes, motion.end_nodes)
     )
     np.testing.assert_allclose(half, half_way(start, end), rtol=1e-9)
     assert half.sum() == pytest.approx((start + end).sum() / 2, rel=0.01)
@@ -85,21 +89,21 @@ def half_way(before: Array | float, after: Array | float) -> Array | float:
 
 
 @pytest.mark.parametrize("name", ["leaf", "twisting", "curling", "compound"])
-def test_the_warp_brings_the_start_onto_the_end(name: str) -> None:
+def test_the_deformation_brings_the_start_onto_the_end(name: str) -> None:
     start, end = clouds(SHAPES[name])
     motion = motion_between(start, end)
     assert motion is not None
     size = float(np.ptp(end, axis=0).max())
-    assert cKDTree(end).query(motion.warp(start))[0].mean() < 0.015 * size
-    assert np.linalg.norm(motion.warp(start)[:1000] - motion.warped, axis=1).max() < 1e-6 * size
+    assert cKDTree(end).query(motion.deform(start))[0].mean() < 0.015 * size
+    assert np.linalg.norm(motion.deform(start)[:1000] - motion.deformed, axis=1).max() < 1e-6 * size
 
 
-def test_a_bow_that_hardly_shows_is_none() -> None:
+def test_a_deviation_that_hardly_shows_is_none() -> None:
     start, end = clouds(SHAPES["leaf"])
     origin = np.zeros(3)
     one, two = shape_of(start[:1000], origin), shape_of(end[:1000], origin)
-    assert fit_motion(one, two, least=50.0) is None
-    assert fit_motion(one, two, least=0.5) is not None
+    assert fit_motion(one, two, min_deviation=50.0) is None
+    assert fit_motion(one, two, min_deviation=0.5) is not None
 
 
 def test_a_motion_is_the_same_wherever_the_plant_stands() -> None:
@@ -109,42 +113,42 @@ def test_a_motion_is_the_same_wherever_the_plant_stands() -> None:
     moved = fit_motion(shape_of(start[:1000] + shift, shift), shape_of(end[:1000] + shift, shift))
     assert here is not None
     assert moved is not None
-    np.testing.assert_allclose(moved.half_nodes - shift, here.half_nodes, atol=1e-6)
+    np.testing.assert_allclose(moved.mid_nodes - shift, here.mid_nodes, atol=1e-6)
 
 
-def test_straight_spines_have_no_bow() -> None:
+def test_straight_spines_do_not_deviate() -> None:
     nodes = np.outer(np.linspace(0, 1, 11), [10.0, 0.0, 5.0])
-    for pace in (0.0, 0.5, 1.0):
-        half = half_way_spine(nodes, 1.5 * nodes, pace)
+    for share in (0.0, 0.5, 1.0):
+        half = mid_spine(nodes, 1.5 * nodes, share)
         np.testing.assert_allclose(half, half_way(1.0, 1.5) * nodes, atol=1e-12)
 
 
 def test_what_grows_much_is_smaller_half_way_than_the_mean() -> None:
     nodes = np.outer(np.linspace(0, 1, 11), [10.0, 0.0, 5.0])
-    lengths = [half_way_spine(nodes, times * nodes, 0.0)[-1, 0] for times in (1.0, 1.1, 4.0)]
+    lengths = [mid_spine(nodes, times * nodes, 0.0)[-1, 0] for times in (1.0, 1.1, 4.0)]
     assert lengths == pytest.approx([10.0, 10.5, 22.5], rel=1e-3)
 
 
-@pytest.mark.parametrize("pace", [0.0, 0.5, 1.0])
-def test_backwards_the_spine_half_way_is_the_same(pace: float) -> None:
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_backwards_the_spine_half_way_is_the_same(share: float) -> None:
     rng = np.random.default_rng(0)
     start, end = rng.normal(0, 1, (2, 11, 3)).cumsum(axis=1)
-    there, back = half_way_spine(start, end, pace), half_way_spine(end, start, pace)
+    there, back = mid_spine(start, end, share), mid_spine(end, start, share)
     np.testing.assert_allclose(there, back, atol=1e-12)
-    assert growth_pace(start, end, 0.05) == growth_pace(end, start, 0.05)
+    assert growth_share(start, end, 0.05) == growth_share(end, start, 0.05)
 
 
 def test_a_rod_that_swings_goes_round() -> None:
     along = np.linspace(0, 1, 11)[:, None]
     start, end = along * [10.0, 0.0, 0.0], along * [0.0, 0.0, 10.0]
-    tip = half_way_spine(start, end, 0.0)[-1]
+    tip = mid_spine(start, end, 0.0)[-1]
     np.testing.assert_allclose(tip, [50**0.5, 0.0, 50**0.5])
 
 
 def test_where_it_grows_it_turns_sooner() -> None:
     along = np.linspace(0, 1, 11)[:, None]
     start, end = along * [10.0, 0.0, 0.0], along * [0.0, 0.0, 30.0]
-    even, growing = (half_way_spine(start, end, pace)[-1] for pace in (0.0, 1.0))
+    even, growing = (mid_spine(start, end, share)[-1] for share in (0.0, 1.0))
     assert np.linalg.norm(even) == pytest.approx(half_way(10, 30)) == np.linalg.norm(growing)
     assert np.arctan2(even[2], even[0]) == pytest.approx(np.pi / 4)
     assert np.arctan2(growing[2], growing[0]) == pytest.approx(np.arctan2(30, 10))
@@ -152,23 +156,23 @@ def test_where_it_grows_it_turns_sooner() -> None:
 
 def test_what_turns_right_round_goes_through() -> None:
     along = np.linspace(0, 1, 11)[:, None]
-    half = half_way_spine(along * [10.0, 0.0, 0.0], along * [-10.0, 0.1, 0.0], 0.0)
+    half = mid_spine(along * [10.0, 0.0, 0.0], along * [-10.0, 0.1, 0.0], 0.0)
     assert np.isfinite(half).all()
     assert np.linalg.norm(half, axis=1).max() < 1.0
 
 
 def test_a_body_turns_evenly_and_a_wandering_hinge_does_not() -> None:
     nodes = np.outer(np.linspace(0, 1, 11), [10.0, 0.0, 0.0])
-    assert growth_pace(nodes, nodes, 0.0) == 0.0
-    assert growth_pace(nodes, nodes + np.array([0.0, 4.0, 0.0]), 0.0) == 1.0
-    assert growth_pace(nodes, nodes, 0.3) == 1.0
+    assert growth_share(nodes, nodes, 0.0) == 0.0
+    assert growth_share(nodes, nodes + np.array([0.0, 4.0, 0.0]), 0.0) == 1.0
+    assert growth_share(nodes, nodes, 0.3) == 1.0
 
 
 def test_what_trebles_is_a_body_though_it_stretches_less_evenly() -> None:
     nodes = np.outer(np.linspace(0, 1, 11), [10.0, 0.0, 0.0])
-    assert growth_pace(nodes, nodes, 0.1) == 1.0
-    assert growth_pace(nodes, 3 * nodes, 0.1) == 0.0
-    assert growth_pace(nodes, 3 * nodes, 0.3) == 1.0
+    assert growth_share(nodes, nodes, 0.1) == 1.0
+    assert growth_share(nodes, 3 * nodes, 0.1) == 0.0
+    assert growth_share(nodes, 3 * nodes, 0.3) == 1.0
 
 
 def test_unevenness_tells_stretching_from_growing() -> None:

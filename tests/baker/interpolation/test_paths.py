@@ -1,4 +1,4 @@
-"""Curved paths in whole intervals: what bends, what is carried along, what stays as it was."""
+"""Curved paths in whole intervals: what deviations, what is carried along, what stays as it was."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.interpolation import Bending
 from baker.interpolation.movers import Moved
+from baker.interpolation.paths import OrganPaths
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip import Motion
@@ -20,7 +20,7 @@ PARENTS = (NO_PARENT, 0, 1, 1)  # a stem, its leaf, what sits on that leaf's tip
 
 
 def plant(u: float) -> np.ndarray:
-    """A stem, a leaf that bends, a small ball on the leaf's tip, and another one."""
+    """A stem, a leaf that deviations, a small ball on the leaf's tip, and another one."""
     rng = np.random.default_rng(7)
     stem = rng.uniform(0, 1, (COUNT, 3)) * [4.0, 4.0, 150.0] - [4.0, 2.0, 150.0]
     blade = sample(leaf, u, COUNT, 3)
@@ -32,9 +32,9 @@ def lowest(clouds: list[np.ndarray]) -> list[np.ndarray]:
     return [cloud[np.argmin(cloud[:, 2])] for cloud in clouds]
 
 
-def bent(clouds: list[np.ndarray], match: Match) -> Bending:
+def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
     organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
-    return Bending(clouds, match, organs, lowest(clouds), 1.0)
+    return OrganPaths(clouds, match, organs, lowest(clouds), 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +49,11 @@ def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
         a = segments[2] if organ == 3 else members
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
         tasks.append(Moved(movers, None, None, a, members, organ == 3))
-    bending = bent(clouds, match)
-    bends = [bending.of(moved) for moved in tasks]
-    assert bends[0] is None
-    assert bends[1] is not None
-    return clouds, match, tasks, bending.curved(tasks, bends)
+    paths = paths_of(clouds, match)
+    deviations = [paths.deviation(moved) for moved in tasks]
+    assert deviations[0] is None
+    assert deviations[1] is not None
+    return clouds, match, tasks, paths.curved(tasks, deviations)
 
 
 def middle(moved: Moved) -> np.ndarray:
@@ -77,7 +77,7 @@ def test_curves_keep_their_ends(baked: tuple) -> None:
         np.testing.assert_array_equal(one.movers.curve[-1], two.movers.curve[-1])
 
 
-def test_the_leaf_bows_from_its_base_on(baked: tuple) -> None:
+def test_the_leaf_deviates_from_its_base_on(baked: tuple) -> None:
     clouds, _, _, after = baked
     out = np.linalg.norm(middle(after[1]) - chord(after[1]), axis=1)
     base = np.linalg.norm(clouds[0][after[1].start_points], axis=1)
@@ -97,18 +97,18 @@ def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
 
 def test_what_hardly_moves_is_not_bent_by_a_wrong_spine(baked: tuple) -> None:
     clouds, match, before, _ = baked
-    bending = bent(clouds, match)
+    paths = paths_of(clouds, match)
     standing = []
     for moved in before:
         origin, target = moved.movers.curve
         near = (origin, (origin + 0.02 * (target - origin)).astype(np.float32))
         standing.append(replace(moved, movers=replace(moved.movers, curve=near)))
-    after = bending.curved(standing, [bending.of(moved) for moved in standing])
+    after = paths.curved(standing, [paths.deviation(moved) for moved in standing])
     assert all(one is two for one, two in zip(standing, after, strict=True))
 
 
 def test_what_has_limbs_is_not_bent_by_one_spine(baked: tuple) -> None:
     clouds, match, before, _ = baked
-    bending = bent(clouds, match)
-    assert bending.of(before[1]) is not None
-    assert bending.of(replace(before[1], limbs=True)) is None
+    paths = paths_of(clouds, match)
+    assert paths.deviation(before[1]) is not None
+    assert paths.deviation(replace(before[1], limbs=True)) is None
