@@ -180,7 +180,8 @@ def current_clip(job: PlantJob) -> Clip | None:
     listing = list_series([job.folder], chosen)
     entries = listing.schedule.entries
     resolved = told_by(listing.series((), chosen), job.options)
-    expected = {**software(), "options": resolved.provenance()}
+    made_by = software((entry.path for entry in entries), job.options.outliers)
+    expected = {**made_by, "options": resolved.provenance()}
     moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
     made_of = clip.provenance.get("inputs")
     if (

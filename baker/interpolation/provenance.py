@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from importlib.metadata import version
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 from baker.alignment import Alignment
@@ -12,6 +14,7 @@ from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
 from baker.scans import Scan, Series
+from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track
 from gclip.version import __version__
@@ -57,7 +60,7 @@ def describe_provenance(
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     return {
-        **software(),
+        **software((scan.path for scan in found.scans), options.outliers),
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
@@ -66,9 +69,28 @@ def describe_provenance(
     }
 
 
-def software() -> dict[str, dict[str, str]]:
-    """The program and the packages its numbers come from, with their versions."""
+def software(
+    scans: Iterable[Path] = (), outliers: float | None = None
+) -> dict[str, dict[str, str]]:
+    """Versions of the program and of the packages that a clip's numbers come from.
+
+    Parameters
+    ----------
+    scans : iterable of path
+        Open3D is named where one of them is a mesh.
+    outliers : float, optional
+        As in the options. Open3D is named where it removes outliers, too.
+    """
+    packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
+    if outliers is not None or any(READERS.get(suffix_of(path)) == "mesh" for path in scans):
+        packages["open3d"] = _version_of_open3d()
     return {
         "program": {"name": "plant-growth-clips", "version": __version__},
-        "packages": {name: version(name) for name in ("numpy", "scipy", "numba")},
+        "packages": packages,
     }
+
+
+def _version_of_open3d() -> str:
+    with suppress(PackageNotFoundError):
+        return version("open3d")
+    return version("open3d-cpu")
