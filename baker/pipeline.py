@@ -229,7 +229,7 @@ def _organs_of(
     map = reporting(map, partial(tell, "segmentation"), len(clouds))
     if labels.labels is None and recipe.segment == "thin":
         k, threshold = options.graph_neighbors, options.bifurcation
-        return labels, thin_hierarchies(clouds, bases, k, threshold, map)
+        return labels, thin_hierarchies(clouds, bases, neighbors, k, threshold, map)
     if labels.labels is None or (recipe.match_by_shape and not labels.consistent):
         own = labels.labels or segment_organs(clouds, bases, map)
         labels = follow_labels(labels, clouds, coarse_hierarchies(clouds, own, bases), bases)

@@ -38,11 +38,16 @@ class RootedTree:
     widest: float
 
 
-def spanning_tree(points: NDArray[np.floating], root: int, k: int = 15) -> RootedTree:
-    """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2)."""
+def spanning_tree(
+    points: NDArray[np.floating], root: int, k: int = 15, neighbors: Neighbors | None = None
+) -> RootedTree:
+    """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2).
+
+    Parameters are as of `connected_knn_graph`; root is the index of a point.
+    """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
-    graph, bridges, widest = connected_knn_graph(points, k)
+    graph, bridges, widest = connected_knn_graph(points, k, neighbors)
     order, parent = breadth_first_order(minimum_spanning_tree(graph), root, directed=False)
     parent[root] = -1
     return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
@@ -74,7 +79,7 @@ def connected_knn_graph(
     points : (N, 3) float
     k : int
     neighbors : Neighbors, optional
-        The k nearest ones, where they are known.
+        Of the points, where they are known; they are queried where these are fewer than k.
 
     Returns
     -------
@@ -87,7 +92,9 @@ def connected_knn_graph(
     """
     from scipy.sparse.csgraph import connected_components
 
-    graph = knn_graph(neighbors or nearest_neighbors(points, k))
+    if neighbors is None or neighbors.indices.shape[1] < min(k, len(points) - 1):
+        neighbors = nearest_neighbors(points, k)
+    graph = knn_graph(neighbors.first(k))
     count, component = connected_components(graph, directed=False)
     bridges, widest = count - 1, 0.0
     while count > 1:

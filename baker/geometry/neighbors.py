@@ -52,6 +52,10 @@ class Neighbors:
         """(N,) bool, whether a point's reach is at most ten times the median."""
         return self.reach <= OUTLIER_RATIO * np.median(self.reach)
 
+    def first(self, k: int) -> Neighbors:
+        """The k nearest of these, or all of fewer."""
+        return Neighbors(self.indices[:, :k], self.distances[:, :k])
+
 
 def nearest_neighbors(
     points: NDArray[np.floating], k: int = NEIGHBORS, workers: int = 1

@@ -6,43 +6,42 @@ longer than a threshold, the tree forks, and each of those branches begins a seg
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import RootedTree, spanning_tree
+from baker.geometry.neighbors import Neighbors
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
-SHARE = 0.18  # default threshold c, as a share of the root's longest path
+DEFAULT_THRESHOLD = 0.18  # c, as a share of the longest path from the root
 
 
-@dataclass(frozen=True)
-class Forks:
-    """How the tree was cut.
+def hierarchy_from_spanning_tree(
+    points: NDArray[np.floating],
+    root: int,
+    k: int = 15,
+    threshold: int | None = None,
+    neighbors: Neighbors | None = None,
+) -> Hierarchy:
+    """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
 
-    threshold: c, in edges; longest: the root's longest path m_root, in edges.
+    Parameters
+    ----------
+    points : (N, 3) float
+    root : int
+        The point at the plant base.
+    k : int
+        Neighbors of a point in the graph that the tree spans.
+    threshold : int, optional
+        The paper's c: branches whose longest path has more edges count. By default 18 % of the
+        longest path from the root.
+    neighbors : Neighbors, optional
+        Of the points, where they are known.
     """
-
-    hierarchy: Hierarchy
-    threshold: int
-    longest: int
-
-
-def segment_thin(
-    points: NDArray[np.floating], root: int, neighbors: int = 15, threshold: int | None = None
-) -> Forks:
-    """Segment an (N, 3) cloud at its forks, from the point `root` on.
-
-    threshold: c, the number of edges from which on a branch counts; by default 18 % of the longest
-               path from the root.
-    """
-    tree = spanning_tree(points, root, neighbors)
+    tree = spanning_tree(points, root, k, neighbors)
     longest = longest_paths(tree)
-    c = round(SHARE * int(longest[root])) if threshold is None else threshold
-    starts = _segment_starts(tree, longest, c)
-    hierarchy = _hierarchy(tree, starts)
-    return Forks(hierarchy, c, int(longest[root]))
+    c = round(DEFAULT_THRESHOLD * int(longest[root])) if threshold is None else threshold
+    return _hierarchy(tree, _segment_starts(tree, longest, c))
 
 
 def longest_paths(tree: RootedTree) -> NDArray[np.intp]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from baker.geometry.neighbors import Neighbors
 from baker.geometry.parallel import MapLike
 from baker.segmentation.adjacency import segment_adjacency
 from baker.segmentation.from_labels import hierarchy_from_labels, under_virtual_root
-from baker.segmentation.from_spanning_tree import segment_thin
+from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy, split_by_label, whole
 from baker.segmentation.parents import agreed_gaps
 
@@ -28,13 +29,14 @@ def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]
 def thin_hierarchies(
     clouds: Sequence[NDArray[np.floating]],
     bases: Sequence[int],
-    neighbors: int,
+    neighbors: Sequence[Neighbors],
+    k: int,
     threshold: int | None,
     map: MapLike = map,
 ) -> list[Hierarchy]:
-    """Segments without labels, each cloud cut at its forks (section 3.2.2)."""
-    cut = partial(segment_thin, neighbors=neighbors, threshold=threshold)
-    return [forks.hierarchy for forks in map(cut, clouds, bases)]
+    """Segments without labels, each cloud cut at its bifurcations (section 3.2.2)."""
+    ks, thresholds = repeat(k), repeat(threshold)
+    return list(map(hierarchy_from_spanning_tree, clouds, bases, ks, thresholds, neighbors))
 
 
 def labelled_hierarchies(

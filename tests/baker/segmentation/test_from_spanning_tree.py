@@ -1,10 +1,11 @@
-"""Segmentation along the spanning tree (section 3.2.2): forks are found, nothing is lost."""
+"""Segmentation along the spanning tree (section 3.2.2): bifurcations are found, nothing is lost."""
 
 import numpy as np
 import pytest
 
 from baker.geometry.graph import spanning_tree
-from baker.segmentation.from_spanning_tree import longest_paths, segment_thin
+from baker.geometry.neighbors import nearest_neighbors
+from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree, longest_paths
 from baker.segmentation.hierarchy import NO_PARENT
 
 
@@ -57,16 +58,16 @@ def test_longest_paths_count_edges():
         assert longest[tree.parent[point]] >= longest[point] + 1
 
 
-def test_forks_are_found():
+def test_bifurcations_are_found():
     points = np.concatenate([STEM, LEFT, RIGHT])
-    forks = segment_thin(points, root=0, neighbors=8)
-    sizes = [len(segment) for segment in forks.hierarchy.segments]
-    # Two forks cut the stem in three; each fork begins two segments (ruling 11).
+    hierarchy = hierarchy_from_spanning_tree(points, root=0, k=8)
+    sizes = [len(segment) for segment in hierarchy.segments]
+    # Two bifurcations cut the stem in three; each begins two segments (ruling 11).
     assert len(sizes) == 5
     assert sum(sizes) == len(points)
-    assert forks.hierarchy.parents.count(NO_PARENT) == 1
+    assert hierarchy.parents.count(NO_PARENT) == 1
     owner = np.empty(len(points), int)
-    for index, members in enumerate(forks.hierarchy.segments):
+    for index, members in enumerate(hierarchy.segments):
         owner[members] = index
     assert len(set(owner[205:295])) == 1
     assert len(set(owner[305:375])) == 1
@@ -75,14 +76,14 @@ def test_forks_are_found():
 
 def test_the_threshold_decides_what_is_a_branch():
     points = np.concatenate([STEM, rod([0.05, 0, 6], [0.6, 0, 6.3], 12)])
-    assert len(segment_thin(points, 0, 8, threshold=5).hierarchy.segments) == 3
-    assert len(segment_thin(points, 0, 8, threshold=30).hierarchy.segments) == 1
+    assert len(hierarchy_from_spanning_tree(points, 0, 8, threshold=5).segments) == 3
+    assert len(hierarchy_from_spanning_tree(points, 0, 8, threshold=30).segments) == 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_tiny_clouds_are_one_segment(count):
     points = np.arange(3.0 * count).reshape(count, 3)
-    hierarchy = segment_thin(points, 0).hierarchy
+    hierarchy = hierarchy_from_spanning_tree(points, 0)
     assert len(hierarchy.segments) == 1
     assert len(hierarchy.segments[0]) == count
 
@@ -90,6 +91,14 @@ def test_tiny_clouds_are_one_segment(count):
 def test_a_long_path_is_no_recursion():
     points = np.zeros((20_000, 3))
     points[:, 2] = np.arange(20_000)
-    forks = segment_thin(points, 0, neighbors=2)
-    assert forks.longest == 19_999
-    assert len(forks.hierarchy.segments) == 1
+    assert longest_paths(spanning_tree(points, 0, k=2))[0] == 19_999
+    hierarchy = hierarchy_from_spanning_tree(points, 0, k=2)
+    assert len(hierarchy.segments) == 1
+
+
+@pytest.mark.parametrize("known", [5, 8, 16])
+def test_neighbors_that_are_known_change_nothing(known):
+    points = np.random.default_rng(0).random((300, 3))
+    neighbors = nearest_neighbors(points, known)
+    with_them = hierarchy_from_spanning_tree(points, 0, 8, 5, neighbors)
+    assert with_them.parents == hierarchy_from_spanning_tree(points, 0, 8, 5).parents
