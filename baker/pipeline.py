@@ -348,7 +348,7 @@ def _interval_jobs(
             floor=floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             transport=recipe.transport,
-            limbs=recipe.limbs,
+            leaflets=recipe.leaflets,
             decay=decay,
             curved=recipe.paths == Paths.curved,
             even=recipe.even,

@@ -20,7 +20,7 @@ class Recipe:
     match_by_shape:  organs numbered anew are matched all at once; else down the hierarchies.
     rules:           of matching down the hierarchies.
     transport:       of each pair of segments.
-    limbs:           an organ's limbs are paired and moved one by one.
+    leaflets:        an organ's leaflets are matched and moved one by one.
     even:            movers to add at most where they would be sparse, as a share of all.
     paths:           how movers travel: straight or curved.
     bud_least:       points that a new organ unfolds from at least.
@@ -32,7 +32,7 @@ class Recipe:
     match_by_shape: bool
     rules: GreedyRules
     transport: TransportOptions
-    limbs: bool
+    leaflets: bool
     even: float
     paths: str
     bud_least: int
@@ -55,7 +55,7 @@ def recipe_for(options: Options) -> Recipe:
                 neighbors=options.neighbors,
                 feasible=False,
             ),
-            limbs=False,
+            leaflets=False,
             even=options.even or 0.0,
             paths=Paths.straight if options.paths == Paths.auto else options.paths,
             bud_least=10,
@@ -69,7 +69,7 @@ def recipe_for(options: Options) -> Recipe:
         match_by_shape=True,
         rules=GreedyRules(),
         transport=TransportOptions(method=method, neighbors=options.neighbors),
-        limbs=method != "sinkhorn",
+        leaflets=method != "sinkhorn",
         even=usual if options.even is None else options.even,
         paths=paths,
         bud_least=BUD_LEAST,

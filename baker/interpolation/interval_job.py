@@ -17,6 +17,7 @@ from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
+from baker.matching.leaflets import LeafletPair, match_leaflets
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
@@ -34,7 +35,7 @@ class IntervalJob:
     bases:    (3,) each, where the plant leaves the ground.
     timings:  by organ, where it doesn't move evenly.
     transport: `workers` in it does not count.
-    limbs:    whether an organ's limbs are paired and moved one by one.
+    leaflets: whether an organ's leaflets are matched and moved one by one.
     decay:    how lost organs leave.
     curved:   whether organs deform along curved paths and stay attached to their parents, or
               move in straight lines.
@@ -56,7 +57,7 @@ class IntervalJob:
     floor: float
     spacing: float
     transport: TransportOptions
-    limbs: bool
+    leaflets: bool
     decay: Motion
     curved: bool
     even: float
@@ -121,6 +122,13 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     )
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
+    def leaflets_of(task: Task) -> Sequence[LeafletPair]:
+        attached_at = attachment(task)
+        if attached_at is None:
+            return ()
+        start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
+        return match_leaflets(start, end, attached_at)
+
     def solve(task: Task, size: int) -> tuple[Moved, Deviation | None]:
         moved = solve_task(
             task,
@@ -130,7 +138,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             decay=job.decay,
             vertical=job.vertical,
             floor=job.floor,
-            foot=attachment(task) if job.limbs else None,
+            leaflets=leaflets_of(task) if job.leaflets else (),
             birth=born.get(task.organ) if task.event == "birth" else None,
             timing=job.timings.get(task.organ) if task.event == "match" else None,
         )

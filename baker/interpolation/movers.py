@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.resampling import surface_half_way
+from baker.matching.leaflets import LeafletPair
+from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
@@ -44,7 +47,7 @@ class Moved:
     start_points, end_points: (M,) the points of both scans that movers go from and to; None of
              what is lost.
     born:    whether they unfold from a bud.
-    limbs:   whether the organ's limbs were moved each on its own.
+    divided: whether the organ's leaflets were moved each on its own.
     """
 
     movers: Movers
@@ -53,7 +56,7 @@ class Moved:
     start_points: NDArray[np.intp] | None = None
     end_points: NDArray[np.intp] | None = None
     born: bool = False
-    limbs: bool = False
+    divided: bool = False
 
 
 def solve_task(
@@ -65,13 +68,13 @@ def solve_task(
     decay: Motion,
     vertical: Vertical,
     floor: float,
-    foot: tuple[int, int] | None = None,
+    leaflets: Sequence[LeafletPair] = (),
     birth: Birth | None = None,
     timing: Timing | None = None,
 ) -> Moved:
     """Transport one segment through the interval from `start` to `end`.
 
-    foot: the task's points where the organ is attached, if its limbs are to go each on its own.
+    leaflets: the parts of a matched organ that are to go each on its own.
     birth: how a new organ unfolds; timing: of a matched one. None of what moves linearly.
 
     A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
@@ -84,11 +87,9 @@ def solve_task(
         drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
         return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0))
 
-    from baker.transport.organ_plan import coupled
-
     here = start.positions.take(task.start, axis=0)
     there = end.positions.take(task.end, axis=0)
-    found = coupled(here, there, transport, foot)
+    found = correspond(here, there, transport, leaflets)
     a, b = task.start[found.rows], task.end[found.columns]
     origin, target = here.take(found.rows, axis=0), there.take(found.columns, axis=0)
     movers = _movers(task.organ, Motion.MOVE, origin, target, start, a, end, b)
@@ -105,7 +106,7 @@ def solve_task(
     born = task.event == "birth"
     before, after = start.surface_of(task.start), end.surface_of(task.end)
     surface = surface_half_way(before, found.rows, after, found.columns, born)
-    return Moved(movers, pair, surface, a, b, born, found.limbs)
+    return Moved(movers, pair, surface, a, b, born, found.divided)
 
 
 def _movers(

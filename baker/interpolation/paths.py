@@ -67,7 +67,7 @@ class OrganPaths:
         segment = self._segments.get(_track(moved))
         if segment is None or segment not in self._partners:
             return None
-        if moved.start_points is None or moved.born or moved.limbs:
+        if moved.start_points is None or moved.born or moved.divided:
             return None
         source = self._shapes[0].of(self._partners[segment])
         target = self._shapes[1].of(segment)

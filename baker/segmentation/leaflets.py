@@ -1,8 +1,9 @@
-"""The limbs of an organ that has some: a twig's leaves, a compound leaf's leaflets.
+"""The leaflets of an organ that has some: the leaves of a twig, the leaflets of a compound leaf.
 
-One label may stand for a branch with all its leaves. Seen from their tips, limbs are what has not
-yet met another one on the way to where the organ is attached. What is left, below the forks, is the
-organ's stalk. A single blade has none: the bumps of its margin are short.
+One label may stand for a branch with all its leaves. A leaflet is a branch of the merge tree of the
+geodesic distance from the attachment point: what has not yet met another one on the way down from
+its tip. What is left, below the meeting points, is the stalk. A single blade has no leaflets: the
+bumps of its margin are short.
 """
 
 from __future__ import annotations
@@ -13,38 +14,42 @@ from numpy.typing import NDArray
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.geometry.merge_tree import branches
 
-NEIGHBORS = 5  # more tie leaves together that lie close by
-LONG = 3.0  # median edges of the graph that a limb is long at least, ...
-LONG_SHARE = 0.03  # ... and of the organ
-BESIDE = 1 / 3  # as long as another one, else it is but a bump on it
-FEWEST = 5  # points of a limb
-MOST = 5000  # points to look at: with more of them limbs are no better told from one another
+# docs/method.md, "Leaflets".
+NEIGHBORS = 5  # of the kNN graph; more of them connect leaves that lie close by
+MIN_LENGTH_IN_EDGES = 3.0  # median edges of the graph
+MIN_LENGTH = 0.03  # share of the organ's longest geodesic distance
+MIN_RELATIVE_LENGTH = 1 / 3  # of the leaflet that it meets
+MIN_POINTS = 5
+MAX_POINTS_SEARCHED = 5000  # of more points leaflets are told apart no better
 
 
-def limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
-    """(n,) the limb of each of an organ's (n, 3) points, from 0 on; -1 on the stalk.
+def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[np.intp]:
+    """The leaflet that each point of an organ lies on.
 
-    foot: the point where the organ is attached.
+    Parameters
+    ----------
+    points : (n, 3) float ndarray
+    attachment : int
+        Index of the point where the organ is attached.
 
-    All -1 where no two limbs meet.
+    Returns
+    -------
+    (n,) intp ndarray
+        From 0 on; -1 on the stalk, and everywhere where no two leaflets meet.
     """
     from scipy.spatial import KDTree
 
     count = len(points)
-    if count <= MOST:
-        return _limbs(points, foot)
-    some = np.random.default_rng(0).permutation(count)[:MOST]
-    some[0] = foot
-    found = _limbs(points[some], 0)
-    if found.max() < 0:
+    if count > MAX_POINTS_SEARCHED:
+        sample = np.random.default_rng(0).permutation(count)[:MAX_POINTS_SEARCHED]
+        sample[0] = attachment
+        found = segment_leaflets(points[sample], 0)
+        return found[KDTree(points[sample]).query(points)[1]]
+    if count < 2 * MIN_POINTS or not np.ptp(points, axis=0).any():
         return np.full(count, -1)
-    return found[KDTree(points[some]).query(points)[1]]
-
-
-def _limbs(points: NDArray[np.floating], foot: int) -> NDArray[np.intp]:
-    if len(points) < 2 * FEWEST or not np.ptp(points, axis=0).any():
-        return np.full(len(points), -1)
     graph, _, _ = connected_knn_graph(points, NEIGHBORS)
-    distance = geodesic_distances(graph, np.array([foot]))
-    longest = max(LONG * float(np.median(graph.data)), LONG_SHARE * float(distance.max()))
-    return branches(distance, graph, longest, BESIDE, FEWEST)
+    distance = geodesic_distances(graph, np.array([attachment]))
+    min_length = max(
+        MIN_LENGTH_IN_EDGES * float(np.median(graph.data)), MIN_LENGTH * float(distance.max())
+    )
+    return branches(distance, graph, min_length, MIN_RELATIVE_LENGTH, MIN_POINTS)

@@ -1,37 +1,164 @@
-"""From a transport plan to the few pairs that are animated (paper, end of section 3.4)."""
+"""Corresponding points of an organ in two scans, from its transport plans (end of section 3.4)."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.problem import Indices, Plan
+from baker.transport.problem import Indices, Plan, Points, TransportOptions, costs
+from baker.transport.solve import solve
+from baker.transport.support import balance
 
 
-def movers(
+@dataclass(frozen=True)
+class Correspondences:
+    """Pairs of points of an organ's two scans.
+
+    Attributes
+    ----------
+    rows, columns : (M,) int ndarray
+        Points of the start and of the end, ordered by row, then column. Every point of either side
+        is in at least one pair; M <= n + m.
+    weights : (M,) float32 ndarray
+        1 where a pair carries the most mass of its row and of its column, 1/2 where of one.
+    distance : float
+        Wasserstein distance of the two scans in length units, of all plans together.
+    marginal_error : float
+        L1 error of the marginals, the largest of all plans.
+    solver : str
+        What found the plan that moves the most.
+    notes : tuple of str
+        For the report, one sentence each.
+    divided : bool
+        Whether the organ's leaflets were transported each on its own.
+    """
+
+    rows: Indices
+    columns: Indices
+    weights: NDArray[np.float32]
+    distance: float
+    marginal_error: float
+    solver: str
+    notes: tuple[str, ...] = ()
+    divided: bool = False
+
+
+class Part(Protocol):
+    """A part of an organ that is transported on its own: `baker.matching.leaflets.LeafletPair`."""
+
+    @property
+    def start(self) -> Indices: ...
+    @property
+    def end(self) -> Indices: ...
+    @property
+    def registered(self) -> tuple[Points, Points] | None: ...
+
+
+def correspond(
+    start: Points, end: Points, options: TransportOptions, parts: Sequence[Part] = ()
+) -> Correspondences:
+    """Pair the points of an organ by optimal transport.
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+        The organ in two successive scans, in length units.
+    options : TransportOptions
+    parts : sequence of Part, optional
+        Parts that are transported each on its own, by the mass that both scans have around each
+        point: so leaves that are born beside a leaf take none of its points. Together they have
+        every point of either scan exactly once.
+
+    Returns
+    -------
+    Correspondences
+    """
+    if not parts:
+        return _correspond(start, end, (start, end), options)
+    shared = replace(options, shared=True)
+    rows, columns, weights, work, found = [], [], [], [], []
+    for part in parts:
+        source, target = start[part.start], end[part.end]
+        placed_start, placed_end = part.registered or balance(source, target)
+        one = _correspond(placed_start, placed_end, (source, target), shared)
+        rows.append(part.start[one.rows])
+        columns.append(part.end[one.columns])
+        weights.append(one.weights)
+        work.append(one.distance**options.power * len(part.end))
+        found.append(one)
+    order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
+    return Correspondences(
+        np.concatenate(rows)[order],
+        np.concatenate(columns)[order],
+        np.concatenate(weights)[order],
+        (sum(work) / len(end)) ** (1 / options.power),
+        max(one.marginal_error for one in found),
+        found[int(np.argmax(work))].solver,
+        (f"its leaflets moved each on its own, {len(parts)} parts in all",) * (len(parts) > 1),
+        len(parts) > 1,
+    )
+
+
+def _correspond(
+    start: Points, end: Points, true: tuple[Points, Points], options: TransportOptions
+) -> Correspondences:
+    """The pairs of one plan; their distance is that of the true positions."""
+    plan = solve(start, end, options)
+    rows, columns, weights = largest_entries(plan, len(start), len(end))
+    distance = plan.distance
+    if start is not true[0]:
+        cost = plan.mass @ costs(*true, (plan.rows, plan.columns), options.power)
+        distance = float(cost) ** (1 / options.power)
+    return Correspondences(
+        rows, columns, weights, distance, plan.marginal_error, plan.solver, plan.notes
+    )
+
+
+def largest_entries(
     plan: Plan, n: int, m: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
     """The non-zero entries of T-hat = (T' + T'') / 2: the maxima of T's rows and of its columns.
 
-    Returns rows, columns (M,) int32 and weights (M,) float32, 1 where a pair is the maximum of its
-    row and of its column, 1/2 where of one; ordered by row, then column; M <= n + m, and every
-    point of either side is in at least one. Ties go to the lowest index. Raises ValueError where
-    the plan leaves out a point.
+    Parameters
+    ----------
+    plan : Plan
+        T, in which every row and every column has mass.
+    n, m : int
+        Rows and columns of T.
+
+    Returns
+    -------
+    rows, columns : (M,) int32 ndarray
+        Ordered by row, then column; M <= n + m. Ties go to the lowest index.
+    weights : (M,) float32 ndarray
+        1 where an entry is the maximum of its row and of its column, 1/2 where of one.
+
+    Raises
+    ------
+    ValueError
+        The plan leaves out a point.
     """
     rows, columns, mass = plan.rows, plan.columns, plan.mass
-    picked = np.zeros(len(mass), np.float32)
+    weights = np.zeros(len(mass), np.float32)
     for name, side, count in (("start", rows, n), ("end", columns, m)):
         entries = _maxima(side, mass, count)
         if (entries < 0).any():
             used = int((entries >= 0).sum())
             raise ValueError(f"the plan uses {used} of the {count} points of the {name}")
-        picked[entries] += 0.5
-    moved = np.flatnonzero(picked)
-    return rows[moved], columns[moved], picked[moved]
+        weights[entries] += 0.5
+    chosen = np.flatnonzero(weights)
+    return rows[chosen], columns[chosen], weights[chosen]
 
 
 def _maxima(group: Indices, mass: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """(count,) the entry of the largest mass in each group, on ties the first one; -1 for none."""
+    """(count,) the entry of the largest mass in each group, on ties the first one; -1 for none.
+
+    Equivalent to ``[np.argmax(np.where(group == g, mass, -1)) for g in range(count)]``.
+    """
     largest, entries = np.zeros(count), np.full(count, -1)
     np.maximum.at(largest, group, mass)
     backwards = np.flatnonzero(mass == largest[group])[::-1]

@@ -28,7 +28,7 @@ from baker.interpolation.spine import (
 from baker.matching.labels import label_agreement
 from baker.matching.tracking import track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
-from baker.transport.correspondences import movers
+from baker.transport.correspondences import largest_entries
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 from baker.transport.wasserstein import wasserstein
@@ -63,7 +63,7 @@ def check_plan(start: np.ndarray, end: np.ndarray, options: TransportOptions) ->
     assert np.isfinite(plan.mass).all()
     assert (plan.mass >= 0).all()
     assert np.isfinite([plan.cost, plan.distance, plan.marginal_error]).all()
-    rows, columns, weights = movers(plan, len(start), len(end))
+    rows, columns, weights = largest_entries(plan, len(start), len(end))
     assert set(rows) == set(range(len(start)))
     assert set(columns) == set(range(len(end)))
     assert set(weights) <= {0.5, 1.0}

@@ -8,7 +8,7 @@ import pytest
 
 from baker import Options
 from baker.interpolation.interval_job import solve_interval, solve_intervals
-from baker.interpolation.movers import solve_task
+from baker.matching.leaflets import match_leaflets
 from baker.pipeline import bake_recorded
 
 PLAIN = Options(align="none", up="z", workers=1)
@@ -53,7 +53,7 @@ def test_progress_reaches_all_organs(write_scans, workers):
 
 
 @pytest.mark.parametrize(
-    ("options", "limbs"),
+    ("options", "leaflets"),
     [
         (PLAIN, True),
         (replace(PLAIN, transport="sinkhorn"), False),
@@ -61,16 +61,16 @@ def test_progress_reaches_all_organs(write_scans, workers):
         (replace(PLAIN, paper=True, transport="exact"), False),
     ],
 )
-def test_the_paper_knows_of_no_limbs(write_scans, monkeypatch, options, limbs):
-    asked = []
+def test_the_paper_knows_of_no_leaflets(write_scans, monkeypatch, options, leaflets):
+    searched = []
 
-    def solve(*arguments, foot, **named):
-        asked.append(foot is not None)
-        return solve_task(*arguments, foot=foot, **named)
+    def match(*arguments):
+        searched.append(arguments)
+        return match_leaflets(*arguments)
 
-    monkeypatch.setattr("baker.interpolation.interval_job.solve_task", solve)
+    monkeypatch.setattr("baker.interpolation.interval_job.match_leaflets", match)
     bake_recorded([write_scans()], options)
-    assert any(asked) == limbs
+    assert bool(searched) == leaflets
 
 
 def test_an_error_in_a_job_ends_the_bake(write_scans, monkeypatch):

@@ -107,8 +107,8 @@ def test_what_hardly_moves_is_not_bent_by_a_wrong_spine(baked: tuple) -> None:
     assert all(one is two for one, two in zip(standing, after, strict=True))
 
 
-def test_what_has_limbs_is_not_bent_by_one_spine(baked: tuple) -> None:
+def test_what_has_leaflets_is_not_bent_by_one_spine(baked: tuple) -> None:
     clouds, match, before, _ = baked
     paths = paths_of(clouds, match)
     assert paths.deviation(before[1]) is not None
-    assert paths.deviation(replace(before[1], limbs=True)) is None
+    assert paths.deviation(replace(before[1], divided=True)) is None

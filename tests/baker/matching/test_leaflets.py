@@ -3,26 +3,27 @@
 import numpy as np
 import pytest
 
-from baker.matching.leaflets import pieces
+from baker.matching.leaflets import match_leaflets
 from tests.baker.twigs import blade, twig
 
 
 def assert_partition(cut, n, m):
     np.testing.assert_array_equal(np.sort(np.concatenate([p.start for p in cut])), np.arange(n))
     np.testing.assert_array_equal(np.sort(np.concatenate([p.end for p in cut])), np.arange(m))
-    for piece in cut:
-        assert len(piece.start)
-        assert len(piece.end)
-        assert piece.here.shape == (len(piece.start), 3)
-        assert piece.there.shape == (len(piece.end), 3)
-        assert np.isfinite(piece.here).all()
+    for part in cut:
+        assert len(part.start)
+        assert len(part.end)
+        if part.registered is not None:
+            assert part.registered[0].shape == (len(part.start), 3)
+            assert part.registered[1].shape == (len(part.end), 3)
+            assert np.isfinite(part.registered[0]).all()
 
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("born", [0, 1, 3])
 def test_a_leaf_goes_to_itself_whatever_is_born_above(born, seed):
     before, after = twig(6, seed), twig(6 + born, seed + 9, stretch=1.1, swell=1.2)
-    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    cut = match_leaflets(before.points, after.points, (before.foot, after.foot))
     assert_partition(cut, len(before.points), len(after.points))
     limbs = cut[1:]
     assert len(limbs) >= 4
@@ -34,28 +35,28 @@ def test_a_leaf_goes_to_itself_whatever_is_born_above(born, seed):
 
 def test_the_rest_is_compared_where_growth_is_taken_out():
     before, after = twig(6, 1), twig(6, 2, stretch=1.3)
-    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    cut = match_leaflets(before.points, after.points, (before.foot, after.foot))
     rest = cut[0]
     stalk = before.leaf[rest.start] < 0
     share = before.points[rest.start[stalk], 2] / before.points[:, 2].max()
     # Growth taken out, equal shares of the stalk lie on each other.
-    there = rest.there[after.leaf[rest.end] < 0]
+    there = rest.registered[1][after.leaf[rest.end] < 0]
     true = after.points[rest.end[after.leaf[rest.end] < 0], 2] / after.points[:, 2].max()
-    off = rest.here[stalk, 2] - np.interp(
+    off = rest.registered[0][stalk, 2] - np.interp(
         share, *(v[np.argsort(true)] for v in (true, there[:, 2]))
     )
     assert np.abs(off).mean() < 0.02 * np.ptp(there[:, 2])
 
 
-def test_a_blade_has_no_pieces():
+def test_a_blade_has_no_match_leaflets():
     rng = np.random.default_rng(0)
     start, end = blade(rng, 300, 8.0, 2.0), blade(rng, 400, 10.0, 2.5)
-    assert pieces(start, end, (int(start[:, 0].argmin()), int(end[:, 0].argmin()))) == []
+    assert match_leaflets(start, end, (int(start[:, 0].argmin()), int(end[:, 0].argmin()))) == []
 
 
 def test_a_fork_is_too_little_to_go_by():
     before, after = twig(1, 0), twig(1, 1)
-    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    cut = match_leaflets(before.points, after.points, (before.foot, after.foot))
     assert len(cut) == 1
     assert_partition(cut, len(before.points), len(after.points))
 
@@ -63,13 +64,13 @@ def test_a_fork_is_too_little_to_go_by():
 def test_a_twig_that_has_lost_its_leaves_stays_whole():
     before = twig(6)
     bare = before.points[before.leaf < 0]
-    assert pieces(before.points, bare, (before.foot, 0)) == []
-    assert pieces(bare, before.points, (0, before.foot)) == []
+    assert match_leaflets(before.points, bare, (before.foot, 0)) == []
+    assert match_leaflets(bare, before.points, (0, before.foot)) == []
 
 
 def test_limbs_none_of_which_are_the_same_leave_an_organ_whole(monkeypatch):
-    monkeypatch.setattr("baker.matching.leaflet_registration.FAR", 1e-9)
+    monkeypatch.setattr("baker.matching.leaflets.MAX_DISTANCE", 1e-9)
     before, after = twig(6, 0), twig(6, 1)
-    cut = pieces(before.points, after.points, (before.foot, after.foot))
+    cut = match_leaflets(before.points, after.points, (before.foot, after.foot))
     assert len(cut) == 1
     assert_partition(cut, len(before.points), len(after.points))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.segmentation.leaflets import limbs
+from baker.segmentation.leaflets import segment_leaflets
 from tests.baker.twigs import blade, twig
 
 
@@ -21,7 +21,7 @@ def share_right(found: np.ndarray, leaf: np.ndarray) -> float:
 @pytest.mark.parametrize("leaves", [4, 9])
 def test_each_leaf_is_a_limb(leaves, seed):
     plant = twig(leaves, seed)
-    found = limbs(plant.points, plant.foot)
+    found = segment_leaflets(plant.points, plant.foot)
     assert share_right(found, plant.leaf) > 0.75
     assert set(np.unique(found)) == set(range(-1, found.max() + 1))
 
@@ -31,29 +31,29 @@ def test_each_leaf_is_a_limb(leaves, seed):
 def test_a_single_blade_has_none(count, seed):
     points = blade(np.random.default_rng(seed), count, 10.0, 2.0)
     foot = int(np.argmin(points[:, 0]))
-    assert (limbs(points, foot) == -1).all()
+    assert (segment_leaflets(points, foot) == -1).all()
 
 
 def test_of_many_points_a_share_tells_as_much(monkeypatch):
     plant = twig(6)
-    monkeypatch.setattr("baker.segmentation.leaflets.MOST", len(plant.points) - 60)
-    found = limbs(plant.points, plant.foot)
+    monkeypatch.setattr("baker.segmentation.leaflets.MAX_POINTS_SEARCHED", len(plant.points) - 60)
+    found = segment_leaflets(plant.points, plant.foot)
     assert found.shape == plant.leaf.shape
     assert share_right(found, plant.leaf) > 0.75
 
 
 def test_neither_the_unit_nor_where_it_stands_matters():
     plant = twig(6)
-    found = limbs(plant.points, plant.foot)
-    far = limbs(1000 * plant.points + 5e4, plant.foot)
+    found = segment_leaflets(plant.points, plant.foot)
+    far = segment_leaflets(1000 * plant.points + 5e4, plant.foot)
     np.testing.assert_array_equal(found, far)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 9, 10, 11])
 def test_a_handful_of_points_has_none(count):
     points = np.random.default_rng(0).random((count, 3))
-    assert (limbs(points, 0) == -1).all()
+    assert (segment_leaflets(points, 0) == -1).all()
 
 
 def test_points_in_one_place_have_none():
-    assert (limbs(np.zeros((40, 3)), 0) == -1).all()
+    assert (segment_leaflets(np.zeros((40, 3)), 0) == -1).all()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
-from baker.transport.correspondences import movers
+from baker.transport.correspondences import largest_entries
 from baker.transport.feasibility import share_that_can_flow
 from baker.transport.problem import TransportOptions, costs
 from baker.transport.sinkhorn import scale
@@ -80,7 +80,7 @@ def test_infeasible_support_is_said_and_the_plan_stays_usable():
     assert plan.marginal_error > 0.1
     assert plan.iterations < 2000
     assert np.isfinite(plan.mass).all()
-    rows, columns, _ = movers(plan, 500, 640)
+    rows, columns, _ = largest_entries(plan, 500, 640)
     assert (len(np.unique(rows)), len(np.unique(columns))) == (500, 640)
     assert len(rows) <= 1140
 
@@ -109,7 +109,7 @@ def test_a_point_without_mass_keeps_its_nearest_neighbour():
     options = TransportOptions("sinkhorn", power=1, feasible=False, neighbors=1, gamma=1e-3)
     plan = solve(start, end, options)
     assert np.isfinite(plan.mass).all()
-    rows, columns, _ = movers(plan, 10, 10)
+    rows, columns, _ = largest_entries(plan, 10, 10)
     assert set(rows) == set(columns) == set(range(10))
     assert columns[rows == 9] == [9]
 
@@ -151,7 +151,7 @@ def test_degenerate_clouds(options, start, end):
     plan = solve(start, end, options)
     assert np.isfinite(plan.mass).all()
     assert np.isfinite(plan.cost)
-    rows, columns, _ = movers(plan, len(start), len(end))
+    rows, columns, _ = largest_entries(plan, len(start), len(end))
     assert len(np.unique(rows)) == len(start)
     assert len(np.unique(columns)) == len(end)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from baker.transport import multiscale
-from baker.transport.correspondences import movers
+from baker.transport.correspondences import largest_entries
 from baker.transport.problem import Plan, TransportOptions, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.support import balance, explained_cost
@@ -113,7 +113,7 @@ def test_wildly_different_sizes(n, m):
     start, end = grown_leaf(n, m)
     plan = solve(start, end)
     assert_coupling(plan, n, m, 1e-10)
-    rows, columns, _ = movers(plan, n, m)
+    rows, columns, _ = largest_entries(plan, n, m)
     assert len(np.unique(rows)) == n
     assert len(np.unique(columns)) == m
 
