@@ -16,10 +16,10 @@ from baker.alignment.yaw import YawFit, likely_yaws, overlap_near
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 
-SAME_PLACE = 0.05  # of the plants' height: bases so near are the same
-# Of the share kept, what the scans' own frame may lose against the best yaw: in most pairs, and in
-# one pair of a series that came aligned.
-SAME_FRAME, NO_JUMP = 0.08, 0.2
+MAX_BASE_OFFSET = 0.05  # of the plants' height: bases so near are the same
+# Overlap that the scans' own frame may lose against the best yaw: in most pairs, and in one pair of
+# a series that came aligned.
+MAX_MEDIAN_LOSS, MAX_LOSS = 0.08, 0.2
 
 
 def best_poses(
@@ -70,24 +70,25 @@ def shared_frames(poses: Sequence[Pose], yaws: Sequence[Sequence[YawFit]]) -> ND
     """
     count = len(poses)
     lost = [
-        _lost_unturned(before, after, likely[0].kept)
+        _overlap_lost(before, after, likely[0].overlap)
         for (before, after), likely in zip(pairwise(poses), yaws, strict=True)
     ]
     alone = np.arange(count)
     in_place = _in_place(poses)
     in_row = np.sort(np.array(lost)[in_place[1:] & in_place[:-1]])
-    if not len(in_row) or in_row[(len(in_row) - 1) // 2] > SAME_FRAME:
+    if not len(in_row) or in_row[(len(in_row) - 1) // 2] > MAX_MEDIAN_LOSS:
         return alone
-    doubtful = np.concatenate([[False], np.array(lost) > SAME_FRAME, [False]])
+    doubtful = np.concatenate([[False], np.array(lost) > MAX_MEDIAN_LOSS, [False]])
     twice = doubtful[1:-1] & (doubtful[:-2] | doubtful[2:])
-    broken = twice | (np.array(lost) > NO_JUMP)
+    broken = twice | (np.array(lost) > MAX_LOSS)
     frames = alone.copy()
     for at in range(1, count):
         if not broken[at - 1]:
             frames[at] = frames[at - 1]
         elif at > 1:
             before, after = poses[at - 2], poses[at]
-            if _lost_unturned(before, after, likely_yaws(before, after)[0].kept) <= SAME_FRAME:
+            best = likely_yaws(before, after)[0].overlap
+            if _overlap_lost(before, after, best) <= MAX_MEDIAN_LOSS:
                 frames[at] = frames[at - 2]
     main = np.argmax(np.bincount(frames))
     return np.where(frames == main, count, alone)
@@ -97,13 +98,13 @@ def _in_place(poses: Sequence[Pose]) -> NDArray[np.bool_]:
     """(S,) whether a scan's base is where most have theirs; none is if there is no such place."""
     bases = np.array([pose.base for pose in poses])
     offsets = np.linalg.norm(bases - np.median(bases, axis=0), axis=1)
-    in_place = offsets <= SAME_PLACE * max(pose.height for pose in poses)
+    in_place = offsets <= MAX_BASE_OFFSET * max(pose.height for pose in poses)
     return in_place if 2 * in_place.sum() > len(poses) else np.zeros(len(poses), bool)
 
 
-def _lost_unturned(earlier: Pose, later: Pose, best: float) -> float:
-    """How much less is kept where the scans stand as they do than at the best yaw, at most 1."""
+def _overlap_lost(earlier: Pose, later: Pose, best: float) -> float:
+    """How much less the overlap is where the scans stand as they do than at the best yaw."""
     distance = float(np.linalg.norm(earlier.base - later.base))
-    if distance > SAME_PLACE * max(earlier.height, later.height):
+    if distance > MAX_BASE_OFFSET * max(earlier.height, later.height):
         return 1.0
     return best - overlap_near(earlier, later, 0.0)

@@ -15,10 +15,20 @@ MAX_ITERATIONS, MIN_GAIN = 100, 1e-4
 def trimmed_icp(
     earlier: EvenSample, later: EvenSample, start: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(4, 4) rigid transform from the later scan's coordinates to the earlier's, from `start` on.
+    """Register a later scan with an earlier one.
 
-    Every earlier point looks for its nearest later one, as the plant has grown since; the worst
-    fifth does not count.
+    Every point of the earlier sample is paired with the nearest one of the later scan, which has
+    grown since; the farthest fifth of the pairs is trimmed.
+
+    Parameters
+    ----------
+    earlier, later : EvenSample
+    start : (4, 4) float64
+        The transform to begin with.
+
+    Returns
+    -------
+    (4, 4) float64, rigid, from the later scan's coordinates to the earlier's.
     """
     from scipy.spatial import KDTree
 

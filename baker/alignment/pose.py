@@ -13,10 +13,10 @@ from baker.alignment.up_axis_search import upright
 from baker.geometry.merge_tree import branches
 from baker.geometry.up_axis import Vertical
 
-# Of the lower plant's height: how much of both is compared, and how near what belongs together is.
-FOOT, TOGETHER = 0.1, (0.03, 0.02)
-FOUND = 0.1  # of a foot: with fewer of its points near the other's it is no help
-STEPS = 4
+STEM_HEIGHT = 0.1  # of the lower plant's height: the lowest part of both stems is compared
+KERNEL_WIDTHS = (0.03, 0.02)  # of that height: distances of points that belong together
+MIN_MEAN_WEIGHT = 0.1  # of the stem's points: below it the stems are too far apart to tell
+ITERATIONS = 4
 MIN_PERSISTENCE = 0.1  # of the longest geodesic distance: shorter tips are no organs of their own
 MIN_POINTS_OF_ORGAN = 4
 AXIS = -1
@@ -45,9 +45,14 @@ class Organs:
 class Pose:
     """A scan set upright with its stem's base at the origin.
 
-    frame:   (4, 4) from the scan's coordinates to these.
-    sample:  in these.
-    organs:  of the sample.
+    Attributes
+    ----------
+    frame : (4, 4) float64
+        From the scan's coordinates to these.
+    sample : EvenSample
+        In these.
+    organs : Organs
+        Of the sample.
     """
 
     frame: NDArray[np.float64]
@@ -75,11 +80,11 @@ def candidate_poses(
     return [_pose_at(sample, vertical, base, pairs) for base in bases]
 
 
-def move(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
-    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw`, foot on foot."""
-    onto = about_z(yaw)
-    onto[:2, 3] = _foot_shift(earlier, later, onto)
-    return np.linalg.inv(earlier.frame) @ onto @ later.frame
+def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
+    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw`, base on base."""
+    transform = about_z(yaw)
+    transform[:2, 3] = _stem_shift(earlier, later, transform)
+    return np.linalg.inv(earlier.frame) @ transform @ later.frame
 
 
 def about_z(yaw: float) -> NDArray[np.float64]:
@@ -91,31 +96,31 @@ def about_z(yaw: float) -> NDArray[np.float64]:
     return turn
 
 
-def _foot_shift(earlier: Pose, later: Pose, onto: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2,) how much further the later scan's foot has to be moved, level, to cover the earlier's.
+def _stem_shift(earlier: Pose, later: Pose, transform: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2,) how much further the later scan's stem has to be moved, level, to cover the earlier's.
 
-    A base is the middle of a few points at the ground. The foot of the stem above it hardly
-    changes: its points are moved onto their nearest ones, and those of leaves that hang there, far
-    from any partner, don't pull.
+    A base is the middle of a few points at the ground. The stem just above it hardly changes: its
+    points are moved onto their nearest ones, by Gaussian weights of their distances, so that those
+    of leaves that hang there, far from any partner, don't pull.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     height = min(earlier.height, later.height)
-    foot, other = (pose.sample.pool for pose in (earlier, later))
-    foot, other = foot[foot[:, 2] <= FOOT * height], other[other[:, 2] <= FOOT * height]
+    source, target = (pose.sample.pool for pose in (later, earlier))
+    source, target = (p[p[:, 2] <= STEM_HEIGHT * height] for p in (source, target))
     shift = np.zeros(3)
-    if height == 0.0 or not len(foot) or not len(other):
+    if height == 0.0 or not len(source) or not len(target):
         return shift[:2]
-    other = other @ onto[:3, :3].T
-    tree = cKDTree(other)
-    for together in TOGETHER:
-        for _ in range(STEPS):
-            gaps, nearest = tree.query(foot - shift)
-            weights = np.exp(-0.5 * (gaps / (together * height)) ** 2)
-            if weights.mean() < FOUND:
+    source = source @ transform[:3, :3].T
+    tree = KDTree(source)
+    for width in KERNEL_WIDTHS:
+        for _ in range(ITERATIONS):
+            distances, nearest = tree.query(target - shift)
+            weights = np.exp(-0.5 * (distances / (width * height)) ** 2)
+            if weights.mean() < MIN_MEAN_WEIGHT:
                 return np.zeros(2)
-            apart = foot - shift - other[nearest]
-            shift[:2] += (weights[:, None] * apart[:, :2]).sum(axis=0) / weights.sum()
+            offsets = target - shift - source[nearest]
+            shift[:2] += (weights[:, None] * offsets[:, :2]).sum(axis=0) / weights.sum()
     return shift[:2]
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.frames import best_poses, shared_frames
 from baker.alignment.icp import trimmed_icp, trimmed_residual
-from baker.alignment.pose import Pose, candidate_poses, move
+from baker.alignment.pose import Pose, candidate_poses, transform_onto
 from baker.alignment.sample import EvenSample, even_sample, touching_pairs
 from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import find_up_of, upright
@@ -21,7 +21,7 @@ from baker.geometry.up_axis import Vertical
 
 Progress = Callable[[str, int, int], None]
 
-FEWEST = 10  # different points of a scan that can tell where it looks
+MIN_POINTS_FOR_YAW = 10  # different points of a scan's sample
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def _brought_together(
             continue
         first[frames[at]] = at
         before, after = poses[at - 1 : at + 1]
-        step = move(before, after, yaws[at - 1][0].yaw)
+        step = transform_onto(before, after, yaws[at - 1][0].yaw)
         transforms.append(transforms[-1] @ step)
     return transforms
 
@@ -168,13 +168,13 @@ def _doubts(
     for at, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True)):
         if frames[at] == frames[at + 1]:
             continue
-        if min(len(sample.points) for sample in pair) < FEWEST:
+        if min(len(sample.points) for sample in pair) < MIN_POINTS_FOR_YAW:
             doubts.append(f"scan {at + 2} or its predecessor has too few points to find its yaw")
         elif len(likely) > 1:
             further = abs(difference(likely[1].yaw, likely[0].yaw))
             doubts.append(
                 f"scan {at + 2} fits its predecessor nearly as well when turned by a further "
                 f"{further:.0f} degrees (so much of the plant keeps its direction: "
-                f"{likely[0].kept:.0%}, or {likely[1].kept:.0%})"
+                f"{likely[0].overlap:.0%}, or {likely[1].overlap:.0%})"
             )
     return doubts

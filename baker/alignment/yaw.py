@@ -18,8 +18,8 @@ from baker.alignment.correspondence import (
 )
 from baker.alignment.pose import AXIS, Pose, about_z
 
-# Yaws that keep so nearly as much as the best one are also likely; before they are found exactly,
-# when some are five degrees off and others hit upon, they may be.
+# Overlap that a likely yaw may lack of the best one's: when it is found exactly, and before, when
+# some are five degrees off and others hit upon.
 LIKELY_LOSS, CANDIDATE_LOSS = 0.1, 0.15
 COARSE_STEP, FINE_STEP, FINE_RANGE = 10.0, 2.0, 14.0  # degrees
 
@@ -35,38 +35,34 @@ MEDIAN_ITERATIONS = 50
 
 @dataclass(frozen=True)
 class YawFit:
-    """A yaw in degrees (later scan to earlier, right-handed about +z) and the share it keeps."""
+    """A yaw in degrees, later scan to earlier, right-handed about +z, and the overlap there."""
 
     yaw: float
-    kept: float
+    overlap: float
 
 
 def likely_yaws(earlier: Pose, later: Pose) -> list[YawFit]:
-    """The yaws that keep nearly as much of the plant as the best does, exactly, the best first.
+    """The yaws of nearly the largest overlap, exactly, the best first.
 
-    All of the circle is looked at, in steps of 10 degrees; what looks promising is looked at
-    closely. A bare stem keeps everything at every yaw: then 0 is the only answer.
+    All of the circle is searched in steps of 10 degrees, and then finely about the local maxima. A
+    bare stem overlaps at every yaw: then 0 is the only answer.
     """
     yaws = np.arange(-180.0, 180.0, COARSE_STEP)
-    kept = _overlaps(earlier, later, yaws)
-    peak = (kept >= np.roll(kept, 1)) & (kept > np.roll(kept, -1))
-    peak &= kept >= kept.max() - CANDIDATE_LOSS
+    overlaps = _overlaps(earlier, later, yaws)
+    peak = (overlaps >= np.roll(overlaps, 1)) & (overlaps > np.roll(overlaps, -1))
+    peak &= overlaps >= overlaps.max() - CANDIDATE_LOSS
     exact = [exact_yaw(earlier, later, float(yaw)) for yaw in yaws[peak]] or [0.0]
     fits = [
-        YawFit(yaw, float(share))
-        for yaw, share in zip(exact, _overlaps(earlier, later, np.array(exact)), strict=True)
+        YawFit(yaw, float(overlap))
+        for yaw, overlap in zip(exact, _overlaps(earlier, later, np.array(exact)), strict=True)
     ]
-    best, *others = sorted(fits, key=lambda fit: -fit.kept)
-    near = [
-        fit
-        for fit in others
-        if fit.kept >= best.kept - LIKELY_LOSS and abs(difference(fit.yaw, best.yaw)) > COARSE_STEP
-    ]
-    return [best, *near]
+    best, *others = sorted(fits, key=lambda fit: -fit.overlap)
+    likely = [fit for fit in others if fit.overlap >= best.overlap - LIKELY_LOSS]
+    return [best, *(f for f in likely if abs(difference(f.yaw, best.yaw)) > COARSE_STEP)]
 
 
 def overlap_near(earlier: Pose, later: Pose, yaw: float) -> float:
-    """The most that `likely_yaws` could find within a step of `yaw`."""
+    """The largest overlap that `likely_yaws` could find within a step of `yaw`."""
     return float(_overlaps(earlier, later, yaw + COARSE_STEP * np.arange(-1, 2)).max())
 
 
