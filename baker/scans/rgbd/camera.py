@@ -21,7 +21,7 @@
     label = "label_*.png"      # optional, all frames or none
     mask = "mask_*.png"        # optional, any frames: what is not 0 is marked unknown
 
-    [repair]                   # see baker.scans.rgbd.depth_repair.RepairOptions
+    [repair]                   # which depth is marked unknown: see RepairOptions
     ring = 1
     band = 6
     jump = 2.0
@@ -32,54 +32,106 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Self, get_args, get_type_hints
+
+from msgspec import Meta, Struct, ValidationError, convert
 
 from baker.errors import InputError, asking, excerpt
-from baker.scans.rgbd.depth_repair import RepairOptions
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
 LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
-WIDEST = 100  # pixels along a border
-LONGEST_FILE = 1 << 16  # bytes; parsers of nested text take many times as much
+MAX_FILE_SIZE = 1 << 16  # bytes; parsers of nested text take many times as much
 
 _MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
 
 
-@dataclass(frozen=True)
-class Patterns:
+class Millimetres(float):
+    """A length, which the file may give in another unit."""
+
+    @classmethod
+    def parse(cls, value: Any) -> Self:
+        match = re.fullmatch(r"\s*(\d*\.?\d*(?:e-?\d+)?)\s*([a-zµ]+)\s*", str(value))
+        length = float(match[1] or 1) * _MILLIMETRES.get(match[2], 0.0) if match else value
+        if type(length) not in (int, float) or not SMALLEST <= length <= LARGEST:
+            raise ValueError
+        return cls(length)
+
+
+class Label(int):
+    """A label as `baker.scans.rgbd.images.read_labels` numbers them."""
+
+    @classmethod
+    def parse(cls, value: Any) -> Self:
+        color = re.fullmatch(r"#([0-9a-fA-F]{6})", str(value))
+        label = int(color[1], 16) if color else value
+        if type(label) is not int or abs(label) > LARGEST:
+            raise ValueError
+        return cls(label)
+
+
+# The descriptions say what is allowed to those who wrote something else.
+Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST, description="a number, up to 1e+09")]
+Positive = Annotated[
+    float, Meta(ge=SMALLEST, le=LARGEST, description="a number above 0, from 1e-09 to 1e+09")
+]
+Count = Annotated[int, Meta(ge=1, le=int(LARGEST), description="a whole number, 1 or more")]
+Border = Annotated[int, Meta(ge=0, le=100, description="a whole number, 0 to 100")]
+Coordinate = Annotated[int, Meta(ge=0, le=int(LARGEST))]
+Pixel = Annotated[tuple[Coordinate, Coordinate], Meta(description="two whole numbers, [left, top]")]
+DepthUnit = Annotated[
+    Millimetres, Meta(description='a number of mm or, like "m" or "0.125 mm", a length')
+]
+Background = Annotated[Label, Meta(description='a whole number or a colour such as "#000000"')]
+Pattern = Annotated[
+    str,
+    Meta(
+        pattern=r"^(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*$",
+        description='a path in the folder, with one * in the file\'s own name, like "rgb_*.png"',
+    ),
+]
+
+
+class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
     """Paths relative to the folder, with one star for the frame's name in each."""
 
-    color: str = "rgb_*.png"
-    depth: str = "depth_*.png"
-    label: str = "label_*.png"
-    mask: str = "mask_*.png"
+    color: Pattern = "rgb_*.png"
+    depth: Pattern = "depth_*.png"
+    label: Pattern = "label_*.png"
+    mask: Pattern = "mask_*.png"
 
 
-@dataclass(frozen=True)
-class Camera:
-    """A pinhole camera and its images; the module's text says what each field means.
+class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
+    """Which depth `baker.scans.rgbd.depth_repair` marks unknown."""
 
-    depth_unit: mm of one count.
-    background: a label, as `baker.scans.rgbd.images.read_labels` numbers them.
-    """
+    ring: Border = 1
+    """Pixels along a label's border that never count as valid, unless there are no others near."""
+    band: Border = 6
+    """Pixels along a label's border in which depth may jump; 0 looks for no jumps."""
+    jump: Positive = 2.0
+    """mm off the label's surface from which on depth is implausible, if noise is not as far off."""
 
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    width: int | None = None
-    height: int | None = None
-    depth_unit: float = 1.0
-    crop: tuple[int, int] | None = None
-    ground: float | None = None
-    background: int = 0
-    per_day: int = 6
-    images: Patterns = field(default_factory=Patterns)
-    repair: RepairOptions = field(default_factory=RepairOptions)
+
+class Camera(Struct, frozen=True, forbid_unknown_fields=True):
+    """A pinhole camera and its images; the module's text says what each field means."""
+
+    fx: Positive
+    fy: Positive
+    cx: Number
+    cy: Number
+    width: Count | None = None
+    height: Count | None = None
+    depth_unit: DepthUnit = Millimetres(1.0)
+    crop: Pixel | None = None
+    ground: Positive | None = None
+    background: Background = Label(0)
+    per_day: Count = 6
+    images: Annotated[Patterns, Meta(description="a table")] = Patterns()
+    repair: Annotated[RepairOptions, Meta(description="a table")] = RepairOptions()
+
+
+_TABLES: dict[str, type[Struct]] = {"": Camera, "images": Patterns, "repair": RepairOptions}
 
 
 def find_camera(folder: Path) -> Path | None:
@@ -89,101 +141,25 @@ def find_camera(folder: Path) -> Path | None:
 
 
 def read_camera(path: Path) -> Camera:
-    """Raises InputError: not TOML or JSON, a field missing, unknown, or with a senseless value."""
-    table = _Table(path, "", _parse(path))
-    table.require_known([field.name for field in fields(Camera)])
-    return Camera(
-        fx=table.number("fx", above=0),
-        fy=table.number("fy", above=0),
-        cx=table.number("cx"),
-        cy=table.number("cy"),
-        width=table.optional("width", table.whole, 1),
-        height=table.optional("height", table.whole, 1),
-        depth_unit=_depth_unit(table),
-        crop=table.optional("crop", table.pixel),
-        ground=table.optional("ground", table.number, 0),
-        background=_background(table),
-        per_day=table.whole("per_day", 1, default=6),
-        images=_patterns(table.inner("images")),
-        repair=_repair(table.inner("repair")),
-    )
+    """Read the file that describes a camera.
 
-
-class _Table:
-    """One table of the file, whose values are checked as they are taken."""
-
-    def __init__(self, path: Path, name: str, values: Mapping[str, Any]) -> None:
-        self.path = path
-        self.name = name
-        self.values = values
-
-    def require_known(self, names: list[str]) -> None:
-        for name in self.values:
-            if name not in names:
-                raise InputError(
-                    f"'{self.path}' has an unknown field '{self.name}{excerpt(name)}'; known are "
-                    f"{', '.join(names)}."
-                )
-
-    def number(self, name: str, above: float | None = None, default: float | None = None) -> float:
-        value = self._get(name, default)
-        sound = isinstance(value, int | float) and not isinstance(value, bool)
-        if not sound or value != value or (above is not None and value <= above):
-            limit = "" if above is None else f" above {above:g}"
-            raise self.wrong(name, f"a number{limit}")
-        if abs(value) > LARGEST or (above is not None and value < SMALLEST):
-            raise self.wrong(name, f"a number from {SMALLEST:g} to {LARGEST:g}")
-        return float(value)
-
-    def whole(
-        self, name: str, least: int, default: int | None = None, most: int | None = None
-    ) -> int:
-        value = self._get(name, default)
-        sound = isinstance(value, int) and not isinstance(value, bool)
-        if not sound or not least <= value <= (most or LARGEST):
-            limit = f"{least} to {most}" if most else f"{least} or more"
-            raise self.wrong(name, f"a whole number, {limit}")
-        return int(value)
-
-    def pixel(self, name: str) -> tuple[int, int]:
-        value = self._get(name)
-        is_pair = isinstance(value, list) and len(value) == 2
-        if not is_pair or not all(type(v) is int and 0 <= v <= LARGEST for v in value):
-            raise self.wrong(name, "two whole numbers, [left, top]")
-        return value[0], value[1]
-
-    def optional(self, name: str, take: Any, *args: Any) -> Any:
-        return take(name, *args) if name in self.values else None
-
-    def inner(self, name: str) -> _Table:
-        value = self.values.get(name, {})
-        if not isinstance(value, dict):
-            raise self.wrong(name, "a table")
-        return _Table(self.path, f"{name}.", value)
-
-    def wrong(self, name: str, allowed: str) -> InputError:
-        value = self.values.get(name)
-        found = "too large" if type(value) is int and value > LARGEST else repr(value)
-        return InputError(
-            f"'{self.path}': {self.name}{excerpt(name)} is {excerpt(found)}, but must be {allowed}."
-        )
-
-    def _get(self, name: str, default: Any = None) -> Any:
-        value = self.values.get(name, default)
-        if value is None:
-            raise InputError(
-                f"'{self.path}' lacks {self.name}{name}; a camera needs fx, fy, cx and cy, in "
-                "pixels."
-            )
-        return value
-
-
-def _parse(path: Path) -> Mapping[str, Any]:
+    Raises
+    ------
+    InputError
+        Where it is not TOML or JSON, or a field is missing, unknown or out of its bounds.
+    """
+    content = _parse(path)
     try:
-        if path.stat().st_size > LONGEST_FILE:
+        return convert(content, Camera, dec_hook=lambda kind, value: kind.parse(value))
+    except ValidationError as error:
+        raise InputError(f"'{path}'{_explain(str(error), content)}") from None
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > MAX_FILE_SIZE:
             raise InputError(
-                f"'{path}' has {path.stat().st_size} bytes; a camera is told in at most "
-                f"{LONGEST_FILE}."
+                f"'{path}' has {path.stat().st_size} bytes; a camera takes {MAX_FILE_SIZE} at most."
             )
         text = path.read_text(encoding="utf-8-sig")
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
@@ -197,48 +173,20 @@ def _parse(path: Path) -> Mapping[str, Any]:
     return content
 
 
-def _depth_unit(table: _Table) -> float:
-    value = table.values.get("depth_unit", 1.0)
-    if not isinstance(value, str):
-        return table.number("depth_unit", above=0, default=1.0)
-    match = re.fullmatch(r"\s*(\d*\.?\d*(?:e-?\d+)?)\s*([a-zµ]+)\s*", value)
-    try:
-        count = float(match[1] or 1) if match else 0.0
-    except ValueError:
-        count = 0.0
-    scale = _MILLIMETRES.get(match[2]) if match else None
-    if scale is None or not SMALLEST <= count * scale <= LARGEST:
-        raise table.wrong("depth_unit", 'a number of mm or, like "m" or "0.125 mm", a length')
-    return count * scale
-
-
-def _background(table: _Table) -> int:
-    value = table.values.get("background", 0)
-    if isinstance(value, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", value):
-        return int(value[1:], 16)
-    if type(value) is not int or abs(value) > LARGEST:
-        raise table.wrong("background", 'a whole number or a colour such as "#000000"')
-    return value
-
-
-def _patterns(table: _Table) -> Patterns:
-    values = asdict(Patterns())
-    table.require_known(list(values))
-    for name in table.values:
-        value = table.values[name]
-        if not isinstance(value, str) or value.count("*") != 1 or re.search(r"[?\[\]]", value):
-            raise table.wrong(name, 'a file name with one *, like "rgb_*.png"')
-        if Path(value).is_absolute() or ".." in Path(value).parts or "*" not in Path(value).name:
-            raise table.wrong(name, "a path in the folder, with the * in the file's own name")
-        values[name] = value
-    return Patterns(**values)
-
-
-def _repair(table: _Table) -> RepairOptions:
-    usual = RepairOptions()
-    table.require_known([field.name for field in fields(RepairOptions)])
-    return RepairOptions(
-        ring=table.whole("ring", 0, default=usual.ring, most=WIDEST),
-        band=table.whole("band", 0, default=usual.band, most=WIDEST),
-        jump=table.number("jump", above=0, default=usual.jump),
-    )
+def _explain(error: str, content: dict[str, Any]) -> str:
+    """What msgspec says, "reason - at `$.table.field`", as what follows the file's name."""
+    said = re.fullmatch(r"(.*?)(?: - at `\$\.([a-z_.]+)(?:\[\d\])?`)?", error, re.DOTALL)
+    assert said is not None
+    reason, place = said[1], said[2] or ""
+    if reason.startswith("Object missing"):
+        name = reason.split("`")[1]
+        return f" lacks {name}; a camera needs fx, fy, cx and cy, in pixels."
+    if reason.startswith("Object contains unknown field"):
+        name = f"{place}." * bool(place) + reason.split("`", 1)[1][:-1]
+        known = ", ".join(_TABLES[place].__struct_fields__)
+        return f" has an unknown field '{excerpt(name)}'; known are {known}."
+    table, _, name = place.rpartition(".")
+    hint = get_type_hints(_TABLES[table], include_extras=True)[name]
+    described = next(part for part in (hint, *get_args(hint)) if hasattr(part, "__metadata__"))
+    found = excerpt(repr((content[table] if table else content)[name]))
+    return f": {place} is {found}, but must be {described.__metadata__[0].description}."

@@ -19,41 +19,29 @@ Valid depth is never changed, nor is noise in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.scans.rgbd.camera import RepairOptions
+
 Depth = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-REACH = 3.0  # pixels, standard deviation of the local mean
-ROUNDS = 3  # of reweighting, each with half the tolerance of the one before
-SURE = 3.0  # standard deviations of the noise that are no jump
-
-
-@dataclass(frozen=True)
-class RepairOptions:
-    """What is marked unknown.
-
-    ring: pixels along a label's border that never count as valid, unless the organ is too thin to
-          have others near by.
-    band: pixels along a label's border in which depth may jump; 0 looks for no jumps.
-    jump: mm off the label's surface from which on depth is implausible; more where the depth is
-          so noisy that three standard deviations are more.
-    """
-
-    ring: int = 1
-    band: int = 6
-    jump: float = 2.0
+LOCAL_MEAN_SIGMA = 3.0  # pixels, standard deviation of the local mean's window
+LOCAL_MEAN_ROUNDS = 3  # of reweighting, each with half the tolerance of the one before
+NOISE_SIGMAS = 3.0  # standard deviations of the noise that are no jump
+POLYNOMIAL_ROUNDS = 12
+VALID, MISSING, PAINTED, JUMP, RING = range(5)  # why depth is unknown; the first reason counts
 
 
 @dataclass(frozen=True)
 class LabelRepair:
-    """What happened to the pixels of one label: all, why unknown (first reason), and outcome.
+    """What happened to the pixels of one label.
 
-    filled + dropped = missing + painted + jumps + ring; dropped pixels had no valid depth in reach.
+    `missing`, `painted`, `jumps` and `ring` count the unknown ones by reason; together they are
+    those `filled` and those `dropped`, which are connected to no valid pixel of their label.
     """
 
     label: int
@@ -68,11 +56,10 @@ class LabelRepair:
 
 @dataclass(frozen=True)
 class Repaired:
-    """depth: (H, W) float64 mm, 0 outside of all labels and where none could be found.
-    unknown: (H, W) bool, the labels' pixels whose depth was not taken as measured."""
+    """A repaired depth image."""
 
-    depth: Depth
-    unknown: Mask
+    depth: Depth  #: (H, W) mm; 0 outside of all labels and where none could be found
+    unknown: Mask  #: (H, W), the labels' pixels whose depth was not taken as measured
     labels: tuple[LabelRepair, ...]
 
 
@@ -85,8 +72,24 @@ def repair(
 ) -> Repaired:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    depth: (H, W) mm, 0 where nothing was measured. labels: (H, W). painted: (H, W), True where
-    someone marked the depth as unknown.
+    Parameters
+    ----------
+    depth : (H, W) float64
+        mm, 0 where nothing was measured.
+    labels : (H, W) int
+    background : int
+        The label of what is no plant.
+    painted : (H, W) bool, optional
+        True where someone marked the depth as unknown.
+    options : RepairOptions, optional
+
+    Returns
+    -------
+    Repaired
+
+    References
+    ----------
+    Section 4 (Komatsuna).
     """
     from scipy.ndimage import find_objects
 
@@ -109,15 +112,18 @@ def repair(
     unknown = reason > VALID
     valid = (segment > 0) & ~unknown
     deviation = diffuse(depth - trend, valid, segment)
-    filled = unknown & np.isfinite(deviation)
     # A surface continued past the camera is no depth.
-    result = np.where(filled, np.maximum(trend + np.nan_to_num(deviation), 0.0), 0.0)
-    result[valid] = depth[valid]
-    counts = _counts(names, background, segment, reason, unknown & (result == 0))
-    return Repaired(result, unknown, counts)
-
-
-VALID, MISSING, PAINTED, JUMP, RING = range(5)
+    continued = np.where(np.isfinite(deviation), np.maximum(trend + deviation, 0.0), 0.0)
+    result = np.where(valid, depth, continued)
+    dropped = np.bincount(segment[unknown & (result == 0)], minlength=len(names) + 1)
+    counts = np.bincount(segment.ravel() * 5 + reason.ravel(), minlength=5 * len(names) + 5)
+    repaired = []
+    for number, name in enumerate(names.tolist(), 1):
+        every, lost = counts[5 * number : 5 * number + 5].tolist(), int(dropped[number])
+        if name != background:
+            filled = sum(every[1:]) - lost
+            repaired.append(LabelRepair(name, sum(every), *every[1:], filled, lost))
+    return Repaired(result, unknown, tuple(repaired))
 
 
 def _examine(
@@ -133,30 +139,29 @@ def _examine(
     if not measured.any():
         return reason, np.zeros(depth.shape)
 
-    inward = _distance_inward(inside)
-    surface = _polynomial(depth, measured, np.minimum(inward / max(options.band, 1), 1.0))
-    off = np.where(measured, depth - surface, 0.0)
+    border_distance = _border_distance(inside)
+    weight = np.minimum(border_distance / max(options.band, 1), 1.0) ** 2
+    surface = _polynomial_surface(depth, measured, weight)
     if options.band:
-        in_band = measured & (inward <= options.band)
-        center = _local_mean(off, measured, inward, options)
-        error = np.abs(off - center)
+        residual = np.where(measured, depth - surface, 0.0)
+        mean = _local_mean(residual, np.where(measured, weight, 0.0), options.jump)
+        error = np.abs(residual - mean)
+        in_band = measured & (border_distance <= options.band)
         core = error[measured & ~in_band]
         noise = 1.4826 * float(np.median(core)) if len(core) else 0.0
-        jumps = in_band & (error > max(options.jump, SURE * noise))
+        jumps = in_band & (error > max(options.jump, NOISE_SIGMAS * noise))
         # What lies next to a jump is likely a mixture of both sides.
         jumps |= in_band & binary_dilation(jumps) & (error > max(options.jump / 2, 2 * noise))
         reason[jumps] = JUMP
         measured &= ~jumps
     if options.ring:
-        ring = measured & (inward <= options.ring)
-        near_others = binary_dilation(
-            measured & ~ring, np.ones((3, 3), bool), iterations=options.ring
-        )
-        reason[ring & near_others] = RING
+        ring = measured & (border_distance <= options.ring)
+        inner = binary_dilation(measured & ~ring, np.ones((3, 3), bool), iterations=options.ring)
+        reason[ring & inner] = RING
     return reason, surface
 
 
-def _distance_inward(inside: Mask) -> Depth:
+def _border_distance(inside: Mask) -> Depth:
     """Pixels from the label's border; 1 on its outermost ring. The picture's edge is no border."""
     from scipy.ndimage import distance_transform_cdt
 
@@ -165,140 +170,86 @@ def _distance_inward(inside: Mask) -> Depth:
     return distance_transform_cdt(inside, metric="chessboard").astype(np.float64)
 
 
-def _polynomial(depth: Depth, measured: Mask, trust: Depth) -> Depth:
-    """A robust surface of second degree (of lower degree for few pixels), by reweighting.
+def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
+    """A polynomial surface by iteratively reweighted least squares with Welsch's weights.
 
-    trust: 0 to 1, how far a pixel counts from the start.
+    weight: of each pixel from the start, 0 to 1.
     """
     grid = np.indices(depth.shape).astype(np.float64)
     grid -= grid[:, measured].mean(axis=1)[:, None, None]
-    v, u = grid[0] / max(depth.shape), grid[1] / max(depth.shape)
+    v, u = grid / max(depth.shape)
     terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
     count = int(measured.sum())
     terms = terms[..., : 6 if count >= 60 else 3 if count >= 12 else 1]
 
-    rows, heights = terms[measured], depth[measured]
-    weights = trust[measured] ** 2
-    middle = _weighted_median(heights, weights)
-    values = heights - middle
+    rows, weights = terms[measured], weight[measured]
+    middle = _weighted_median(depth[measured], weights)
+    values = depth[measured] - middle
     scale = max(4 * _weighted_median(np.abs(values), weights), 1.0)
     coefficients = np.zeros(rows.shape[1])
-    for _ in range(12):
+    for _ in range(POLYNOMIAL_ROUNDS):
         residual = values - rows @ coefficients
         weighted = rows * (weights * np.exp(-((residual / scale) ** 2)))[:, None]
-        # A little stiffness keeps a surface through pixels in one line from tipping over.
-        stiff = 1e-6 * np.trace(weighted.T @ rows) * np.eye(rows.shape[1])
-        coefficients = np.linalg.solve(weighted.T @ rows + stiff, weighted.T @ values)
+        # A ridge term keeps a surface through pixels in one line from tipping over.
+        ridge = 1e-6 * np.trace(weighted.T @ rows) * np.eye(rows.shape[1])
+        coefficients = np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ values)
         residual = np.abs(values - rows @ coefficients)
         scale = max(min(scale, 4 * _weighted_median(residual, weights)), 1.0)
     return middle + terms @ coefficients
 
 
 def _weighted_median(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
-    order = np.argsort(values, kind="stable")
-    total = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(total, total[-1] / 2)])
+    return float(np.quantile(values, 0.5, weights=weights, method="inverted_cdf"))
 
 
-def _local_mean(off: Depth, measured: Mask, inward: Depth, options: RepairOptions) -> Depth:
-    """Robust mean of `off` around each pixel, in which inner pixels count for more."""
+def _local_mean(residual: Depth, weight: Depth, jump: float) -> Depth:
+    """Robust mean of `residual` around each pixel."""
     from scipy.ndimage import gaussian_filter
 
-    trust = np.where(measured, np.minimum(inward / options.band, 1.0) ** 2, 0.0)
-    center = np.zeros_like(off)
-    tolerance = options.jump * 2**ROUNDS
-    for _ in range(ROUNDS):
-        weights = trust * np.exp(-(((off - center) / tolerance) ** 2))
-        total = gaussian_filter(weights, REACH)
-        mean = gaussian_filter(weights * off, REACH) / np.maximum(total, 1e-12)
-        center = np.where(total > 1e-6, mean, center)
-        tolerance /= 2
-    return center
+    mean = np.zeros_like(residual)
+    for k in range(LOCAL_MEAN_ROUNDS, 0, -1):
+        weights = weight * np.exp(-(((residual - mean) / (jump * 2**k)) ** 2))
+        total = gaussian_filter(weights, LOCAL_MEAN_SIGMA)
+        smoothed = gaussian_filter(weights * residual, LOCAL_MEAN_SIGMA)
+        mean = np.where(total > 1e-6, smoothed / np.maximum(total, 1e-12), mean)
+    return mean
 
 
 def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
-    """`values` where valid; elsewhere in each segment the solution of Laplace's equation.
+    """Fill each segment with the solution of Laplace's equation between its valid pixels.
 
-    segment: (H, W), 0 is outside. Nothing flows between segments or out of them. NaN outside, and
-    in parts of a segment (joined over pixels' sides) without any valid pixel.
+    Parameters
+    ----------
+    values : (H, W) float64
+    valid : (H, W) bool
+        Where `values` hold.
+    segment : (H, W) int
+        Number of each pixel's segment, 0 outside. Nothing flows between segments or out of them.
+
+    Returns
+    -------
+    (H, W) float64
+        `values` where valid; NaN outside, and in parts of a segment (connected over pixels' sides)
+        without any valid pixel.
     """
-    from scipy.sparse import coo_array, csr_array
-    from scipy.sparse.csgraph import connected_components
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components, laplacian
     from scipy.sparse.linalg import spsolve
 
     result = np.where(valid, values, np.nan)
-    unknown = (segment > 0) & ~valid
-    if not unknown.any():
-        return result
-    a, b = _sides(segment)
-    size = segment.size
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(size, size))
-    part = connected_components(graph, directed=False)[1]
-    reached = np.zeros(part.max() + 1, bool)
-    reached[part[valid.ravel()]] = True
-    solved = np.flatnonzero(unknown.ravel() & reached[part])
-    if not len(solved):
-        return result
-
-    row = np.full(size, -1)
-    row[solved] = np.arange(len(solved))
-    start, end = np.concatenate([a, b]), np.concatenate([b, a])
-    start, end = start[row[start] >= 0], end[row[start] >= 0]
-    inner = row[end] >= 0
-    degree = np.bincount(row[start], minlength=len(solved)).astype(np.float64)
-    source = np.bincount(row[start[~inner]], values.ravel()[end[~inner]], minlength=len(solved))
-    diagonal = np.arange(len(solved))
-    laplacian = csr_array(
-        (
-            np.concatenate([degree, -np.ones(int(inner.sum()))]),
-            (
-                np.concatenate([diagonal, row[start[inner]]]),
-                np.concatenate([diagonal, row[end[inner]]]),
-            ),
-        ),
-        shape=(len(solved), len(solved)),
-    )
-    result.ravel()[solved] = spsolve(laplacian.tocsc(), source, permc_spec="MMD_AT_PLUS_A")
-    return result
-
-
-def _sides(segment: NDArray[np.integer]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Flat indices of the two pixels on every side that joins two of one segment."""
+    across = (segment[:, :-1] == segment[:, 1:]) & (segment[:, 1:] > 0)
+    down = (segment[:-1] == segment[1:]) & (segment[1:] > 0)
     pixel = np.arange(segment.size).reshape(segment.shape)
-    pairs: list[tuple[NDArray, NDArray]] = []
-    cut: Callable[[NDArray], tuple[NDArray, NDArray]]
-    for cut in (lambda x: (x[:, :-1], x[:, 1:]), lambda x: (x[:-1], x[1:])):
-        first, second = cut(segment)
-        joined = (first == second) & (first > 0)
-        a, b = cut(pixel)
-        pairs.append((a[joined], b[joined]))
-    return np.concatenate([a for a, _ in pairs]), np.concatenate([b for _, b in pairs])
-
-
-def _counts(
-    names: NDArray[np.integer],
-    background: int,
-    segment: NDArray[np.integer],
-    reason: NDArray[np.uint8],
-    dropped: Mask,
-) -> tuple[LabelRepair, ...]:
-    counts = []
-    for number, name in enumerate(names.tolist(), 1):
-        if name == background:
-            continue
-        inside = segment == number
-        by_reason = np.bincount(reason[inside], minlength=5)
-        lost = int(dropped[inside].sum())
-        counts.append(
-            LabelRepair(
-                label=name,
-                pixels=int(inside.sum()),
-                missing=int(by_reason[MISSING]),
-                painted=int(by_reason[PAINTED]),
-                jumps=int(by_reason[JUMP]),
-                ring=int(by_reason[RING]),
-                filled=int(by_reason[1:].sum()) - lost,
-                dropped=lost,
-            )
-        )
-    return tuple(counts)
+    a = np.concatenate([pixel[:, :-1][across], pixel[:-1][down]])
+    b = np.concatenate([pixel[:, 1:][across], pixel[1:][down]])
+    edges = np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])
+    graph = coo_array(edges, shape=(segment.size, segment.size)).tocsr()
+    component = connected_components(graph, directed=False)[1]
+    reached = np.isin(component, component[valid.ravel()])
+    known = np.flatnonzero(valid)
+    solved = np.flatnonzero((segment > 0).ravel() & ~valid.ravel() & reached)
+    if len(solved):
+        rows = laplacian(graph).tocsr()[solved]
+        system, source = rows[:, solved].tocsc(), -(rows[:, known] @ values.ravel()[known])
+        result.ravel()[solved] = spsolve(system, source, permc_spec="MMD_AT_PLUS_A")
+    return result

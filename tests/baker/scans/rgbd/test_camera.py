@@ -6,8 +6,15 @@ from pathlib import Path
 import pytest
 
 from baker.errors import InputError
-from baker.scans.rgbd.camera import Camera, Patterns, find_camera, read_camera
-from baker.scans.rgbd.depth_repair import RepairOptions
+from baker.scans.rgbd.camera import (
+    Camera,
+    Label,
+    Millimetres,
+    Patterns,
+    RepairOptions,
+    find_camera,
+    read_camera,
+)
 
 FULL = """
 fx = 610
@@ -39,10 +46,10 @@ def test_every_field_is_read(tmp_path: Path) -> None:
         cy=179.5,
         width=480,
         height=360,
-        depth_unit=0.125,
+        depth_unit=Millimetres(0.125),
         crop=(80, 60),
         ground=500.0,
-        background=0x0000FF,
+        background=Label(0x0000FF),
         per_day=24,
         images=Patterns(color="rgbd_plant/rgb_00_*.png"),
         repair=RepairOptions(ring=0, jump=3.5),

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from baker.scans.rgbd.depth_repair import RepairOptions, diffuse, repair
+from baker.scans.rgbd.camera import RepairOptions
+from baker.scans.rgbd.depth_repair import diffuse, repair
 
 GROUND = 500.0
 SIZE = (60, 80)
