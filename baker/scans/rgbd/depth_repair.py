@@ -122,7 +122,8 @@ def repair(
         every, lost = counts[5 * number : 5 * number + 5].tolist(), int(dropped[number])
         if name != background:
             filled = sum(every[1:]) - lost
-            repaired.append(LabelRepair(name, sum(every), *every[1:], filled, lost))
+            count = LabelRepair(name, sum(every), *every[1:], filled=filled, dropped=lost)
+            repaired.append(count)
     return Repaired(result, unknown, tuple(repaired))
 
 
