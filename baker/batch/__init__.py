@@ -1,5 +1,5 @@
-"""Many plants: one clip for each folder of scans, by processes here or by workers of a cluster.
+"""The commands' work around the pipeline: one plant or many, worker processes, clusters, caches.
 
-`plants` finds the plants, `work` bakes one and says how it went, `local` and `cluster` share them
-out, `run` is where these meet. Nothing here is needed to bake one plant.
+`plant` bakes one plant and writes what is wanted. `plants` finds many, `job` bakes one of them in a
+worker, `bake_all` shares them out among the processes of `parallel` or the workers of `cluster`.
 """

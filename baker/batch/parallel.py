@@ -125,6 +125,8 @@ class ProcessExecutor(Executor):
             for worker in self._workers:
                 worker.end(kill=time.monotonic() > deadline)
             time.sleep(0.01)
+        for worker in self._workers:
+            worker.end(kill=True)  # threads of an ended task may go on
 
     def _run(self, function: Callable[..., Result], arguments: Any, named: Any) -> Result:
         worker = self._idle.get()

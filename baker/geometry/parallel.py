@@ -25,8 +25,11 @@ def thread_map(workers: int) -> Iterator[MapLike]:
     if workers <= 1:
         yield map
     else:
-        with ThreadPoolExecutor(workers) as executor:
+        executor = ThreadPoolExecutor(workers)
+        try:
             yield executor.map
+        finally:  # after an error or Ctrl-C nobody waits for what is under way
+            executor.shutdown(wait=False, cancel_futures=True)
 
 
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import operator
+import threading
+from contextlib import suppress
 
 import pytest
 
@@ -26,3 +28,17 @@ def test_several_maps_of_a_stage_are_counted_together() -> None:
     assert list(counted(abs, [-1, -2])) == [1, 2]
     assert list(counted(abs, [-3, -4])) == [3, 4]
     assert reported == [(0, 3), (1, 3), (2, 3), (3, 3)]
+
+
+def test_nobody_waits_for_threads_when_the_work_is_stopped() -> None:
+    release, finished = threading.Event(), []
+
+    def wait(number: int) -> None:
+        release.wait(20)
+        finished.append(number)
+
+    with suppress(KeyboardInterrupt), thread_map(2) as map_:
+        map_(wait, range(8))
+        raise KeyboardInterrupt
+    assert not finished
+    release.set()
