@@ -200,7 +200,7 @@ def bake_series(
         matches=tuple(matches),
         organs=tuple(named),
         held_out=held_out,
-        bud=(chosen.bud, recipe.bud_least),
+        bud=(chosen.bud, recipe.min_attachment_points),
     )
     return clip, record
 
@@ -329,7 +329,11 @@ def _interval_jobs(
     tasks = [
         tuple(
             interval_tasks(
-                (clouds[k], clouds[k + 1]), match, organs[k], options.bud, recipe.bud_least
+                (clouds[k], clouds[k + 1]),
+                match,
+                organs[k],
+                options.bud,
+                recipe.min_attachment_points,
             )
         )
         for k, match in enumerate(matches)

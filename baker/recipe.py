@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from baker.matching.hierarchical import PAPER, GreedyRules
 from baker.options import Options, Paths
 from baker.transport.problem import TransportOptions
-from baker.transport.tasks import BUD_LEAST
+from baker.transport.tasks import MIN_ATTACHMENT_POINTS
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Recipe:
     leaflets:        an organ's leaflets are matched and moved one by one.
     even:            movers to add at most where they would be sparse, as a share of all.
     paths:           how movers travel: straight or curved.
-    bud_least:       points that a new organ unfolds from at least.
+    min_attachment_points: that a new organ grows from.
     """
 
     align: str
@@ -35,7 +35,7 @@ class Recipe:
     leaflets: bool
     even: float
     paths: str
-    bud_least: int
+    min_attachment_points: int
 
 
 def recipe_for(options: Options) -> Recipe:
@@ -58,7 +58,7 @@ def recipe_for(options: Options) -> Recipe:
             leaflets=False,
             even=options.even or 0.0,
             paths=Paths.straight if options.paths == Paths.auto else options.paths,
-            bud_least=10,
+            min_attachment_points=10,
         )
     paths = Paths.curved if options.paths == Paths.auto else options.paths
     usual = 0.0 if paths == Paths.straight else 1.0  # what is added travels on curves
@@ -72,7 +72,7 @@ def recipe_for(options: Options) -> Recipe:
         leaflets=method != "sinkhorn",
         even=usual if options.even is None else options.even,
         paths=paths,
-        bud_least=BUD_LEAST,
+        min_attachment_points=MIN_ATTACHMENT_POINTS,
     )
 
 

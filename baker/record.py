@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from baker.transport.tasks import BUD_LEAST
+from baker.transport.tasks import MIN_ATTACHMENT_POINTS
 
 if TYPE_CHECKING:
     from baker.alignment import Alignment
@@ -47,7 +47,7 @@ class BakeRecord:
     matches: tuple[Match, ...]
     organs: tuple[IntervalOrgans, ...]
     held_out: tuple[HeldOut, ...] = ()
-    bud: tuple[int | None, int] = (None, BUD_LEAST)
+    bud: tuple[int | None, int] = (None, MIN_ATTACHMENT_POINTS)
 
 
 def left_out(scans: int, every: int | None) -> tuple[int, ...]:

@@ -124,7 +124,7 @@ def _buds(
         record.matches[interval],
         record.organs[interval],
         wanted,
-        bud_least=least,
+        min_attachment_points=least,
     )
     return {
         task.organ: (_most(scan.points[task.start]), first[task.start].mean(axis=0, dtype=float))

@@ -1,8 +1,9 @@
-"""What has to be transported in one interval: matched segments, buds that unfold, organs lost."""
+"""What is transported in one interval: matched organs, new organs, and organs that are lost."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +11,26 @@ from numpy.typing import NDArray
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
-BUD_SHARE, BUD_MOST = 0.01, 100
-BUD_LEAST = 3  # in a sparse scan more would stretch far along the bearer
-SAMPLED = 10  # times as many points as the bud's bound how far it reaches
+# docs/method.md, row 16: of the parent's points, from this many to that many.
+ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
+SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far these are
 
 
 @dataclass(frozen=True)
 class Task:
-    """One segment's way through an interval, as point indices into the two scans.
+    """One organ's transport through an interval.
 
-    event: "match", "birth" (start is the bud) or "loss" (end is empty).
+    Attributes
+    ----------
+    event : {"match", "birth", "loss"}
+    organ : int
+        Track id.
+    start, end : (n,) and (m,) intp ndarray
+        Point indices in the two scans. A new organ starts from its attachment points on its parent;
+        a lost one has no end.
     """
 
-    event: str
+    event: Literal["match", "birth", "loss"]
     organ: int
     start: NDArray[np.intp]
     end: NDArray[np.intp]
@@ -32,15 +40,32 @@ def interval_tasks(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
     match: Match,
     organs: IntervalOrgans,
-    bud_points: int | None = None,
-    bud_least: int = BUD_LEAST,
+    attachment_points: int | None = None,
+    min_attachment_points: int = MIN_ATTACHMENT_POINTS,
 ) -> list[Task]:
-    """The tasks between two scans' (N, 3) points.
+    """The transport tasks between two scans.
 
-    bud_points: l, how many points a new organ unfolds from; by default 1 % of what it grows on, ...
-    bud_least:  ... at least so many.
+    Parameters
+    ----------
+    points : pair of (N, 3) float ndarray
+        The aligned scans.
+    match : Match
+    organs : IntervalOrgans
+        Which organ each segment is.
+    attachment_points : int, optional
+        Points that a new organ grows from, l; by default 1 % of its parent's, at most 100.
+    min_attachment_points : int
+        Then at least so many: in a sparse scan more would stretch far along the parent.
 
-    Every point of the first scan starts a task's mover and every point of the second ends one.
+    Returns
+    -------
+    list of Task
+        Every point of the first scan is in the start of a match or a loss, every point of the
+        second in the end of one task.
+
+    References
+    ----------
+    Section 3.3.1 of the paper, growth and decay.
     """
     first, second = match.first, match.second
     tasks = [
@@ -51,76 +76,62 @@ def interval_tasks(
     # A stem that meets a virtual, empty root has nothing to become, or to come from.
     emptied = [a for a, b in match.pairs if not len(second.segments[b])]
     filled = [b for a, b in match.pairs if not len(first.segments[a])]
-    buds: dict[tuple[int | None, int], NDArray[np.intp]] = {}
+    attachments: dict[tuple[int | None, int], NDArray[np.intp]] = {}
     for segment in (*match.births, *filled):
         if not len(second.segments[segment]):
             continue
-        place = _bud_place(match, segment)
-        if place not in buds:
-            buds[place] = _bud(points, match, *place, bud_points, bud_least)
-        organ, members = organs.second[segment], second.segments[segment]
-        tasks.append(Task("birth", organ, buds[place], members))
+        place = _attachment(match, segment)
+        if place not in attachments:
+            attachments[place] = _attachment_points(
+                points, match, *place, attachment_points, min_attachment_points
+            )
+        members = second.segments[segment]
+        tasks.append(Task("birth", organs.second[segment], attachments[place], members))
     nothing = np.empty(0, np.intp)
     lost = (*match.losses, *emptied)
     tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in lost]
     return [task for task in tasks if len(task.start) or len(task.end)]
 
 
-def _bud_place(match: Match, segment: int) -> tuple[int | None, int]:
-    """Where a new segment unfolds: the first scan's segment, and the second's that grows there.
+def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
+    """Where a new segment grows: the first scan's segment, and the second's that is attached there.
 
-    A whole new subtree unfolds from one bud, on the nearest ancestor that both scans have; under
-    an empty virtual root (None) the bud lies anywhere on the plant.
+    A whole new subtree grows from one place, on the nearest ancestor that both scans have; under an
+    empty virtual root (None) from anywhere on the plant.
     """
     first, second = match.first, match.second
-    base = segment
-    ancestor = match.start_of(second.parents[base])
-    while ancestor is None and second.parents[base] != NO_PARENT:
-        base = second.parents[base]
-        ancestor = match.start_of(second.parents[base])
+    top = segment
+    ancestor = match.start_of(second.parents[top])
+    while ancestor is None and second.parents[top] != NO_PARENT:
+        top = second.parents[top]
+        ancestor = match.start_of(second.parents[top])
     if ancestor is not None and not len(first.segments[ancestor]):
         ancestor = None
-    return ancestor, base if len(second.segments[base]) else segment
+    return ancestor, top if len(second.segments[top]) else segment
 
 
-def _bud(
+def _attachment_points(
     points: tuple[NDArray[np.floating], NDArray[np.floating]],
     match: Match,
     ancestor: int | None,
-    base: int,
-    bud_points: int | None,
-    bud_least: int,
+    top: int,
+    count: int | None,
+    min_count: int,
 ) -> NDArray[np.intp]:
-    """Points of the first scan that a new segment unfolds from (section 3.3.1, growth).
+    """The ancestor's points nearest to the new segment `top`; ties go to the lowest index.
 
-    The l points nearest to the base, l = 1 % of the ancestor's, at least `bud_least`, at most 100;
-    ties: lowest index.
+    Equivalent to ``members[np.argsort(KDTree(grown).query(points[members])[0])[:count]]``.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    candidates = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
-    count = bud_points or int(np.clip(round(BUD_SHARE * len(candidates)), bud_least, BUD_MOST))
-    grown = points[1].take(match.second.segments[base], axis=0)
-    tree = cKDTree(grown, balanced_tree=False)
-    sample = candidates[:: max(1, len(candidates) // (SAMPLED * count))]
+    members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
+    if not count:
+        share = round(ATTACHMENT_SHARE * len(members))
+        count = int(np.clip(share, min_count, MAX_ATTACHMENT_POINTS))
+    tree = KDTree(points[1].take(match.second.segments[top], axis=0), balanced_tree=False)
+    # Most points are farther than what a sample shows, and are not searched for.
+    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
     nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
     bound = 1.000001 * float(nearest[-1]) or np.inf
-    own = points[0].take(candidates, axis=0)
-    inside = _within(own, tree.mins, tree.maxes, bound)
-    candidates = candidates[inside]
-    distances, _ = tree.query(own[inside], distance_upper_bound=bound)
-    return candidates[np.argsort(distances, kind="stable")[:count]]
-
-
-def _within(
-    points: NDArray[np.floating],
-    low: NDArray[np.floating],
-    high: NDArray[np.floating],
-    bound: float,
-) -> NDArray[np.intp]:
-    """Which of (n, 3) points are no farther than the bound from a box, along each axis."""
-    inside = np.ones(len(points), bool)
-    for axis in range(3):
-        place = points[:, axis]
-        inside &= (place >= low[axis] - bound) & (place <= high[axis] + bound)
-    return np.flatnonzero(inside)
+    distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
+    return members[np.argsort(distances, kind="stable")[:count]]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.transport.masses import LEAST, UNITS, shared_masses
+from baker.transport.masses import MIN_SHARE, TOTAL_MASS, shared_masses
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 
@@ -18,7 +18,7 @@ def test_masses_are_whole_above_nothing_and_of_equal_sums(n, m):
     assert demand.shape == (m,)
     assert supply.dtype == demand.dtype == np.int64
     assert min(supply.min(), demand.min()) >= 1
-    assert supply.sum() == demand.sum() == pytest.approx(UNITS, rel=1e-5)
+    assert supply.sum() == demand.sum() == pytest.approx(TOTAL_MASS, rel=1e-5)
 
 
 def test_what_one_cloud_lacks_hardly_counts():
@@ -26,8 +26,8 @@ def test_what_one_cloud_lacks_hardly_counts():
     old = rng.random((500, 3))
     new = np.concatenate([rng.random((500, 3)), rng.random((300, 3)) + np.array([3, 0, 0])])
     supply, demand = shared_masses(old, new)
-    assert demand[500:].max() <= 1.1 * LEAST * demand[:500].max()
-    assert np.median(supply) == pytest.approx(UNITS / 500, rel=0.1)
+    assert demand[500:].max() <= 1.1 * MIN_SHARE * demand[:500].max()
+    assert np.median(supply) == pytest.approx(TOTAL_MASS / 500, rel=0.1)
 
 
 def test_the_plan_keeps_to_them_and_is_optimal():

@@ -71,5 +71,7 @@ def test_the_bud_is_what_lies_nearest_to_the_new_organ():
 
 def test_the_papers_own_buds_have_ten_points_at_least():
     sparse = scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF))
-    tasks = tasks_between(*sparse, bud_least=recipe_for(Options(paper=True)).bud_least)
+    tasks = tasks_between(
+        *sparse, min_attachment_points=recipe_for(Options(paper=True)).min_attachment_points
+    )
     assert len(next(t.start for t in tasks if t.event == "birth")) == 10
