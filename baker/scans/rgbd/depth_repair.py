@@ -83,10 +83,6 @@ def repair(
         True where someone marked the depth as unknown.
     options : RepairOptions, optional
 
-    Returns
-    -------
-    Repaired
-
     References
     ----------
     Section 4 (Komatsuna).
@@ -119,11 +115,13 @@ def repair(
     counts = np.bincount(segment.ravel() * 5 + reason.ravel(), minlength=5 * len(names) + 5)
     repaired = []
     for number, name in enumerate(names.tolist(), 1):
-        every, lost = counts[5 * number : 5 * number + 5].tolist(), int(dropped[number])
+        by_reason, lost = counts[5 * number : 5 * number + 5].tolist(), int(dropped[number])
+        pixels, (_, missing, painted_over, jumps, ring) = sum(by_reason), by_reason
         if name != background:
-            filled = sum(every[1:]) - lost
-            count = LabelRepair(name, sum(every), *every[1:], filled=filled, dropped=lost)
-            repaired.append(count)
+            filled = pixels - by_reason[VALID] - lost
+            repaired.append(
+                LabelRepair(name, pixels, missing, painted_over, jumps, ring, filled, lost)
+            )
     return Repaired(result, unknown, tuple(repaired))
 
 
