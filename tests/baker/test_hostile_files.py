@@ -107,6 +107,12 @@ def test_a_times_file_of_blanks_is_read_at_once(tmp_path):
     assert time.process_time() - began < 20
 
 
+def test_the_size_of_a_glb_that_lies_makes_no_room(tmp_path):
+    sound = (SOUND["glb"][1])()
+    lying = sound[:12] + struct.pack("<I", 2**30) + sound[16:]
+    assert "announces 1073741824 bytes" in refused(tmp_path / "a.glb", lying)
+
+
 def test_sizes_in_a_laz_that_lie_do_not_end_the_process(tmp_path):
     """The decoder would ask for as many bytes, and abort without them."""
     sound = (SOUND["laz 1.4"][1])()

@@ -42,6 +42,11 @@ def _reader_of_open3d() -> Callable[[Path], Mesh]:
     import open3d
 
     def read_mesh(path: Path) -> Mesh:
+        if path.suffix.lower() == ".glb":  # room is made for as much as its first chunk announces
+            with path.open("rb") as file:
+                announced = int.from_bytes(file.read(16)[12:], "little")
+            if announced > path.stat().st_size:
+                raise FormatError(f"is cut short: its first chunk announces {announced} bytes.")
         with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
             mesh = open3d.io.read_triangle_mesh(path)
         colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
