@@ -20,7 +20,12 @@ from baker.geometry.neighbors import Neighbors, nearest_neighbors, point_area
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
-from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_intervals
+from baker.interpolation.interval_job import (
+    InterpolationOptions,
+    IntervalJob,
+    IntervalSolver,
+    solve_intervals,
+)
 from baker.interpolation.movers import Keyframe
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.interpolation.smoothing import smooth_organs
@@ -319,7 +324,7 @@ def _interval_jobs(
         keyframes = smooth_organs(keyframes, matches, organs, times)
     if recipe.even:
         keyframes = [
-            replace(frame, surface=point_area(frame.positions, near))
+            replace(frame, area=point_area(frame.positions, near))
             for frame, near in zip(keyframes, neighbors, strict=True)
         ]
     clouds = [frame.positions for frame in keyframes]
@@ -338,6 +343,14 @@ def _interval_jobs(
         )
         for k, match in enumerate(matches)
     ]
+    chosen = InterpolationOptions(
+        transport=recipe.transport,
+        leaflets=recipe.leaflets,
+        decay=decay,
+        curved=recipe.paths == Paths.curved,
+        even=recipe.even,
+        precision=options.precision,
+    )
     jobs = [
         IntervalJob(
             times=(times[k], times[k + 1]),
@@ -351,12 +364,7 @@ def _interval_jobs(
             vertical=vertical,
             floor=floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
             spacing=(spacings[k] + spacings[k + 1]) / 2,
-            transport=recipe.transport,
-            leaflets=recipe.leaflets,
-            decay=decay,
-            curved=recipe.paths == Paths.curved,
-            even=recipe.even,
-            precision=options.precision,
+            options=chosen,
         )
         for k, match in enumerate(matches)
     ]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers
 from baker.interpolation.resampling import position_at
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -32,15 +32,15 @@ FOLLOWING_RADIUS = 0.5  # of an organ's root mean square radius: what is nearer 
 
 
 def attached(
-    tasks: Sequence[Moved], match: Match, organs: IntervalOrgans, spacing: float
-) -> list[Moved]:
+    tasks: Sequence[OrganMovers], match: Match, organs: IntervalOrgans, spacing: float
+) -> list[OrganMovers]:
     """The solved tasks of an interval, with organs that keep their distance from their parents.
 
     Parents come before their children, which follow them. Positions at the scans don't change.
 
     Parameters
     ----------
-    tasks : sequence of Moved
+    tasks : sequence of OrganMovers
         What is lost is left alone.
     match, organs
         The interval's hierarchies, and which organ each segment is.
@@ -100,14 +100,14 @@ def attachment_finder(
     return find
 
 
-def _trees(moved: Moved) -> tuple[cKDTree, ...]:
+def _trees(moved: OrganMovers) -> tuple[cKDTree, ...]:
     """k-d trees of an organ's movers at each instant."""
     from scipy.spatial import cKDTree
 
     return tuple(cKDTree(position_at(moved.movers.curve, u), balanced_tree=False) for u in INSTANTS)
 
 
-def _attached(moved: Moved, parent: tuple[cKDTree, ...], spacing: float) -> Moved:
+def _attached(moved: OrganMovers, parent: tuple[cKDTree, ...], spacing: float) -> OrganMovers:
     """An organ shifted on the way, as a whole the less the farther from its attachment point."""
     places = np.stack([position_at(moved.movers.curve, u) for u in INSTANTS]).astype(float)
     found = [tree.query(points) for tree, points in zip(parent, places, strict=True)]

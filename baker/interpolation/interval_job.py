@@ -12,16 +12,44 @@ from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_m
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attachment import attached, attachment_finder
 from baker.interpolation.births import births
-from baker.interpolation.movers import Keyframe, Moved, solve_task
+from baker.interpolation.movers import Keyframe, OrganMovers, leaving, moving
 from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
+from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 from gclip.pack import pack_interval
+
+
+@dataclass(frozen=True)
+class InterpolationOptions:
+    """What the options say about the movers of all intervals.
+
+    Attributes
+    ----------
+    transport : TransportOptions
+        Its `workers` does not count.
+    leaflets : bool
+        Whether an organ's leaflets are matched and transported one by one.
+    decay : Motion
+        How lost organs leave.
+    curved : bool
+        Whether organs deform along curved paths and stay attached to their parents, or move in
+        straight lines.
+    even, precision
+        As in the options.
+    """
+
+    transport: TransportOptions
+    leaflets: bool
+    decay: Motion
+    curved: bool
+    even: float
+    precision: str
 
 
 @dataclass(frozen=True)
@@ -34,15 +62,9 @@ class IntervalJob:
     times:    of the two scans, whose points are `start` and `end`.
     bases:    (3,) each, where the plant leaves the ground.
     timings:  by organ, where it doesn't move evenly.
-    transport: `workers` in it does not count.
-    leaflets: whether an organ's leaflets are matched and moved one by one.
-    decay:    how lost organs leave.
-    curved:   whether organs deform along curved paths and stay attached to their parents, or
-              move in straight lines.
     floor:    height that lost organs fall to; 0 where none falls.
     spacing:  the point spacing of the two scans, which says what gaps and bows matter and how fine
               positions have to be.
-    even, precision: as in the options.
     """
 
     times: tuple[float, float]
@@ -56,12 +78,7 @@ class IntervalJob:
     vertical: Vertical
     floor: float
     spacing: float
-    transport: TransportOptions
-    leaflets: bool
-    decay: Motion
-    curved: bool
-    even: float
-    precision: str
+    options: InterpolationOptions
 
 
 IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
@@ -114,34 +131,28 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     workers : int
         Threads for the transport of an organ that is more than a thread's share of all.
     """
-    clouds = job.start.positions, job.end.positions
+    clouds, options = (job.start.positions, job.end.positions), job.options
     attachment = attachment_finder(clouds, job.match, job.organs)
-    born = births(clouds[1], job.match, job.organs, job.timings) if job.curved else {}
+    born = births(clouds[1], job.match, job.organs, job.timings) if options.curved else {}
     paths = (
-        OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing) if job.curved else None
+        OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
+        if options.curved
+        else None
     )
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
-    def leaflets_of(task: Task) -> Sequence[LeafletPair]:
-        attached_at = attachment(task)
-        if attached_at is None:
-            return ()
+    def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
+        if task.event == "loss":
+            return leaving(task, job.start, options.decay, job.vertical, job.floor), None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
-        return match_leaflets(start, end, attached_at)
-
-    def solve(task: Task, size: int) -> tuple[Moved, Deviation | None]:
-        moved = solve_task(
-            task,
-            job.start,
-            job.end,
-            transport=replace(job.transport, workers=workers if size * workers > sum(sizes) else 1),
-            decay=job.decay,
-            vertical=job.vertical,
-            floor=job.floor,
-            leaflets=leaflets_of(task) if job.leaflets else (),
-            birth=born.get(task.organ) if task.event == "birth" else None,
-            timing=job.timings.get(task.organ) if task.event == "match" else None,
-        )
+        leaflets: Sequence[LeafletPair] = ()
+        if options.leaflets and (attached_at := attachment(task)) is not None:
+            leaflets = match_leaflets(start, end, attached_at)
+        threads = workers if size * workers > sum(sizes) else 1
+        plan = correspond(start, end, replace(options.transport, workers=threads), leaflets)
+        birth = born.get(task.organ) if task.event == "birth" else None
+        timing = job.timings.get(task.organ) if task.event == "match" else None
+        moved = moving(task, plan, job.start, job.end, birth, timing)
         return moved, paths.deviation(moved) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
@@ -149,12 +160,12 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
     solved = paths.curved(moved, deviations) if paths else [*moved]
-    if job.curved:
+    if options.curved:
         solved = attached(solved, job.match, job.organs, job.spacing)
     return pack_interval(
         *job.times,
-        with_even_density(solved, job.even),
+        with_even_density(solved, options.even),
         spacing=job.spacing,
-        precision=job.precision,
+        precision=options.precision,
         segments=tuple(m.pair for m in solved),
     )

@@ -1,132 +1,151 @@
-"""One interval's movers: each task's transport plan turned into start and end positions."""
+"""An organ's movers in one interval: where they start and end, with their colours and areas."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.resampling import surface_half_way
-from baker.matching.leaflets import LeafletPair
-from baker.transport.correspondences import correspond
-from baker.transport.problem import TransportOptions
+from baker.interpolation.births import Birth
+from baker.interpolation.timing import Timing
+from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
 from gclip.pack import Movers
 
-if TYPE_CHECKING:
-    from baker.interpolation.births import Birth
-    from baker.interpolation.timing import Timing
-
 
 @dataclass(frozen=True)
 class Keyframe:
-    """An aligned scan, all that the movers need of it.
+    """An aligned scan, as far as the movers need it.
 
-    positions: (N, 3) float32 about the clip's origin; colors: (N, 4) uint8 sRGB, or None.
-    surface:   (N,) what each point stands for, square lengths; None where density is left as it is.
+    Attributes
+    ----------
+    positions : (N, 3) float32
+        About the clip's origin.
+    colors : (N, 4) uint8, optional
+        sRGB and alpha.
+    area : (N,) float, optional
+        Each point's area, in square units of length; None where density is left as it is.
     """
 
     positions: NDArray[np.float32]
     colors: NDArray[np.uint8] | None
-    surface: NDArray[np.floating] | None = None
-
-    def surface_of(self, points: NDArray[np.intp]) -> NDArray[np.floating] | None:
-        return None if self.surface is None else self.surface[points]
+    area: NDArray[np.floating] | None = None
 
 
 @dataclass(frozen=True)
-class Moved:
-    """A solved task: the movers and what is to be told of them.
+class OrganMovers:
+    """The movers of one task, and what is said about them.
 
-    surface: (M,) what each mover stands for half-way; None where density is left as it is.
-    start_points, end_points: (M,) the points of both scans that movers go from and to; None of
-             what is lost.
-    born:    whether they unfold from a bud.
-    divided: whether the organ's leaflets were moved each on its own.
+    Attributes
+    ----------
+    movers : Movers
+    pair : SegmentPair
+        For the report.
+    area : (M,) float64, optional
+        Of each mover at mid-interval; None where density is left as it is.
+    start_points, end_points : (M,) int, optional
+        The points of both scans that movers go from and to; None of what is lost.
+    born : bool
+        Whether they unfold from a bud.
+    divided : bool
+        Whether the organ's leaflets are transported one by one.
     """
 
     movers: Movers
     pair: SegmentPair
-    surface: NDArray[np.floating] | None = None
+    area: NDArray[np.floating] | None = None
     start_points: NDArray[np.intp] | None = None
     end_points: NDArray[np.intp] | None = None
     born: bool = False
     divided: bool = False
 
 
-def solve_task(
+def moving(
     task: Task,
+    plan: Correspondences,
     start: Keyframe,
     end: Keyframe,
-    *,
-    transport: TransportOptions,
-    decay: Motion,
-    vertical: Vertical,
-    floor: float,
-    leaflets: Sequence[LeafletPair] = (),
     birth: Birth | None = None,
     timing: Timing | None = None,
-) -> Moved:
-    """Transport one segment through the interval from `start` to `end`.
+) -> OrganMovers:
+    """The movers of a matched or a new organ.
 
-    leaflets: the parts of a matched organ that are to go each on its own.
-    birth: how a new organ unfolds; timing: of a matched one. None of what moves linearly.
-
-    A lost organ's points keep their colour: they fall straight down to `floor`, or stay where they
-    are until they have faded or are removed (section 3.3.1, decay).
+    Parameters
+    ----------
+    task : Task
+    plan : Correspondences
+        Between the task's points.
+    start, end : Keyframe
+    birth : Birth, optional
+        How a new organ unfolds; by default in straight lines from its bud.
+    timing : Timing, optional
+        Of a matched organ that doesn't move evenly.
     """
-    if task.event == "loss":
-        origin = start.positions.take(task.start, axis=0)
-        landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
-        movers = _movers(task.organ, decay, origin, landing, start, task.start, start, task.start)
-        drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
-        return Moved(movers, _pair(task, len(movers), "identity", drop, 0.0))
-
-    here = start.positions.take(task.start, axis=0)
-    there = end.positions.take(task.end, axis=0)
-    found = correspond(here, there, transport, leaflets)
-    a, b = task.start[found.rows], task.end[found.columns]
-    origin, target = here.take(found.rows, axis=0), there.take(found.columns, axis=0)
-    movers = _movers(task.organ, Motion.MOVE, origin, target, start, a, end, b)
-    pair = _pair(task, len(movers), found.solver, found.distance, found.marginal_error, found.notes)
+    a, b = task.start[plan.rows], task.end[plan.columns]
+    origin, target = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
+    curve: tuple[NDArray[np.float32], ...] = origin, target
     if birth is not None:
-        origin, target = movers.curve
-        curve = (origin, birth.control(origin, target), target)
-        movers = replace(movers, curve=curve)
-    if timing is not None:
-        origin, target = movers.curve
-        # Of a curve of degree two the control point counts half in its middle.
+        curve = origin, birth.control(origin, target), target
+    elif timing is not None:
+        # The control point of degree 2 counts half at mid-interval.
         control = (origin + target) / 2 + 2.0 * timing.shift(origin, target)
-        movers = replace(movers, curve=(origin, control.astype(np.float32), target))
-    born = task.event == "birth"
-    before, after = start.surface_of(task.start), end.surface_of(task.end)
-    surface = surface_half_way(before, found.rows, after, found.columns, born)
-    return Moved(movers, pair, surface, a, b, born, found.divided)
-
-
-def _movers(
-    organ: int,
-    motion: Motion,
-    origin: NDArray[np.float32],
-    target: NDArray[np.float32],
-    start: Keyframe,
-    a: NDArray[np.intp],
-    end: Keyframe,
-    b: NDArray[np.intp],
-) -> Movers:
-    colored = start.colors is not None and end.colors is not None
-    return Movers(
-        motion=motion,
-        curve=(origin, target),
-        tracks=np.full(len(a), organ),
-        start_colors=start.colors.take(a, axis=0) if colored and start.colors is not None else None,
-        end_colors=end.colors.take(b, axis=0) if colored and end.colors is not None else None,
+        curve = origin, control.astype(np.float32), target
+    movers = Movers(
+        Motion.MOVE,
+        curve,
+        np.full(len(a), task.organ),
+        None if start.colors is None or end.colors is None else start.colors.take(a, axis=0),
+        None if start.colors is None or end.colors is None else end.colors.take(b, axis=0),
     )
+    born, area = task.event == "birth", None
+    if start.area is not None and end.area is not None:
+        area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
+    pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
+    return OrganMovers(movers, pair, area, a, b, born, plan.divided)
+
+
+def leaving(
+    task: Task, start: Keyframe, decay: Motion, vertical: Vertical, floor: float
+) -> OrganMovers:
+    """The movers of a lost organ, in their colours (section 3.3.1, decay).
+
+    They fall straight down to the height `floor`, or stay where they are until they have faded or
+    are removed.
+    """
+    origin = start.positions.take(task.start, axis=0)
+    landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
+    colors = None if start.colors is None else start.colors.take(task.start, axis=0)
+    tracks = np.full(len(origin), task.organ)
+    drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
+    movers = Movers(decay, (origin, landing), tracks, colors, colors)
+    return OrganMovers(movers, _pair(task, len(origin), "identity", drop, 0.0))
+
+
+def mid_area(
+    before: NDArray[np.floating],
+    a: NDArray[np.integer],
+    after: NDArray[np.floating],
+    b: NDArray[np.integer],
+    born: bool = False,
+) -> NDArray[np.float64]:
+    """Each mover's area at mid-interval.
+
+    Movers that share a point share its area; a bud has none. Lengths are averaged, not areas.
+
+    Parameters
+    ----------
+    before, after : (M,) float
+        Areas of the movers' start and end points.
+    a, b : (M,) int
+        Numbers of these points within the organ.
+    born : bool
+    """
+    start = np.sqrt(before / np.bincount(a)[a])
+    end = np.sqrt(after / np.bincount(b)[b])
+    return (((0.0 if born else start) + end) / 2) ** 2
 
 
 def _pair(

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, OrganShapes, at_levels
 from baker.matching import IntervalOrgans, Match
@@ -62,7 +62,7 @@ class OrganPaths:
     bases: Sequence[NDArray[np.floating]]
     spacing: float
 
-    def deviation(self, moved: Moved) -> Deviation | None:
+    def deviation(self, moved: OrganMovers) -> Deviation | None:
         """How one task's movers deviate; None where they go straight."""
         segment = self._segments.get(_track(moved))
         if segment is None or segment not in self._partners:
@@ -77,8 +77,8 @@ class OrganPaths:
         return None if motion is None else self._of_motion(motion, moved, segment)
 
     def curved(
-        self, solved: Sequence[Moved], deviations: Sequence[Deviation | None]
-    ) -> list[Moved]:
+        self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
+    ) -> list[OrganMovers]:
         """The solved tasks, those that deviate on curves of degree 2.
 
         deviations: of each task. An organ is carried along, as a whole, by its parents.
@@ -101,7 +101,7 @@ class OrganPaths:
             done.append(_shifted(moved, shift) if shift.any() else moved)
         return done
 
-    def _of_motion(self, motion: OrganMotion, moved: Moved, segment: int) -> Deviation | None:
+    def _of_motion(self, motion: OrganMotion, moved: OrganMovers, segment: int) -> Deviation | None:
         """None where movers don't go far enough for it: then the spine is wrong."""
         from scipy.spatial import cKDTree
 
@@ -155,11 +155,11 @@ class OrganPaths:
         return children
 
 
-def _track(moved: Moved) -> int:
+def _track(moved: OrganMovers) -> int:
     return int(moved.movers.tracks[0]) if len(moved.movers) else -1
 
 
-def _shifted(moved: Moved, shift: NDArray[np.floating]) -> Moved:
+def _shifted(moved: OrganMovers, shift: NDArray[np.floating]) -> OrganMovers:
     """Movers whose middle is shifted: the control point of degree 2 counts half there."""
     origin, control, target = raised(moved.movers.curve, 2)
     curve = (origin, (control + 2.0 * shift).astype(np.float32), target)

@@ -1,10 +1,9 @@
-"""Movers by surface, not by scan: more of them where half-way through they would be sparse.
+"""Add movers where they would be sparse between two scans.
 
-A scan's points follow its scanner, and a segment has as many movers as the larger of its two sides
-has points. So half-way an organ that doubles is thinner than the stem beside it, and one that is
-being born is denser. Where movers are few for the surface that they stand for, more are put beside
-them: with the same ends, so that both scans show nothing but their own points, yet set apart
-between them.
+A scan's points follow its scanner, and an organ has as many movers as the larger of its two sides
+has points. So at mid-interval an organ that doubles is sparser than the stem beside it, and one
+that is being born is denser. Where movers are few for their area, more are added: with the ends of
+others, so that both scans show nothing but their own points, yet set apart in between.
 """
 
 from __future__ import annotations
@@ -21,44 +20,26 @@ from gclip.morton import morton_order
 from gclip.pack import Movers, raised
 
 if TYPE_CHECKING:
-    from baker.interpolation.movers import Moved
+    from baker.interpolation.movers import OrganMovers
 
 MAX_OVERHANG = 0.35  # of the square root of a mover's area: how far it may be from its mean
-NEIGHBORS = 8  # of a point, whose reach tells the surface that it stands for
+NEIGHBORS = 8  # towards which additions to a lonely mover are set apart in turn
 
 Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
 
 
-def surface_half_way(
-    start: NDArray[np.floating] | None,
-    a: NDArray[np.integer],
-    end: NDArray[np.floating] | None,
-    b: NDArray[np.integer],
-    birth: bool = False,
-) -> NDArray[np.float64] | None:
-    """What each mover from point a to point b stands for half-way.
-
-    Movers that share a point share its surface; a bud has none. Lengths, not areas, are averaged.
-    """
-    if start is None or end is None:
-        return None
-    before = np.sqrt(start[a] / np.bincount(a)[a])
-    after = np.sqrt(end[b] / np.bincount(b)[b])
-    return (((0.0 if birth else before) + after) / 2) ** 2
-
-
-def with_even_density(tasks: Sequence[Moved], growth: float) -> list[Movers]:
+def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
-    Tasks without a surface are left as they are.
+    Tasks without an area are left as they are.
     growth: movers to add, as a share of those there are.
 
     The added movers of a task follow its own. Deterministic.
     """
-    known = [task.surface for task in tasks if task.surface is not None]
+    known = [task.area for task in tasks if task.area is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
     added = [
-        None if task.surface is None else _added(task, np.maximum(density * task.surface - 1, 0))
+        None if task.area is None else _added(task, np.maximum(density * task.area - 1, 0))
         for task in tasks
     ]
     return [
@@ -73,23 +54,23 @@ def position_at(curve: Sequence[NDArray[np.floating]], u: float) -> NDArray[np.f
     return np.tensordot(weights, np.stack(curve), axes=1)
 
 
-def _density(surface: NDArray[np.floating], growth: float) -> float:
-    """Movers per surface at which filling up to it adds `growth` times as many.
+def _density(areas: NDArray[np.floating], growth: float) -> float:
+    """Movers per area at which filling up to it adds `growth` times as many.
 
     At most what the twentieth densest has: then all are even.
     """
-    descending = np.sort(surface)[::-1].astype(float)
+    descending = np.sort(areas)[::-1].astype(float)
     held = np.cumsum(descending)
     if not held[-1] > 0:
         return 0.0
     # If the first n are filled up, `density * held[n - 1] - n` movers are added.
-    candidates = (growth * len(surface) + np.arange(1, len(surface) + 1)) / held
+    candidates = (growth * len(areas) + np.arange(1, len(areas) + 1)) / held
     # The first is always filled, though (1 / 49) * 49 is less than 1.
     filled = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
-    return float(min(candidates[filled], 1 / max(descending[-(len(surface) // 20) - 1], 1e-300)))
+    return float(min(candidates[filled], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
 
 
-def _added(task: Moved, wanted: NDArray[np.floating]) -> Added | None:
+def _added(task: OrganMovers, wanted: NDArray[np.floating]) -> Added | None:
     """About `wanted` movers more of each, a little apart from it half-way; None where none are."""
     middle = position_at(task.movers.curve, 0.5)
     own = _spread_out(middle, wanted)
@@ -118,7 +99,7 @@ def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) 
 
 
 def _aside(
-    task: Moved, middle: NDArray[np.floating], own: NDArray[np.intp]
+    task: OrganMovers, middle: NDArray[np.floating], own: NDArray[np.intp]
 ) -> NDArray[np.floating]:
     """(n, 3) how far the additions are from their movers half-way.
 
@@ -130,8 +111,8 @@ def _aside(
     from scipy.spatial import cKDTree
 
     leaving = middle - _mean_of_twins(task.start_points, middle)
-    assert task.surface is not None
-    length, limit = np.linalg.norm(leaving, axis=1), MAX_OVERHANG * np.sqrt(task.surface)
+    assert task.area is not None
+    length, limit = np.linalg.norm(leaving, axis=1), MAX_OVERHANG * np.sqrt(task.area)
     leaving *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
     shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
     turn = np.arange(len(own)) - np.searchsorted(own, own)
@@ -151,7 +132,7 @@ def _mean_of_twins(
     ends: NDArray[np.intp] | None, values: NDArray[np.floating]
 ) -> NDArray[np.floating]:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
-    assert ends is not None  # what has a surface moves from points to points
+    assert ends is not None  # what has an area moves from points to points
     _, end, count = np.unique(ends, return_inverse=True, return_counts=True)
     sums = [np.bincount(end, weights) for weights in values.T]
     return (np.stack(sums, axis=1) / count[:, None])[end]

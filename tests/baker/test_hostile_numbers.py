@@ -12,11 +12,10 @@ from baker.geometry.neighbors import nearest_neighbors, point_area
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers, mid_area
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.resampling import (
     position_at,
-    surface_half_way,
     with_even_density,
 )
 from baker.interpolation.spine import (
@@ -133,27 +132,27 @@ def test_areas_and_spacings_are_finite(shape):
     ("start", "end"), list(itertools.product(["same point", "plant"], repeat=2))
 )
 @pytest.mark.parametrize("count", [1, 2, 9, 60])
-def test_even_density_of_organs_without_surface(start, end, count):
+def test_even_density_of_organs_without_area(start, end, count):
     here, there = cloud(start, count), cloud(end, count)
     points = np.arange(min(len(here), len(there)))
     curve = (here[points].astype(np.float32), there[points].astype(np.float32))
     movers = Movers(Motion.MOVE, curve, np.zeros(len(points), int))
     area = point_area(here, nearest_neighbors(here))
-    surface = surface_half_way(area, points, np.zeros(len(there)), points)
-    for known, growth in itertools.product((surface, np.zeros(len(points))), (0.0, 1.0, 10.0)):
-        (filled,) = with_even_density([Moved(movers, None, known, points, points)], growth)
+    shared = mid_area(area[points], points, np.zeros(len(points)), points)
+    for known, growth in itertools.product((shared, np.zeros(len(points))), (0.0, 1.0, 10.0)):
+        (filled,) = with_even_density([OrganMovers(movers, None, known, points, points)], growth)
         assert len(points) <= len(filled) <= (1 + growth) * len(points) + 1
         assert np.isfinite(position_at(filled.curve, 0.5)).all()
-        assert known is surface or len(filled) == len(points)
+        assert known is shared or len(filled) == len(points)
 
 
-def test_no_surface_is_too_odd_to_be_even():
+def test_no_area_is_too_odd_to_be_even():
     """(1 / 49) * 49 is not 1 in floating point."""
     at = np.zeros((1, 3), np.float32)
     movers = Movers(Motion.MOVE, (at, at), np.zeros(1, int))
     only = np.zeros(1, int)
-    for surface in (49.0, 1e-300, 1e300, 0.0):
-        moved = Moved(movers, None, np.array([surface]), only, only)
+    for area in (49.0, 1e-300, 1e300, 0.0):
+        moved = OrganMovers(movers, None, np.array([area]), only, only)
         assert len(with_even_density([moved], 0.0)[0]) == 1
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker.interpolation.attachment import attached, attachment_finder
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers
 from baker.matching import IntervalOrgans, Match
 from baker.matching.match import match_from_pairs
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
@@ -22,20 +22,20 @@ COUNT = 200
 TOLERANCE = 2.0  # point spacings
 
 
-def at(moved: Moved, u: float) -> np.ndarray:
+def at(moved: OrganMovers, u: float) -> np.ndarray:
     curve = moved.movers.curve
     return np.tensordot(bernstein(len(curve) - 1, u), np.stack(curve), axes=1)
 
 
 def tasks_of(
     leaf: tuple[np.ndarray, ...], stem: tuple[np.ndarray, ...] | None = None, born: bool = False
-) -> tuple[list[Moved], Match, IntervalOrgans]:
+) -> tuple[list[OrganMovers], Match, IntervalOrgans]:
     """A stem that stands at x = 0 or moves as given, and a leaf, on the given paths."""
     upright = np.column_stack([np.zeros((COUNT, 2)), np.linspace(0, 50, COUNT)])
     first, second = np.arange(COUNT), np.arange(COUNT, 2 * COUNT)
     hierarchy = Hierarchy((first, second), (0, 1), (NO_PARENT, 0), 0)
     moved = [
-        Moved(
+        OrganMovers(
             Movers(Motion.MOVE, tuple(p.astype(np.float32) for p in curve), np.full(COUNT, organ)),
             None,
             np.ones(COUNT),
@@ -49,7 +49,7 @@ def tasks_of(
     return moved, match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
 
 
-def widening(moved: list[Moved]) -> float:
+def widening(moved: list[OrganMovers]) -> float:
     """How far the leaf parts from the stem beyond the larger gap at the scans, at 50 instants."""
     gaps = [cKDTree(at(moved[0], u)).query(at(moved[1], u))[0].min() for u in np.linspace(0, 1, 52)]
     return float(max(gaps) - max(gaps[0], gaps[-1]))

@@ -77,7 +77,7 @@ def test_an_error_in_a_job_ends_the_bake(write_scans, monkeypatch):
     def fail(*arguments, **named):
         raise ArithmeticError("no way")
 
-    monkeypatch.setattr("baker.interpolation.interval_job.solve_task", fail)
+    monkeypatch.setattr("baker.interpolation.interval_job.correspond", fail)
     for workers in (1, 3):
         with pytest.raises(ArithmeticError, match="no way"):
             bake_recorded([write_scans(name=str(workers))], PLAIN, solve=on_threads(workers))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers
 from baker.interpolation.paths import OrganPaths
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
@@ -38,7 +38,7 @@ def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
 
 
 @pytest.fixture(scope="module")
-def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
+def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMovers]]:
     clouds = [plant(0.0), np.concatenate([plant(1.0), plant(1.0)[-100:] + 1.0])]
     segments = tuple(np.split(np.arange(2 * COUNT + 200), [COUNT, 2 * COUNT, 2 * COUNT + 100]))
     first = Hierarchy(segments[:3], (0, 1, 2), PARENTS[:3], 0)
@@ -48,7 +48,7 @@ def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
     for organ, members in enumerate(segments):
         a = segments[2] if organ == 3 else members
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
-        tasks.append(Moved(movers, None, None, a, members, organ == 3))
+        tasks.append(OrganMovers(movers, None, None, a, members, organ == 3))
     paths = paths_of(clouds, match)
     deviations = [paths.deviation(moved) for moved in tasks]
     assert deviations[0] is None
@@ -56,12 +56,12 @@ def baked() -> tuple[list[np.ndarray], Match, list[Moved], list[Moved]]:
     return clouds, match, tasks, paths.curved(tasks, deviations)
 
 
-def middle(moved: Moved) -> np.ndarray:
+def middle(moved: OrganMovers) -> np.ndarray:
     start, control, end = moved.movers.curve
     return start / 4 + control / 2 + end / 4
 
 
-def chord(moved: Moved) -> np.ndarray:
+def chord(moved: OrganMovers) -> np.ndarray:
     return (moved.movers.curve[0] + moved.movers.curve[-1]) / 2
 
 

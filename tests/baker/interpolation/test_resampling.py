@@ -1,4 +1,4 @@
-"""Movers are spread by the surface they stand for, and the scans stay what they are."""
+"""Movers are spread by area, and the scans stay what they are."""
 
 from __future__ import annotations
 
@@ -8,23 +8,22 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.interpolation.movers import Moved
+from baker.interpolation.movers import OrganMovers, mid_area
 from baker.interpolation.resampling import (
     MAX_OVERHANG,
     position_at,
-    surface_half_way,
     with_even_density,
 )
 from gclip import Motion
 from gclip.pack import Movers, raised
 
 
-def task(start, end, surface=1.0, track=0, motion=Motion.MOVE):
+def task(start, end, area=1.0, track=0, motion=Motion.MOVE):
     movers = Movers(motion, (start, end), np.full(len(start), track))
-    if surface is None:
-        return Moved(movers, None)
+    if area is None:
+        return OrganMovers(movers, None)
     points = np.arange(len(start))
-    return Moved(movers, None, np.full(len(start), surface), points, points)
+    return OrganMovers(movers, None, np.full(len(start), area), points, points)
 
 
 def sheet(count, width, seed=0):
@@ -40,7 +39,7 @@ def stem_and_leaf():
     return [task(stem, stem), task(leaf, grown, 4.0, track=1)]
 
 
-def test_sparse_organs_gain_movers_in_proportion_to_their_surface(stem_and_leaf):
+def test_sparse_organs_gain_movers_in_proportion_to_their_area(stem_and_leaf):
     stem, leaf = with_even_density(stem_and_leaf, growth=2.0)
     assert len(stem) == 900
     assert len(leaf) == pytest.approx(1200, abs=2)
@@ -60,21 +59,19 @@ def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_le
 
 
 def test_lost_organs_are_left_as_they_are():
-    fallen = task(sheet(50, 1.0), sheet(50, 1.0), surface=None, motion=Motion.FALL)
+    fallen = task(sheet(50, 1.0), sheet(50, 1.0), area=None, motion=Motion.FALL)
     assert with_even_density([fallen], growth=1.0) == [fallen.movers]
 
 
 def test_even_movers_stay_as_they_are(stem_and_leaf):
-    even = [replace(one, surface=np.ones(len(one.movers))) for one in stem_and_leaf]
+    even = [replace(one, area=np.ones(len(one.movers))) for one in stem_and_leaf]
     filled = with_even_density(even, growth=1.0)
     assert [len(own) for own in filled] == [900, 300]
 
 
-def test_movers_that_share_a_point_share_its_surface():
-    surface = surface_half_way(
-        np.array([4.0]), np.array([0, 0]), np.array([2.0, 2.0]), np.arange(2)
-    )
-    assert surface == pytest.approx([2.0, 2.0])
+def test_movers_that_share_a_point_share_its_area():
+    area = mid_area(np.full(2, 4.0), np.array([0, 0]), np.full(2, 2.0), np.arange(2))
+    assert area == pytest.approx([2.0, 2.0])
 
 
 def test_movers_of_one_point_spread_out_from_their_mean():
@@ -84,8 +81,8 @@ def test_movers_of_one_point_spread_out_from_their_mean():
     start = np.zeros((count, 3))
     end = np.column_stack([along, np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (start, end), np.zeros(count, int))
-    task = Moved(movers, None, np.ones(count), np.zeros(count, int), np.arange(count))
-    (filled,) = with_even_density([replace(task, surface=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
+    task = OrganMovers(movers, None, np.ones(count), np.zeros(count, int), np.arange(count))
+    (filled,) = with_even_density([replace(task, area=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
     assert len(filled) > count
     middle = position_at(filled.curve, 0.5)
     assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
@@ -98,9 +95,9 @@ def test_no_addition_runs_far_ahead_of_a_tip():
     count = 24
     end = np.column_stack([np.linspace(0.0, 2.0, count), np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (np.zeros((count, 3)), end), np.zeros(count, int))
-    surface = np.r_[np.ones(6), 9 * np.ones(18)]
+    area = np.r_[np.ones(6), 9 * np.ones(18)]
     ends = np.zeros(count, int), np.arange(count)
-    task = Moved(movers, None, surface / 100, *ends)
+    task = OrganMovers(movers, None, area / 100, *ends)
     (filled,) = with_even_density([task], 1.0)
     assert len(filled) > count
     assert position_at(filled.curve, 0.5)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
@@ -123,9 +120,9 @@ def test_additions_of_what_is_born_stay_with_it(tmp_path):
     assert tips[0] <= tips[1] < tips[0] + 0.1
 
 
-def test_a_bud_has_no_surface():
-    whole = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
-    born = surface_half_way(np.ones(3), np.arange(3), np.ones(3), np.arange(3), birth=True)
+def test_a_bud_has_no_area():
+    whole = mid_area(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
+    born = mid_area(np.ones(3), np.arange(3), np.ones(3), np.arange(3), born=True)
     assert born == pytest.approx(whole / 4)
 
 
