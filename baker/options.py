@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Literal
@@ -151,6 +151,50 @@ class Options:
             value = getattr(self, name)
             if value is not None and value < 1:
                 raise InputError(f"{name} is {value}; at least 1 is needed.")
+
+    @property
+    def whole(self) -> bool:
+        """Whether the cloud is transported as one, without segments (the paper's Figure 3)."""
+        return self.transport == Transport.whole
+
+    def for_series(
+        self,
+        fixed_frame: bool,
+        unit: str,
+        root: tuple[float, float, float] | Literal["virtual"] | None,
+    ) -> Options:
+        """The options, with what a series itself knows where they leave it open.
+
+        Parameters
+        ----------
+        fixed_frame : bool
+            The scans were taken by one camera: they share a frame, and z is up.
+        unit, root
+            The series' own length unit and plant base, where it has them.
+        """
+        return replace(
+            self,
+            align="none" if fixed_frame and self.align == "auto" else self.align,
+            up="z" if fixed_frame and self.up == "auto" else self.up,
+            unit=self.unit or unit,
+            root=root if self.root is None else self.root,
+        )
+
+    def resolved(self) -> Options:
+        """The options, with "auto" replaced by the paper's choices or by our own (`--paper`)."""
+        straight = self.paper if self.paths == "auto" else self.paths == Paths.straight
+        # Additional movers travel beside others on their curves.
+        even = 0.0 if self.paper or straight else 1.0
+        segment = Segment.thin if self.paper else Segment.organs
+        return replace(
+            self,
+            align="icp" if self.paper and self.align == "auto" else self.align,
+            labels="ignore" if self.whole or self.segment != "auto" else self.labels,
+            segment=segment if self.segment == "auto" else self.segment,
+            transport="sinkhorn" if self.paper and self.transport == "auto" else self.transport,
+            paths=Paths.straight if straight else Paths.curved,
+            even=even if self.even is None else self.even,
+        )
 
     def provenance(self) -> dict[str, Any]:
         """The options that shape the clip, as JSON; paths only by name."""

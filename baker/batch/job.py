@@ -21,8 +21,7 @@ from baker.options import Options, worker_count
 from baker.pipeline import Register, bake_recorded
 from baker.report import write_report
 from baker.report.verification import verify
-from baker.scans.read import list_series
-from baker.scans.stage import read_options, told_by
+from baker.scans.read import ReadOptions, list_series
 from baker.scans.unchanged import digest
 from gclip.terminal.command import OUR_FAULT, verdict
 from traits.table import Namer, measure_days, provenance, write_table
@@ -176,10 +175,11 @@ def current_clip(job: PlantJob) -> Clip | None:
         clip = gclip.open(job.clip)
     except gclip.ClipError:
         return None
-    chosen = read_options(job.options)
+    chosen = ReadOptions.of(job.options)
     listing = list_series([job.folder], chosen)
     entries = listing.schedule.entries
-    resolved = told_by(listing.series((), chosen), job.options)
+    series = listing.series((), chosen)
+    resolved = job.options.for_series(series.fixed, series.length, series.root)
     made_by = software((entry.path for entry in entries), job.options.outliers)
     expected = {**made_by, "options": resolved.provenance()}
     moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}

@@ -20,11 +20,10 @@ from baker.errors import InputError
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.options import Options, worker_count
-from baker.pipeline import Register, bake_series
+from baker.pipeline import Register, bake_series, read_scans
 from baker.report import write_report
 from baker.report.summary import print_summary
 from baker.report.verification import print_errors, verify
-from baker.scans.stage import read_scans
 from gclip.terminal.text import Lossy
 
 if TYPE_CHECKING:

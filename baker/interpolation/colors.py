@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.movers import Keyframe
+from baker.interpolation.keyframes import Keyframe
 from baker.scans import Scan
 from baker.segmentation.hierarchy import Hierarchy
 

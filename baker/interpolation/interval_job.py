@@ -8,18 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attachment import attached, attachment_finder
 from baker.interpolation.births import births
-from baker.interpolation.movers import Keyframe, OrganMovers, leaving, moving
+from baker.interpolation.keyframes import AlignedSeries, Keyframe
+from baker.interpolation.movers import OrganMovers, leaving, moving
 from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
-from baker.interpolation.timing import Timing
+from baker.interpolation.smoothing import smooth_organs
+from baker.interpolation.timing import Timing, organ_timings
 from baker.matching import IntervalOrgans, Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
+from baker.options import Decay, Options, Paths, Transport
 from baker.transport.correspondences import correspond
-from baker.transport.problem import TransportOptions
+from baker.transport.problem import Method, TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 from gclip.pack import pack_interval
@@ -79,6 +83,81 @@ class IntervalJob:
     floor: float
     spacing: float
     options: InterpolationOptions
+
+
+def interval_jobs(
+    series: AlignedSeries,
+    matches: Sequence[Match],
+    tracks: Sequence[IntervalOrgans],
+    tasks: Sequence[tuple[Task, ...]],
+    options: Options,
+    found_organs: bool,
+) -> list[IntervalJob]:
+    """Gather what each interval is solved from, and settle what spans intervals.
+
+    Parameters
+    ----------
+    series : AlignedSeries
+    matches : sequence of Match
+    tracks : sequence of IntervalOrgans
+    tasks : sequence of tuple of Task
+        What is transported in each interval.
+    options : Options
+        Resolved.
+    found_organs : bool
+        The organs were found without labels. Most of what is lost then is a bit of a leaf that the
+        next scan counts to that leaf: it fades instead of falling.
+    """
+    decay = Motion.FADE if found_organs and options.decay == Decay.fall else Motion(options.decay)
+    keyframes = list(series.keyframes)
+    if options.smooth:
+        keyframes = smooth_organs(keyframes, matches, tracks, series.times)
+    if options.even:
+        keyframes = [
+            replace(frame, area=point_area(frame.positions, near))
+            for frame, near in zip(keyframes, series.neighbors, strict=True)
+        ]
+    clouds = [frame.positions for frame in keyframes]
+    curved, spacings = options.paths == Paths.curved, [near.spacing for near in series.neighbors]
+    timings: list[dict[int, Timing]] = [{} for _ in matches]
+    if curved:
+        timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
+    chosen = InterpolationOptions(
+        transport=transport_options(options),
+        leaflets=not options.paper and options.transport != Transport.sinkhorn,
+        decay=decay,
+        curved=curved,
+        even=options.even or 0.0,
+        precision=options.precision,
+    )
+    bases = [frame.positions[k] for frame, k in zip(series.keyframes, series.bases, strict=True)]
+    return [
+        IntervalJob(
+            times=(series.times[k], series.times[k + 1]),
+            start=keyframes[k],
+            end=keyframes[k + 1],
+            match=matches[k],
+            organs=tracks[k],
+            bases=(bases[k], bases[k + 1]),
+            tasks=tasks[k],
+            timings=timings[k],
+            vertical=series.vertical,
+            floor=series.floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
+            spacing=(spacings[k] + spacings[k + 1]) / 2,
+            options=chosen,
+        )
+        for k in range(len(matches))
+    ]
+
+
+def transport_options(options: Options) -> TransportOptions:
+    """How organs are transported: the paper's cost is the distance, on a kNN support as it is."""
+    return TransportOptions(
+        method=Method.AUTO if options.whole else options.transport,
+        power=1 if options.paper else 2,
+        neighbors=options.neighbors,
+        feasible=not options.paper,
+    )
 
 
 IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]

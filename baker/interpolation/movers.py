@@ -9,30 +9,12 @@ from numpy.typing import NDArray
 
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth
+from baker.interpolation.keyframes import Keyframe
 from baker.interpolation.timing import Timing
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
 from gclip.pack import Movers
-
-
-@dataclass(frozen=True)
-class Keyframe:
-    """An aligned scan, as far as the movers need it.
-
-    Attributes
-    ----------
-    positions : (N, 3) float32
-        About the clip's origin.
-    colors : (N, 4) uint8, optional
-        sRGB and alpha.
-    area : (N,) float, optional
-        Each point's area, in square units of length; None where density is left as it is.
-    """
-
-    positions: NDArray[np.float32]
-    colors: NDArray[np.uint8] | None
-    area: NDArray[np.floating] | None = None
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.attachment import attachment_point
 from baker.geometry.rigid import rotations_between
-from baker.interpolation.movers import Keyframe
+from baker.interpolation.keyframes import Keyframe
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 

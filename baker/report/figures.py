@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from baker.report.errormap import Bar, Scale, histogram
 from baker.report.graph import Graph, draw_over, draw_tree, middles
 from baker.report.merges import Joined, absorbed, joined

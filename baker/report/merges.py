@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from baker.segmentation.hierarchy import Hierarchy
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from baker.segmentation.hierarchy import Hierarchy
 
 

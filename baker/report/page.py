@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from baker.errors import InputError
 from baker.options import Options, worker_count
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from baker.report.verification import HoldoutError, both_ways, overall, verify
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, folder_beside

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from baker.report.organs import ScanOrgans
 from baker.segmentation.hierarchy import Hierarchy
-from baker.transport.tasks import interval_tasks
 from gclip import Clip, SegmentPair
 
 SAMPLE = 400  # points of a segment that distances are measured with
@@ -117,18 +116,10 @@ def _buds(
     record: BakeRecord, interval: int, scan: ScanOrgans
 ) -> dict[int, tuple[int, NDArray[np.float64]]]:
     """By organ that is born: the organ whose points are its bud, and the middle of them."""
-    first, second = (record.keyframes[k].positions for k in (interval, interval + 1))
-    wanted, least = record.bud
-    tasks = interval_tasks(
-        (first, second),
-        record.matches[interval],
-        record.organs[interval],
-        wanted,
-        min_attachment_points=least,
-    )
+    first = record.keyframes[interval].positions
     return {
         task.organ: (_most(scan.points[task.start]), first[task.start].mean(axis=0, dtype=float))
-        for task in tasks
+        for task in record.tasks[interval]
         if task.event == "birth"
     }
 

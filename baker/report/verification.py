@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import point_spacing
-from baker.record import BakeRecord, HeldOut
+from baker.interpolation.keyframes import HeldOut
+from baker.pipeline import BakeRecord
 from gclip import Clip
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.geometry.parallel import MapLike
+from baker.options import Options
 from baker.scans import clean, place
 from baker.scans.cloud import Cloud
 from baker.scans.denoise import denoised
@@ -60,6 +61,20 @@ class ReadOptions:
     denoise: int | None = None
     resample: int | None = None
     every: int = 1
+
+    @classmethod
+    def of(cls, options: Options) -> ReadOptions:
+        """Those of a bake with these options."""
+        return cls(
+            label_field=options.label_field,
+            use_labels=options.labels != "ignore",
+            times_file=options.times,
+            outliers=options.outliers,
+            voxel=options.voxel,
+            denoise=options.denoise,
+            resample=options.resample,
+            every=options.every,
+        )
 
     def __post_init__(self) -> None:
         for name, value in (("outliers", self.outliers), ("voxel", self.voxel)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +14,7 @@ from baker.segmentation.hierarchy import NO_PARENT
 
 # docs/method.md, row 16: of the parent's points, from this many to that many.
 ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
+PAPER_MIN_ATTACHMENT_POINTS = 10
 SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far these are
 
 
@@ -34,6 +36,35 @@ class Task:
     organ: int
     start: NDArray[np.intp]
     end: NDArray[np.intp]
+
+
+def transport_tasks(
+    clouds: Sequence[NDArray[np.floating]],
+    matches: Sequence[Match],
+    tracks: Sequence[IntervalOrgans],
+    attachment_points: int | None = None,
+    paper: bool = False,
+) -> list[tuple[Task, ...]]:
+    """The transport tasks of each interval of a series.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    matches : sequence of Match
+    tracks : sequence of IntervalOrgans
+    attachment_points : int, optional
+        As that of `interval_tasks`.
+    paper : bool
+        New organs grow from at least as many points as the paper takes.
+    """
+    least = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
+    return [
+        tuple(
+            interval_tasks((clouds[k], clouds[k + 1]), match, tracks[k], attachment_points, least)
+        )
+        for k, match in enumerate(matches)
+    ]
 
 
 def interval_tasks(

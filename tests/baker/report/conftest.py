@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from baker.record import BakeRecord
+from baker.pipeline import BakeRecord
 from gclip import Clip
 
 

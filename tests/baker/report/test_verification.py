@@ -12,23 +12,23 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from baker import InputError, Options
+from baker.interpolation.keyframes import held_out_scans
 from baker.pipeline import bake_recorded
-from baker.record import left_out
 from baker.report.verification import both_ways, overall, verify
 
 PLAIN = Options(align="none", up="z", paths="straight", workers=1)
 
 
 def test_every_second_scan_is_left_out_as_in_the_paper():
-    assert left_out(9, 2) == (1, 3, 5, 7)
-    assert left_out(10, 2) == (1, 3, 5, 7)
-    assert left_out(9, 3) == (2, 5)
-    assert left_out(9, None) == ()
+    assert held_out_scans(9, 2) == (1, 3, 5, 7)
+    assert held_out_scans(10, 2) == (1, 3, 5, 7)
+    assert held_out_scans(9, 3) == (2, 5)
+    assert held_out_scans(9, None) == ()
 
 
 @given(st.integers(2, 200), st.integers(2, 20))
 def test_the_first_and_the_last_scan_always_stay(scans, every):
-    numbers = left_out(scans, every)
+    numbers = held_out_scans(scans, every)
     assert {0, scans - 1}.isdisjoint(numbers)
     assert set(numbers) == {k for k in range(scans - 1) if (k + 1) % every == 0}
 

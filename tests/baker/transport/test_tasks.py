@@ -3,11 +3,9 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from baker import Options
 from baker.matching import IntervalOrgans, match_by_label
-from baker.recipe import recipe_for
 from baker.segmentation.from_labels import hierarchy_from_labels
-from baker.transport.tasks import interval_tasks
+from baker.transport.tasks import PAPER_MIN_ATTACHMENT_POINTS, interval_tasks
 
 STEM = np.linspace([0, 0, 0], [0, 0, 10], 2000)
 LEAF = np.linspace([0.01, 0, 7], [4, 0, 9], 300)
@@ -71,7 +69,5 @@ def test_the_bud_is_what_lies_nearest_to_the_new_organ():
 
 def test_the_papers_own_buds_have_ten_points_at_least():
     sparse = scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF))
-    tasks = tasks_between(
-        *sparse, min_attachment_points=recipe_for(Options(paper=True)).min_attachment_points
-    )
+    tasks = tasks_between(*sparse, min_attachment_points=PAPER_MIN_ATTACHMENT_POINTS)
     assert len(next(t.start for t in tasks if t.event == "birth")) == 10

@@ -1,0 +1,139 @@
+"""A series in one frame: what all stages after the alignment work on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.alignment import Alignment
+from baker.errors import InputError
+from baker.geometry.neighbors import Neighbors
+from baker.geometry.up_axis import Vertical
+from baker.scans import Scan, Series
+
+
+@dataclass(frozen=True)
+class Keyframe:
+    """An aligned scan.
+
+    Attributes
+    ----------
+    positions : ndarray of shape (N, 3), float32
+        Relative to the clip's origin, in the scans' unit.
+    colors : ndarray of shape (N, 4), uint8, or None
+        sRGB and alpha.
+    area : ndarray of shape (N,), or None
+        Each point's area, in square units of length; None where the density of movers is left as it
+        is.
+    """
+
+    positions: NDArray[np.float32]
+    colors: NDArray[np.uint8] | None
+    area: NDArray[np.floating] | None = None
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A scan that was read and aligned with the others, then left out of the bake."""
+
+    scan: Scan
+    keyframe: Keyframe
+
+
+@dataclass(frozen=True)
+class AlignedSeries:
+    """The scans to bake, in one frame, with what was measured on each of them once.
+
+    Attributes
+    ----------
+    times : tuple of float
+    keyframes : tuple of Keyframe
+    neighbors : tuple of Neighbors
+        The kNN index of each scan; rigid motions do not change it.
+    bases : tuple of int
+        Index of the point at the plant base, in each scan.
+    vertical : Vertical
+    """
+
+    times: tuple[float, ...]
+    keyframes: tuple[Keyframe, ...]
+    neighbors: tuple[Neighbors, ...]
+    bases: tuple[int, ...]
+    vertical: Vertical
+
+    @property
+    def clouds(self) -> list[NDArray[np.float32]]:
+        """Positions, (N, 3) of each scan."""
+        return [frame.positions for frame in self.keyframes]
+
+    @property
+    def spacing(self) -> float:
+        """Median point spacing of all scans."""
+        return float(np.median([near.spacing for near in self.neighbors]))
+
+    @property
+    def floor(self) -> float:
+        """Height of the lowest point of all scans, to which lost organs fall."""
+        return min(float(self.vertical.height(cloud).min()) for cloud in self.clouds)
+
+
+def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
+    """The scans, each moved by its transform."""
+    keyframes = []
+    for scan, transform in zip(series.scans, alignment.transforms, strict=True):
+        positions = scan.points
+        if not np.array_equal(transform, np.eye(4)):  # scans that stay are kept bit for bit
+            moved = scan.points @ transform[:3, :3].T + transform[:3, 3]
+            positions = moved.astype(np.float32)
+        opaque = np.full((len(scan), 1), 255, np.uint8)
+        colors = None if scan.colors is None else np.hstack([scan.colors, opaque])
+        keyframes.append(Keyframe(positions, colors))
+    return keyframes
+
+
+def hold_out(
+    series: Series, keyframes: Sequence[Keyframe], every: int | None
+) -> tuple[Series, list[Keyframe], tuple[HeldOut, ...]]:
+    """Divide an aligned series into the scans to bake and those left out for verification.
+
+    Parameters
+    ----------
+    series : Series
+    keyframes : sequence of Keyframe
+    every : int or None
+        `--holdout N`; None leaves no scan out.
+
+    Raises
+    ------
+    InputError
+        Where that leaves out no scan.
+
+    References
+    ----------
+    Section 4 of the paper, Verification.
+    """
+    if every is not None and every < 2:
+        raise InputError(f"--holdout is {every}; 2 or more is needed: 2 leaves every second out.")
+    left_out = held_out_scans(len(series.scans), every)
+    if every is not None and not left_out:
+        raise InputError(
+            f"--holdout {every} leaves none of the {len(series.scans)} scans out; "
+            f"at least {every + 1} are needed, for the first and the last always stay."
+        )
+    kept = [k for k in range(len(series.scans)) if k not in left_out]
+    return (
+        replace(series, scans=tuple(series.scans[k] for k in kept)),
+        [keyframes[k] for k in kept],
+        tuple(HeldOut(series.scans[k], keyframes[k]) for k in left_out),
+    )
+
+
+def held_out_scans(count: int, every: int | None) -> tuple[int, ...]:
+    """Indices of the scans that `--holdout N` leaves out: counted from one, N, 2 N, 3 N, ...
+
+    The first and the last always stay, for nothing is reconstructed outside the series.
+    """
+    return () if every is None else tuple(range(every - 1, count - 1, every))
