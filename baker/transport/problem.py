@@ -1,4 +1,4 @@
-"""The transport stage's types: what is asked for and what comes back."""
+"""The transport problem of two segments: its options, its masses and costs, and a plan."""
 
 from __future__ import annotations
 
@@ -29,18 +29,30 @@ class Method(StrEnum):
 class TransportOptions:
     """How to solve the transport problem of one pair of segments.
 
-    method:     `exact` (also `auto`), or `sinkhorn`, the paper's regularised transport (3.4).
-    power:      2, the squared Euclidean distance, or 1, the distance itself (the paper's).
-    neighbors:  Sinkhorn only: k of the k-nearest-neighbour support, both ways.
-    gamma:      Sinkhorn's regularisation, relative to the median cost of the support.
-    feasible:   Sinkhorn only: add a feasible plan's pairs to the support. False is the paper's
-                plain support, on which often not all of the mass can flow.
-    tolerance:  Sinkhorn stops at this L1 error of the marginals ...
-    iterations: ... or after so many iterations.
-    seed:       directions of the bisections that give first plans; any value gives a good plan.
-    workers:    threads that the exact method may use; the plan is the same whatever their number.
-    shared:     exact method only: a point's mass is what both segments have around it, instead of
-                uniform; see `shared_masses`.
+    Attributes
+    ----------
+    method : Method
+        `exact` (also `auto`), or `sinkhorn`, the paper's regularised transport (section 3.4).
+    power : {2, 1}
+        The cost is distance ** power: the squared distance, or the distance itself (the paper's).
+    neighbors : int
+        Sinkhorn only: k of the k-nearest-neighbour support, both ways.
+    gamma : float
+        Sinkhorn's regularisation, relative to the median cost of the support.
+    feasible : bool
+        Sinkhorn only: add a feasible plan's pairs to the support. False is the paper's support, on
+        which often not all of the mass can flow.
+    tolerance : float
+        Sinkhorn stops at this L1 error of the marginals ...
+    iterations : int
+        ... or after so many iterations.
+    seed : int
+        Directions of the bisections that give first plans; any value gives a good plan.
+    workers : int
+        Threads of the exact method; the plan is the same whatever their number.
+    shared : bool
+        Exact method only: a point's mass is what both segments have around it
+        (`baker.transport.masses`), instead of uniform.
     """
 
     method: Method | str = Method.AUTO
@@ -66,17 +78,28 @@ class TransportOptions:
 
 @dataclass(frozen=True)
 class Plan:
-    """A sparse coupling of two segments, each of mass 1: uniform, unless masses are shared.
+    """A transport plan: a sparse coupling of two segments, each of mass 1.
 
-    rows, columns:  (E,) int32, points of the start and of the end, ordered by row, then column.
-    mass:           (E,) float64, what flows between them.
-    cost:           sum of mass times distance ** power.
-    distance:       cost ** (1 / power), the Wasserstein distance in the points' unit.
-    marginal_error: L1 error of the row sums plus that of the column sums.
-    solver:         what found the plan: "network simplex", "sinkhorn", or "only choice".
-    feasible:       whether all of the mass could flow on the support.
-    iterations:     sweeps of the exact solver, iterations of Sinkhorn's algorithm.
-    notes:          what a reader of the report should know, one sentence each.
+    Attributes
+    ----------
+    rows, columns : (E,) int32 ndarray
+        Points of the start and of the end, ordered by row, then column.
+    mass : (E,) float64 ndarray
+        What flows between them.
+    cost : float
+        Sum of mass times distance ** power.
+    distance : float
+        cost ** (1 / power): the Wasserstein distance in the points' unit.
+    marginal_error : float
+        L1 error of the row sums plus that of the column sums.
+    solver : str
+        What found the plan: "network simplex", "sinkhorn", or "only choice".
+    feasible : bool
+        Whether all of the mass could flow on the support.
+    iterations : int
+        Sweeps of the exact solver, iterations of Sinkhorn's algorithm.
+    notes : tuple of str
+        For the report, one sentence each.
     """
 
     rows: NDArray[np.int32]
@@ -92,11 +115,14 @@ class Plan:
 
 
 def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
-    """(E,) float64: distance ** power along each pair of the support."""
-    way = start.take(edges[0], axis=0).astype(np.float64, copy=False)
-    way -= end.take(edges[1], axis=0)
-    squared = np.zeros(len(way))
-    for axis in way.T:
+    """(E,) float64, the cost of each pair.
+
+    Equivalent to ``np.linalg.norm(start[edges[0]] - end[edges[1]], axis=1) ** power``.
+    """
+    displacement = start.take(edges[0], axis=0).astype(np.float64, copy=False)
+    displacement -= end.take(edges[1], axis=0)
+    squared = np.zeros(len(displacement))
+    for axis in displacement.T:
         squared += axis**2
     return squared if power == 2 else np.sqrt(squared)
 
@@ -114,9 +140,19 @@ def make_plan(
     notes: Sequence[str] = (),
     masses: tuple[Masses, Masses] | None = None,
 ) -> Plan:
-    """Order the pairs, and measure the cost on the points as given and the marginals' error.
+    """Order a coupling's pairs, and compute its cost and the error of its marginals.
 
-    masses: of either side, of equal sums; by default each is uniform.
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+        The points as they are.
+    edges : pair of (E,) int ndarray
+    mass : (E,) array-like
+        Of sum 1.
+    power, solver, feasible, iterations, notes
+        As in `Plan` and `TransportOptions`.
+    masses : pair of (n,) and (m,) int64 ndarray, optional
+        The marginals, of equal sums; uniform by default.
     """
     order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
     rows, columns = edges[0][order], edges[1][order]
@@ -137,9 +173,10 @@ def make_plan(
     )
 
 
-def marginal_error(indices: Indices, mass: NDArray[np.float64], wanted: Masses) -> float:
-    """L1 distance of one side's sums from the masses that are wanted, as shares of their sum."""
-    return float(np.abs(np.bincount(indices, mass, len(wanted)) - wanted / wanted.sum()).sum())
+def marginal_error(indices: Indices, mass: NDArray[np.float64], marginal: Masses) -> float:
+    """L1 error of one side's sums, from a marginal in whole units."""
+    sums = np.bincount(indices, mass, len(marginal))
+    return float(np.abs(sums - marginal / marginal.sum()).sum())
 
 
 def checked(points: Points) -> NDArray[np.float64]:

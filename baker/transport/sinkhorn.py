@@ -22,21 +22,26 @@ from baker.transport.problem import (
 from baker.transport.space_partition import bisection_plan
 from baker.transport.support import balance, nearest, unique
 
-_PLANS = 4  # bisections whose pairs make the support feasible; one alone is a bottleneck
-_RELAXATION = 1.8  # 7 to 10 times fewer iterations than 1
-_BLOCK = 50  # cheap iterations after one in the log domain
-_PATIENCE = 5  # on an infeasible support, blocks without progress before giving up
-_PROGRESS = 0.01  # the share by which the error must fall meanwhile
-_TRACE = 1e-12  # share of a point's mass below which a pair carries nothing
+FEASIBLE_PLANS = 4  # bisections whose pairs join the support; one alone is a bottleneck
+OVER_RELAXATION = 1.8  # 7 to 10 times fewer iterations than 1
+CHEAP_ITERATIONS = 50  # cheap iterations after one in the log domain
+STALLED_BLOCKS = 5  # on an infeasible support, blocks without progress before giving up
+MIN_PROGRESS = 0.01  # the share by which the error must fall meanwhile
+MIN_MASS = 1e-12  # share of a point's mass below which a pair carries nothing
 
 
 @dataclass(frozen=True)
 class Scaling:
     """Where Sinkhorn's iterations ended.
 
-    mass:       (E,) float64, T's entries on the support.
-    error:      L1 error of the row sums; the column sums are exact to rounding.
-    iterations: updates of both u and v.
+    Attributes
+    ----------
+    mass : (E,) float64 ndarray
+        T's entries on the support.
+    error : float
+        L1 error of the row sums; the column sums are exact to rounding.
+    iterations : int
+        Updates of both u and v.
     """
 
     mass: NDArray[np.float64]
@@ -45,14 +50,28 @@ class Scaling:
 
 
 def regularized_plan(start: Points, end: Points, options: TransportOptions) -> Plan:
-    """Sinkhorn's plan between two segments (n, 3) and (m, 3) float64; always a usable one.
+    """Sinkhorn's plan between two segments; always a usable one.
 
     On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
     plan is then where the iterations stall, `feasible` is False, and the notes say how much.
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float64 ndarray
+        Length units.
+    options : TransportOptions
+
+    Returns
+    -------
+    Plan
+
+    References
+    ----------
+    Section 3.4 of the paper, equations 2 to 5.
     """
     n, m = len(start), len(end)
-    here, there, support = _support(start, end, options)
-    cost = costs(here, there, support, options.power)
+    source, target, support = _support(start, end, options)
+    cost = costs(source, target, support, options.power)
     flowing = 1.0 if options.feasible else share_that_can_flow(support, n, m)
     found = scale(
         support, cost / (options.gamma * _typical(cost)), n, m,
@@ -76,17 +95,17 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
 
 def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:
     """The points whose distances are the costs, and the pairs that may carry mass."""
-    here, there = start - start.mean(axis=0), end - start.mean(axis=0)
+    source, target = start - start.mean(axis=0), end - start.mean(axis=0)
     if not options.feasible:
-        return here, there, nearest(here, there, options.neighbors)
+        return source, target, nearest(source, target, options.neighbors)
     balanced = balance(start, end)
     if options.power == 2:
         # The same plan solves both, regularised or not: the costs differ by terms of the row and
         # of the column alone, which u and v take in.
-        here, there = balanced
+        source, target = balanced
     masses = uniform_masses(len(start), len(end))
-    plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(_PLANS)]
-    return here, there, unique(nearest(here, there, options.neighbors), *plans)
+    plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(FEASIBLE_PLANS)]
+    return source, target, unique(nearest(source, target, options.neighbors), *plans)
 
 
 def _typical(cost: NDArray[np.float64]) -> float:
@@ -105,12 +124,31 @@ def scale(
 ) -> Scaling:
     """Sinkhorn's iterations u = a / Kv, v = b / K'u with K = exp(-cost), a = 1 / n, b = 1 / m.
 
-    Over-relaxed (Lehmann et al., Optim. Lett. 16, 2022) where the support is feasible.
+    Costs may be of any size: every 50 iterations u and v are absorbed into potentials, with one
+    iteration in the log domain; cheap iterations that would leave the range of floats are dropped.
 
-    support: rows and columns of the pairs, ordered by row; every row and column is in a pair.
-    cost:    (E,) costs in units of gamma, however large: every 50 iterations u and v go into
-             potentials, with one iteration in the log domain (after Schmitzer, SIAM J. Sci.
-             Comput. 41, 2019); cheap iterations that would leave the range of floats are dropped.
+    Parameters
+    ----------
+    support : pair of (E,) int ndarray
+        Rows and columns of the pairs, ordered by row; every row and column is in a pair.
+    cost : (E,) float64 ndarray
+        In units of gamma.
+    n, m : int
+    tolerance : float
+        L1 error of the marginals at which iterations stop.
+    iterations : int
+        At most.
+    feasible : bool
+        Whether all mass can flow on the support; then iterations are over-relaxed.
+
+    Returns
+    -------
+    Scaling
+
+    References
+    ----------
+    T. Lehmann et al.: A note on overrelaxation in the Sinkhorn algorithm, Optim. Lett. 16 (2022).
+    B. Schmitzer: Stabilized sparse scaling algorithms, SIAM J. Sci. Comput. 41 (2019).
     """
     from scipy.sparse import csr_matrix
 
@@ -120,7 +158,7 @@ def scale(
     column_start = np.searchsorted(columns[by_column], np.arange(m))
     potential = np.zeros(m)
     errors: list[float] = []
-    done, relaxation = 0, _RELAXATION if feasible else 1.0
+    done, relaxation = 0, OVER_RELAXATION if feasible else 1.0
     while True:
         row_potential = -np.log(n) - _log_sum_exp(potential[columns] - cost, rows, row_start)
         exponent = row_potential[rows] - cost
@@ -130,15 +168,15 @@ def scale(
         errors.append(float(np.abs(np.bincount(rows, mass, n) - 1.0 / n).sum()))
         stalled = (
             not feasible
-            and len(errors) > _PATIENCE
-            and errors[-1] > (1.0 - _PROGRESS) * errors[-1 - _PATIENCE]
+            and len(errors) > STALLED_BLOCKS
+            and errors[-1] > (1.0 - MIN_PROGRESS) * errors[-1 - STALLED_BLOCKS]
         )
         if errors[-1] < tolerance or done >= iterations or stalled:
             return Scaling(mass, errors[-1], done)
         if errors[-1] > 1.5 * min(errors):  # over-relaxation is only sure to converge near the end
             relaxation = (1.0 + relaxation) / 2.0
         kernel = csr_matrix((mass, columns, np.append(row_start, len(rows))), shape=(n, m))
-        v, cheap = _iterate(kernel, min(_BLOCK, iterations - done - 1), relaxation)
+        v, cheap = _iterate(kernel, min(CHEAP_ITERATIONS, iterations - done - 1), relaxation)
         potential += np.log(v)
         done += cheap
 
@@ -174,7 +212,7 @@ def _usable(
     m: int,
 ) -> tuple[Edges, NDArray[np.float64]]:
     """Drop pairs that carry next to nothing; a point left without any keeps its nearest pair."""
-    kept = mass > _TRACE / max(n, m)
+    kept = mass > MIN_MASS / max(n, m)
     by_cost = np.argsort(cost, kind="stable")
     for side, count in zip(support, (n, m), strict=True):
         touched = np.zeros(count, bool)

@@ -17,12 +17,25 @@ RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segm
 
 
 def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Both clouds centred and mapped so that their covariances agree; the optimal plan stays.
+    """Centre both clouds and map them linearly so that their covariances agree.
 
-    The plan of least squared distance is the one of the largest sum of <p, q>, and
-    <p, q> = <A p, A^-T q> for every invertible A. With S the optimal map between the Gaussians of
-    the same moments (S Cov(p) S = Cov(q); Gelbrich 1990), A = S^1/2 turns translation, growth and
-    stretching into nothing, and what is left of the cost is what the solver must decide.
+    The optimal plan stays the same. It has the largest sum of <p, q>, and <p, q> = <A p, A^-T q>
+    for every invertible A. With S the optimal map between the Gaussians of the same moments
+    (S Cov(p) S = Cov(q)), A = S^1/2 takes translation, growth and stretching out of the cost, and
+    what is left is what the solver must decide.
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+
+    Returns
+    -------
+    (n, 3) and (m, 3) float64 ndarray
+
+    References
+    ----------
+    M. Gelbrich: On a formula for the L2 Wasserstein metric between measures on Euclidean and
+    Hilbert spaces, Math. Nachr. 147 (1990).
     """
     p = np.asarray(start, np.float64) - np.mean(start, axis=0, dtype=np.float64)
     q = np.asarray(end, np.float64) - np.mean(end, axis=0, dtype=np.float64)
@@ -32,25 +45,22 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
     source += RIDGE * np.trace(source) / 3 * np.eye(3)
     target += RIDGE * np.trace(target) / 3 * np.eye(3)
     root, inverse = _matrix_powers(source, 0.5, -0.5)
-    gauss_map = inverse @ matrix_power(root @ target @ root, 0.5) @ inverse
+    gauss_map = inverse @ _matrix_powers(root @ target @ root, 0.5)[0] @ inverse
     ahead, back = _matrix_powers(gauss_map, 0.5, -0.5)
     return p @ ahead, q @ back
 
 
-def explained_cost(start: Points, end: Points, here: Points, there: Points) -> float:
-    """What `balance` took out: every plan's squared-distance cost falls by this much."""
-    way = np.mean(end, axis=0) - np.mean(start, axis=0)
+def explained_cost(
+    start: Points, end: Points, balanced_start: Points, balanced_end: Points
+) -> float:
+    """The part of the squared-distance cost that `balance` takes out, the same for every plan."""
+    shift = np.mean(end, axis=0) - np.mean(start, axis=0)
     before = _moment(start - np.mean(start, axis=0)) + _moment(end - np.mean(end, axis=0))
-    return float(way @ way) + before - _moment(here) - _moment(there)
+    return float(shift @ shift) + before - _moment(balanced_start) - _moment(balanced_end)
 
 
 def _moment(points: Points) -> float:
     return float(np.einsum("ij,ij->", points, points)) / len(points)
-
-
-def matrix_power(matrix: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
-    """A power of a symmetric positive (semi-)definite matrix."""
-    return _matrix_powers(matrix, exponent)[0]
 
 
 def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArray[np.float64]]:
@@ -62,12 +72,23 @@ def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArr
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
-    """Pairs of every point with its k nearest on the other side, both ways (3.4)."""
-    from scipy.spatial import cKDTree
+    """Pairs of every point with its k nearest on the other side, both ways (section 3.4).
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+    k : int
+
+    Returns
+    -------
+    pair of (E,) int64 ndarray
+        Rows and columns, ordered by row, then column.
+    """
+    from scipy.spatial import KDTree
 
     n, m = len(start), len(end)
-    ahead = cKDTree(end).query(start, min(k, m))[1].reshape(n, -1)
-    back = cKDTree(start).query(end, min(k, n))[1].reshape(m, -1)
+    ahead = KDTree(end).query(start, min(k, m))[1].reshape(n, -1)
+    back = KDTree(start).query(end, min(k, n))[1].reshape(m, -1)
     return unique(
         (np.repeat(np.arange(n), ahead.shape[1]), ahead.ravel()),
         (back.ravel(), np.repeat(np.arange(m), back.shape[1])),
@@ -75,7 +96,10 @@ def nearest(start: Points, end: Points, k: int) -> Edges:
 
 
 def unique(*supports: Edges) -> Edges:
-    """The union of supports, ordered by row, then column."""
+    """The union of supports, ordered by row, then column.
+
+    Equivalent to ``np.unique(np.concatenate(supports, axis=1), axis=1)``.
+    """
     rows = np.concatenate([rows for rows, _ in supports]).astype(np.int64)
     columns = np.concatenate([columns for _, columns in supports]).astype(np.int64)
     width = int(columns.max(initial=0)) + 1
