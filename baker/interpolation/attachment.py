@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 INSTANTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an interval, at which distances are compared
-MAX_WIDENING = 0.25  # point spacings by which a gap may widen half-way; less is not seen
+MAX_WIDENING = 0.25  # point spacings by which a gap may widen on the way; less is not seen
 FOLLOWING_RADIUS = 0.5  # of an organ's root mean square radius: what is nearer follows its base
 
 

@@ -1,8 +1,8 @@
-"""How far a new organ has unfolded half-way through the interval that it is born in.
+"""How far a new organ has unfolded at the middle of the interval that it is born in.
 
-What a scan doesn't show may appear at any time before the next one, so half-way it has half of its
-size in the mean. But an organ of a few points may have been there all along, too small to be seen:
-then it had more.
+What a scan doesn't show may appear at any time before the next one, so at mid-interval it has half
+of its size in the mean. But an organ of a few points may have been there all along, too small to be
+seen: then it had more.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Birth:
     attachment : (3,) float64
         Its attachment point at the end of the interval.
     size : float
-        Half-way, as a share of its size at the end.
+        At mid-interval, as a share of its size at the end.
     parent : Timing, optional
         Of the organ that it grows on, where that doesn't move evenly.
     """
@@ -44,8 +44,8 @@ class Birth:
     ) -> NDArray[np.float32]:
         """(N, 3) control points of paths of degree 2 from the bud's points to the organ's.
 
-        Half-way each mover is `size` of the way from the attachment point to its end, and the
-        attachment point where its parent is.
+        At mid-interval each mover is `size` of the distance from the attachment point to its end,
+        and the attachment point where its parent is.
         """
         unfolding = start / 2 + (1 - 2 * self.size) * self.attachment + (2 * self.size - 0.5) * end
         if self.parent is not None:
@@ -93,7 +93,7 @@ def births(
 
 
 def _size_half_way(points: int) -> float:
-    """An organ's expected size half-way, as a share of that at the end.
+    """An organ's expected size at mid-interval, as a share of that at the end.
 
     It may have had any size at which it has fewer than ten points: half of that in the mean.
     """

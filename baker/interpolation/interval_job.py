@@ -63,12 +63,25 @@ class IntervalJob:
     What spans intervals is settled before: alignment, segments, which organ is which (`match`,
     `organs`), how growth is timed, the series' `floor`.
 
-    times:    of the two scans, whose points are `start` and `end`.
-    bases:    (3,) each, where the plant leaves the ground.
-    timings:  by organ, where it doesn't move evenly.
-    floor:    height that lost organs fall to; 0 where none falls.
-    spacing:  the point spacing of the two scans, which says what gaps and bows matter and how fine
-              positions have to be.
+    Attributes
+    ----------
+    times : pair of float
+        Of the two scans.
+    start, end : Keyframe
+    match, organs
+        The scans' hierarchies and matched segments, and which organ each segment is.
+    bases : pair of (3,) float
+        Plant bases.
+    tasks : tuple of Task
+        What is transported, and what is lost.
+    timings : mapping of organ to Timing
+        Of those that don't move evenly.
+    vertical, floor
+        The up axis, and the height that lost organs fall to; 0 where none falls.
+    spacing : float
+        Mean point spacing of the two scans, relative to which gaps and deviations matter, and
+        positions are rounded.
+    options : InterpolationOptions
     """
 
     times: tuple[float, float]

@@ -71,12 +71,12 @@ def _density(areas: NDArray[np.floating], growth: float) -> float:
 
 
 def _added(task: OrganMovers, wanted: NDArray[np.floating]) -> Added | None:
-    """About `wanted` movers more of each, a little apart from it half-way; None where none are."""
+    """About `wanted` movers more of each, a little apart from it in between; None for none."""
     middle = position_at(task.movers.curve, 0.5)
     own = _spread_out(middle, wanted)
     if len(task.movers) <= NEIGHBORS or not len(own):
         return None
-    # Half-way the ends keep a weight of 2 / 2 ** degree.
+    # At mid-interval the ends keep a weight of 2 / 2 ** degree.
     inner = max(2, len(task.movers.curve) - 1) - 1
     return own, _aside(task, middle, own) / (1 - 2.0**-inner)
 
@@ -101,7 +101,7 @@ def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) 
 def _aside(
     task: OrganMovers, middle: NDArray[np.floating], own: NDArray[np.intp]
 ) -> NDArray[np.floating]:
-    """(n, 3) how far the additions are from their movers half-way.
+    """(n, 3) how far the additions are from their movers at mid-interval.
 
     Movers from one point spread out, movers to one point draw together: an addition keeps that
     order where it goes on from the others through its mover, no farther than the gap to those from

@@ -1,6 +1,6 @@
-"""Where an organ is half-way through an interval, as the intervals before and after tell.
+"""Where an organ is at mid-interval, as the intervals before and after tell.
 
-What grows comes to rest by and by: half-way in time it is beyond the middle of its path. Two scans
+What grows comes to rest by and by: at mid-interval it is beyond the middle of its path. Two scans
 don't tell that, the next ones do, wherever an organ keeps its direction. What sways changes its
 direction from scan to scan, and moves evenly.
 """
@@ -33,7 +33,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Timing:
-    """How far beyond the half of its way an organ is half-way in time; negative if it gets faster.
+    """How far beyond the middle of its path an organ is at mid-interval; negative if it speeds up.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ def organ_timings(
     times: Sequence[float],
     spacing: float,
 ) -> list[dict[int, Timing]]:
-    """How far organs are beyond the half of their way half-way in time.
+    """How far organs are beyond the middle of their paths at mid-interval.
 
     Parameters
     ----------
@@ -93,11 +93,12 @@ def organ_timings(
     ]
     moved, grown = [change[0] for change in changes], [change[1] for change in changes]
     cosines = [
-        _cosine(way, following[organ])
+        _cosine(displacement, following[organ])
         for before, following in pairwise(moved)
-        for organ, way in before.items()
+        for organ, displacement in before.items()
         if organ in following
-        and min(np.linalg.norm(way), np.linalg.norm(following[organ])) > MIN_DISPLACEMENT * spacing
+        and min(np.linalg.norm(displacement), np.linalg.norm(following[organ]))
+        > MIN_DISPLACEMENT * spacing
     ]
     if not cosines or np.median(cosines) < MIN_MEDIAN_COSINE:
         return [{} for _ in moved]
@@ -105,12 +106,15 @@ def organ_timings(
     timings: list[dict[int, Timing]] = []
     for k, displacements in enumerate(moved):
         timings.append({})
-        for organ, way in displacements.items():
+        for organ, displacement in displacements.items():
             offset = _offset(moved, spans, k, organ)
             radial = _offset(grown, spans, k, organ, growth=True)
-            shifts = offset * np.linalg.norm(way), radial * np.linalg.norm(grown[k].get(organ, 0))
+            shifts = (
+                offset * np.linalg.norm(displacement),
+                radial * np.linalg.norm(grown[k].get(organ, 0)),
+            )
             if np.abs(shifts).max() > MIN_SHIFT * spacing:
-                timings[k][organ] = Timing(way, offset, radial)
+                timings[k][organ] = Timing(displacement, offset, radial)
     return timings
 
 
@@ -137,9 +141,9 @@ def _offset(
     organ: int,
     growth: bool = False,
 ) -> float:
-    """How far beyond the half of its change an organ is half-way, as a share of the change.
+    """How far beyond half of its change an organ is at mid-interval, as a share of the change.
 
-    A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 half-way, v and w its speeds at the ends.
+    A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, v and w its speeds at the ends.
     At the series' ends speeds go on to change as they do at the interval's other scan; but growth
     is slow at first and at last.
     """
@@ -161,21 +165,21 @@ def _offset(
     return float(np.clip((first - last) / 8, -MAX_OFFSET, MAX_OFFSET))
 
 
-def _acceleration(way: Vector, span: float, other: Vector, other_span: float) -> float:
+def _acceleration(displacement: Vector, span: float, other: Vector, other_span: float) -> float:
     """By how much faster an organ is at a scan than in the interval before or after it, as a share.
 
-    way, span: its displacement in that interval, and the interval's length; other, other_span:
-    those on the scan's other side.
+    displacement, span: in that interval, and the interval's length; other, other_span: those on the
+    scan's other side.
     """
     speed, other_speed = (
-        float(np.linalg.norm(way)) / span,
+        float(np.linalg.norm(displacement)) / span,
         float(np.linalg.norm(other)) / other_span,
     )
     if speed == 0 or other_speed == 0:
         return 0.0
     weight, other_weight = 2 * other_span + span, other_span + 2 * span
     mean = (weight + other_weight) / (weight / speed + other_weight / other_speed)
-    trust = (_cosine(way, other) - MIN_COSINE) / (FULL_COSINE - MIN_COSINE)
+    trust = (_cosine(displacement, other) - MIN_COSINE) / (FULL_COSINE - MIN_COSINE)
     return float(np.clip(trust, 0.0, 1.0)) * (mean / speed - 1)
 
 
