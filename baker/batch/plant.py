@@ -19,11 +19,12 @@ from baker.batch.traits import write_traits
 from baker.errors import InputError
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
-from baker.options import Options, worker_count
+from baker.options import Options, Transport, worker_count
 from baker.pipeline import Register, bake_series, read_scans
 from baker.report import write_report
 from baker.report.summary import print_summary
 from baker.report.verification import print_errors, verify
+from baker.transport.compile import compile_kernels
 from gclip.terminal.text import Lossy
 
 if TYPE_CHECKING:
@@ -92,6 +93,9 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         if cache is not None:
             register, solve = cache.kept(register), cache.kept_intervals(solve)
         scans = read_scans(inputs, options, progress, map)
+        not_kept = None
+        if outputs.cluster is None and options.resolved().transport != Transport.sinkhorn:
+            not_kept = compile_kernels(partial(progress, "compiling the solver, once"))
         clip, record = bake_series(scans, options, progress, map, register, solve)
         progress("writing", 0, 1)
         clip.save(outputs.clip)
@@ -112,6 +116,8 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     _print_notes(console, clip, outputs.verbose)
+    if not_kept:
+        console.print(not_kept, markup=False, highlight=False)
     kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
     print_summary(console, clip, outputs.clip, progress.seconds, kept)
     if errors:

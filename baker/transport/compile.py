@@ -77,3 +77,7 @@ def _progress_listener(kernels: list[Any], report_progress: Callable[[int, int],
                 report_progress(len(done), len(functions))
 
     return Progress()
+
+
+if __name__ == "__main__":
+    print(compile_kernels() or "The solver is compiled.")

@@ -135,3 +135,15 @@ def test_sums_are_rounded_alike_on_every_machine():
     many = {**os.environ, "OMP_NUM_THREADS": "4"}
     done = subprocess.run(command, capture_output=True, text=True, env=many)
     assert done.stdout.endswith("{'1'}\n")
+
+
+def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans, tmp_path):
+    folder, out = write_scans(days=(0, 1)), tmp_path / "plant.gclip"
+    command = [sys.executable, "-m", "baker", str(folder), "-o", str(out), "--align", "none"]
+    empty = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    first, second = (
+        subprocess.run(command, capture_output=True, text=True, env=empty) for _ in range(2)
+    )
+    assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
+    assert "compiling the solver, once" in first.stderr
+    assert "compiling" not in second.stderr
