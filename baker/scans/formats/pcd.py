@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, require_room
+from baker.scans.formats.lzf import decompress
 from baker.scans.formats.text import Lines, read_rows
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
@@ -77,13 +78,11 @@ def _as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:
 
 def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:
     """Two sizes (packed and not), then LZF: all values of the first field, of the second, …"""
-    import lzf  # type: ignore[import-not-found, unused-ignore]
-
     content = path.read_bytes()[start:]
     packed_size, announced_size = (int(n) for n in np.frombuffer(content[:8], "<u4"))
     packed, size = content[8 : 8 + packed_size], count * record.itemsize
     try:
-        body = lzf.decompress(packed, size) if len(packed) == packed_size else None
+        body = decompress(packed, size) if len(packed) == packed_size else None
     except ValueError:
         body = None
     if body is None or len(body) != size or announced_size != size:
