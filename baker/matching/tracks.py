@@ -15,9 +15,14 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 class Organ:
     """One organ through the series.
 
-    label:  what the scan in which it first appears calls it, None where it has no name.
-    parent: the organ it grows from, as an index into the organs; None for the root.
-    first, last: the scans, by number, that hold it first and last.
+    Attributes
+    ----------
+    label : int or None
+        Its label in the scan in which it first appears; None where it has none.
+    parent : int or None
+        The organ that it grows from, as an index into the organs; None for the root.
+    first, last : int
+        The first and the last scan that hold it.
     """
 
     label: int | None
@@ -28,7 +33,13 @@ class Organ:
 
 @dataclass(frozen=True)
 class IntervalOrgans:
-    """Which organ each segment of an interval's two hierarchies is."""
+    """Which organ each segment of an interval's two hierarchies is.
+
+    Attributes
+    ----------
+    first, second : dict of int to int
+        From segments to indices of organs, in the hierarchies of the interval's match.
+    """
 
     first: dict[int, int]
     second: dict[int, int]
@@ -37,12 +48,24 @@ class IntervalOrgans:
 def follow_organs(
     matches: Sequence[Match], consistent: bool
 ) -> tuple[list[Organ], list[IntervalOrgans]]:
-    """Chain the matches of successive intervals, organs by first appearance, the root first.
-
-    consistent: labels name organs, so one that was lost and comes back is the same organ again.
+    """Chain the matches of successive intervals into organs.
 
     Where matching merged segments of a scan for the interval that it starts, the merged segment
     goes on as the organ that its largest part was.
+
+    Parameters
+    ----------
+    matches : sequence of Match
+        Of successive intervals.
+    consistent : bool
+        Labels name organs: one that was lost and comes back is the same organ again.
+
+    Returns
+    -------
+    organs : list of Organ
+        By first appearance, the root first.
+    intervals : list of IntervalOrgans
+        One for each interval.
     """
     organs: list[Organ] = []
     known: dict[int | None, int] | None = {} if consistent else None
