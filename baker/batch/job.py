@@ -151,7 +151,7 @@ def _bake(job: PlantJob, solve: IntervalSolver | None) -> Clip:
             errors=errors,
             seconds={},
             workers=job.options.workers,
-            progress=_silent,
+            report_progress=_silent,
         )
     clip.save(job.clip)
     return clip

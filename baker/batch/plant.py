@@ -111,7 +111,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
                 errors=errors,
                 seconds=progress.seconds,
                 workers=options.workers,
-                progress=progress,
+                report_progress=progress,
             )
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
@@ -119,7 +119,9 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     if not_kept:
         console.print(not_kept, markup=False, highlight=False)
     kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
-    print_summary(console, clip, outputs.clip, progress.seconds, kept)
+    print_summary(
+        console, clip, outputs.clip, progress.seconds, cached=kept, verbose=outputs.verbose
+    )
     if errors:
         print_errors(console, errors)
     for what, path in (("report", outputs.report), ("traits", outputs.traits)):

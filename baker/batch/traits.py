@@ -11,8 +11,8 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from baker.errors import InputError
-from baker.report.page import write_chunks, write_whole
+from baker.errors import InputError, writing
+from gclip.terminal.atomic import atomic_file
 from traits.table import COLUMNS, Namer, measure_days, write_table
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def write_traits(
     write_table(
         table, Namer(clip, plant), days, lambda done, total: progress("measuring", done, total)
     )
-    write_whole(path, table.getvalue())
+    _write(path, [table.getvalue().encode()])
 
 
 class TraitsTable:
@@ -89,13 +89,18 @@ class TraitsTable:
 
     def save(self, plants: Iterable[str]) -> None:
         """Write the rows of these plants in their order; whole or not at all."""
-        write_chunks(self.path, self._chunks(plants))
+        _write(self.path, self._chunks(plants))
 
     def _chunks(self, plants: Iterable[str]) -> Iterator[bytes]:
         yield (",".join(COLUMNS) + "\n").encode()
         for plant in plants:
             for (rows,) in self._rows.execute("SELECT rows FROM plants WHERE name = ?", (plant,)):
                 yield rows.encode()
+
+
+def _write(path: Path, chunks: Iterable[bytes]) -> None:
+    with writing(path), atomic_file(path) as part, part.open("wb") as file:
+        file.writelines(chunks)
 
 
 def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:

@@ -1,20 +1,23 @@
-"""Pictures of point clouds, all from one camera, taken by our own player.
+"""Pictures of point clouds, all from one camera, rendered by our own player.
 
-The baker does not import the player: it writes a storyboard, a clip in which each picture is a
-still interval of its own, and runs the command `play` on it. So all pictures share one camera,
-and the metadata of each says where a point of the plant is in it.
+The baker does not import the player: it writes a clip in which each picture is an interval of its
+own without motion, and runs the command `play` on it. So all pictures share one camera, and the
+metadata of each says where a point of the plant is in it.
 """
 
 from __future__ import annotations
 
+import base64
 import json
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,118 +25,115 @@ from numpy.typing import NDArray
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
-PATIENCE = 600.0  # seconds for one batch
-BATCH = 6  # pictures a run of the player at least: its start takes as long as five of them
-RUNS = 4  # of the player for each worker, where there are many pictures
-QUALITY = 90  # of JPEG: a tenth of PNG's size, for the ground behind the plant is dithered
-PIXELS = 500_000  # of one picture
+PLAYER_TIMEOUT = 600.0  # seconds for one run of the player
+MIN_BATCH = 6  # pictures a run of the player at least: its start takes as long as five of them
+RUNS_PER_WORKER = 4  # of the player, where there are many pictures
+JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
+PIXELS, MANY_PICTURES = 500_000, 24  # of one picture; half of it from so many pictures on
 MARGIN = 0.1  # about a plant in its part of the picture, as a share of the plant
-CLOSEST = 0.42  # smallest part of a picture that is shown, as a share of its sides
-SQUAT, SLENDER = 1.5, 0.62  # widest and narrowest picture, width by height
+MIN_WINDOW = 0.42  # smallest part of a picture that is shown, as a share of its sides
+MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
 
 
 class NoPicture(Exception):
     """The player could not draw; the sentence says why."""
 
 
-@dataclass(frozen=True)
-class Plate:
-    """What one picture shows: (N, 3) positions about the clip's origin, (N, 3) uint8 sRGB."""
+class PictureRequest(NamedTuple):
+    """What one picture shows."""
 
-    points: NDArray[np.float32]
-    colors: NDArray[np.uint8]
+    points: NDArray[np.float32]  #: (N, 3) about the clip's origin
+    colors: NDArray[np.uint8]  #: (N, 3) sRGB
 
 
-@dataclass(frozen=True)
-class Window:
-    """A part of a picture, in pixels from its top left corner."""
+class Window(NamedTuple):
+    """A part of a picture, in pixels from its top left corner: SVG's viewBox."""
 
     x: float
     y: float
     width: float
     height: float
 
-    @property
-    def box(self) -> str:
-        """As SVG's viewBox."""
-        return f"{self.x} {self.y} {self.width} {self.height}"
-
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture taken.
+    """A rendered picture."""
 
-    jpeg: the picture's file; size: (width, height) in pixels.
-    view: (4, 4) from local coordinates to OpenGL's clip coordinates, M @ column.
-    """
+    jpeg: bytes  #: the file
+    size: tuple[int, int]  #: width and height in pixels
+    view: NDArray[np.float64]  #: (4, 4) from local to OpenGL's clip coordinates, M @ column
 
-    jpeg: bytes
-    size: tuple[int, int]
-    view: NDArray[np.float64]
+    @property
+    def uri(self) -> str:
+        """The picture as an address that holds all of it."""
+        return "data:image/jpeg;base64," + base64.b64encode(self.jpeg).decode("ascii")
 
-    def place(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
+    def project(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
         """(N, 2) pixels from the top left corner at which (N, 3) local positions appear."""
         seen = np.column_stack([points, np.ones(len(points))]) @ self.view.T
-        across, along = (seen[:, :2] / seen[:, 3:]).T
-        width, height = self.size
-        return np.column_stack([width * (1 + across) / 2, height * (1 - along) / 2])
+        return np.asarray(self.size) * (1 + seen[:, :2] / seen[:, 3:] * [1, -1]) / 2
 
     def window(self, points: NDArray[np.floating]) -> Window:
         """The part of the picture that shows (N, 3) local positions, in the picture's shape."""
-        places, size = self.place(points), np.array(self.size, float)
-        low, high = places.min(axis=0), places.max(axis=0)
-        share = max(((1 + 2 * MARGIN) * (high - low) / size).max(), CLOSEST)
+        pixels, size = self.project(points), np.array(self.size, float)
+        low, high = pixels.min(axis=0), pixels.max(axis=0)
+        share = max(((1 + 2 * MARGIN) * (high - low) / size).max(), MIN_WINDOW)
         extent = min(share, 1.0) * size
         corner = np.clip((low + high - extent) / 2, 0.0, size - extent)
-        x, y, width, height = np.round([*corner, *extent], 1).tolist()
-        return Window(x, y, width, height)
+        return Window(*np.round([*corner, *extent], 1).tolist())
 
 
 def take_pictures(
-    plates: Sequence[Plate],
+    requests: Sequence[PictureRequest],
     like: Clip,
     workers: int,
-    done: Callable[[int], None] = lambda count: None,
-    pixels: int = PIXELS,
+    report_progress: Callable[[int], None] = lambda done: None,
     folder: Path | None = None,
 ) -> list[Picture]:
-    """One picture a plate, all from the camera that shows everything on any of them.
+    """Render the pictures from the one camera that shows everything on any of them.
 
-    like:   the clip whose up axis and point spacing the plates share.
-    folder: for temporary files; None leaves that to the system.
+    Parameters
+    ----------
+    requests : sequence of PictureRequest
+    like : Clip
+        Whose up axis and point spacing hold for them.
+    workers : int
+        Runs of the player at a time.
+    report_progress : callable, optional
+        Called with the number of pictures done.
+    folder : Path, optional
+        For temporary files; the system's by default.
 
-    Raises NoPicture where the player can't draw, for example without EGL.
+    Raises
+    ------
+    NoPicture
+        Where the player can't draw, for example without EGL.
     """
-    if not plates:
-        return []
-    with TemporaryDirectory(dir=folder) as drafts:
-        path = Path(drafts) / "storyboard.gclip"
-        storyboard = _storyboard(plates, like)
-        storyboard.save(path)
-        size = _size(storyboard, pixels)
-        batch = max(BATCH, -(-len(plates) // (RUNS * workers)))
-        batches = [range(k, min(k + batch, len(plates))) for k in range(0, len(plates), batch)]
-        pictures: list[Picture] = []
-        executor = ThreadPoolExecutor(workers)
-        try:
-            for job in [executor.submit(_take, path, batch, size) for batch in batches]:
-                pictures += job.result()
-                done(len(pictures))
-        finally:
-            executor.shutdown(cancel_futures=True)
+    pictures: list[Picture] = []
+    if not requests:
+        return pictures
+    with TemporaryDirectory(dir=folder) as drafts, ThreadPoolExecutor(workers) as executor:
+        path, clip = Path(drafts) / "pictures.gclip", _clip_of(requests, like)
+        clip.save(path)
+        size = _picture_size(clip, PIXELS // (1 + (len(requests) >= MANY_PICTURES)))
+        runs = min(-(-len(requests) // MIN_BATCH), RUNS_PER_WORKER * workers)
+        batches = np.array_split(np.arange(len(requests)), runs)
+        for rendered in executor.map(partial(_render, path, size), batches):
+            pictures += rendered
+            report_progress(len(pictures))
     return pictures
 
 
-def _storyboard(plates: Sequence[Plate], like: Clip) -> Clip:
+def _clip_of(requests: Sequence[PictureRequest], like: Clip) -> Clip:
+    """A clip whose intervals, each of length 1, show the requested points at rest."""
     intervals = []
-    for number, plate in enumerate(plates):
-        opaque = np.full((len(plate.points), 1), 255, np.uint8)
-        colors = np.hstack([plate.colors, opaque])
-        tracks = np.zeros(len(plate.points), np.uint16)
-        movers = Movers(Motion.MOVE, (plate.points, plate.points), tracks, colors, colors)
+    for number, request in enumerate(requests):
+        colors = np.insert(request.colors, 3, 255, axis=1)
+        tracks = np.zeros(len(colors), np.uint16)
+        movers = Movers(Motion.MOVE, (request.points, request.points), tracks, colors, colors)
         intervals.append(pack_interval(number, number + 1, [movers], spacing=like.spacing))
     return Clip(
-        scans=tuple(ScanMark("", float(k), "", 0) for k in range(len(plates) + 1)),
+        scans=tuple(ScanMark("", float(k), "", 0) for k in range(len(requests) + 1)),
         intervals=tuple(intervals),
         track_table=(Track(0, "", (0, 0, 0), kind="root"),),
         up=like.up,
@@ -143,26 +143,24 @@ def _storyboard(plates: Sequence[Plate], like: Clip) -> Clip:
     )
 
 
-def _size(storyboard: Clip, pixels: int) -> tuple[int, int]:
+def _picture_size(clip: Clip, pixels: int) -> tuple[int, int]:
     """As many pixels, as wide by as high as what is to be seen."""
-    low, high = storyboard.bounds
-    up = "xyz".index(storyboard.up[-1])
+    low, high = clip.bounds
+    up = "xyz".index(clip.up[-1])
     height = float((high - low)[up])
     width = float(np.delete(high - low, up).max())
-    aspect = min(max(width / max(height, 1e-9), SLENDER), SQUAT)
+    aspect = min(max(width / max(height, 1e-9), MIN_ASPECT), MAX_ASPECT)
     return 2 * round((pixels * aspect) ** 0.5 / 2), 2 * round((pixels / aspect) ** 0.5 / 2)
 
 
-def _take(storyboard: Path, numbers: range, size: tuple[int, int]) -> list[Picture]:
-    folder = storyboard.with_name(f"from-{numbers.start}")
+def _render(clip: Path, size: tuple[int, int], numbers: NDArray[np.integer]) -> list[Picture]:
+    folder = clip.with_name(f"from-{numbers[0]}")
     folder.mkdir()
-    command = [sys.executable, "-m", "player", str(storyboard), "--export", f"{folder}/%d.png"]
-    options = [f"--size={size[0]}x{size[1]}", "--color=scan", "--ground=light", "--quiet"]
-    days = [f"--day={number}" for number in numbers]
+    command = [sys.executable, "-m", "player", str(clip), "--export", f"{folder}/%d.png"]
+    command += [f"--size={size[0]}x{size[1]}", "--color=scan", "--ground=light", "--quiet"]
+    command += [f"--day={number}" for number in numbers]
     try:
-        finished = subprocess.run(
-            [*command, *options, *days], capture_output=True, text=True, timeout=PATIENCE
-        )
+        finished = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
     if finished.returncode:
@@ -174,8 +172,6 @@ def _take(storyboard: Path, numbers: range, size: tuple[int, int]) -> list[Pictu
 def _read(path: Path, size: tuple[int, int]) -> Picture:
     import imageio.v3 as iio
 
-    small = iio.imwrite(
-        "<bytes>", iio.imread(path), extension=".jpg", plugin="pillow",
-        quality=QUALITY, subsampling=0, optimize=True,
-    )  # fmt: skip
-    return Picture(small, size, np.array(json.loads(iio.immeta(path)["view"])))
+    jpeg: Any = {"extension": ".jpg", "quality": JPEG_QUALITY, "subsampling": 0, "optimize": True}
+    content = iio.imwrite("<bytes>", iio.imread(path), plugin="pillow", **jpeg)
+    return Picture(content, size, np.array(json.loads(iio.immeta(path)["view"])))

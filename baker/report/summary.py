@@ -1,4 +1,4 @@
-"""What a finished bake is told as: one short table for people."""
+"""What a finished bake says in the terminal: one short table."""
 
 from __future__ import annotations
 
@@ -12,40 +12,48 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
+VISIBLE_ERROR = 0.01  # marginal error of a transport plan, above which the film is worth a warning
+
 
 def print_summary(
     console: Console,
     clip: Clip,
     path: Path,
     seconds: dict[str, float],
-    kept: str = "",
+    cached: str = "",
+    verbose: bool = False,
 ) -> None:
-    """Print scans, points, segments, births, losses, movers, clip size and seconds per stage.
+    """Print what was baked; with `verbose` also what the transport and each stage did.
 
-    kept: how many intervals came from a cache, if any.
+    seconds: of each stage. cached: how many intervals came from a cache, "" where there is none.
     """
-    from rich.markup import escape
-    from rich.table import Table
-
-    events = Counter(pair.event for k in clip.intervals for pair in k.segments)
-    solvers = Counter(pair.solver for k in clip.intervals for pair in k.segments)
-    worst = max((pair.marginal_error for k in clip.intervals for pair in k.segments), default=0.0)
+    pairs = [pair for interval in clip.intervals for pair in interval.segments]
+    events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)
+    inexact = [pair for pair in pairs if pair.marginal_error > VISIBLE_ERROR]
+    worst = max((pair.marginal_error for pair in pairs), default=0.0)
     first, last = clip.scans[0], clip.scans[-1]
-    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    for name, value in {
-        "scans": f"{len(clip.scans)}, {first.date} to {last.date}",
-        "points": f"{sum(scan.points for scan in clip.scans):,}",
-        "organs": f"{len(clip.track_table)}",
-        "segment pairs": f"{events['match']:,} matched, {events['birth']:,} births, "
-        f"{events['loss']:,} losses",
-        "movers": f"{sum(len(interval) for interval in clip.intervals):,}",
-        "transport": ", ".join(f"{n} x {solver}" for solver, n in sorted(solvers.items()))
-        + f"; marginal error at most {worst:.1g}",
-        **({"from the cache": kept} if kept else {}),
+    rows = {
+        "scans": f"{len(clip.scans)}, {first.date} to {last.date}, "
+        f"{sum(scan.points for scan in clip.scans):,} points",
+        "organs": f"{len(clip.track_table)}; on the way {events['birth']} born "
+        f"and {events['loss']} lost",
         "up": clip.up,
-        "seconds": ", ".join(f"{stage} {s:.1f}" for stage, s in seconds.items())
-        + f"; {sum(seconds.values()):.1f} in all",
-        "written": f"{path} ({path.stat().st_size / 1e6:.1f} MB)",
-    }.items():
-        table.add_row(name, escape(value))
-    console.print(table, highlight=False)
+    }
+    if inexact:  # half of the L1 distance is what goes astray
+        rows["transport"] = (
+            f"inexact for {len(inexact)} of {len(pairs)} segment pairs: up to "
+            f"{50 * worst:.0f}% of a segment's points may move to a wrong place"
+        )
+    if verbose:
+        rows["segment pairs"] = f"{events['match']:,} matched, of {len(pairs):,}"
+        rows["movers"] = f"{sum(len(interval) for interval in clip.intervals):,}"
+        solved = ", ".join(f"{n} x {solver}" for solver, n in sorted(solvers.items()))
+        rows["solvers"] = f"{solved}; marginal error {worst:.1g} at most"
+        rows["stages"] = ", ".join(f"{stage} {s:.1f} s" for stage, s in seconds.items())
+    if cached:
+        rows["from the cache"] = cached
+    size = path.stat().st_size / 1e6
+    rows["written"] = f"{path} ({size:.1f} MB) after {sum(seconds.values()):.1f} s"
+    width = max(map(len, rows))
+    for name, value in rows.items():
+        console.print(f"{name:<{width}}  {value}", markup=False, highlight=False)

@@ -17,9 +17,10 @@ def test_a_bake_from_the_command_line(write_scans, tmp_path, capsys):
     out = tmp_path / "plant.gclip"
     assert main([str(write_scans()), "-o", str(out), "--align", "none"]) == 0
     assert len(gclip.open(out).intervals) == 2
-    told = capsys.readouterr().err
-    for word in ("scans", "points", "births", "movers", "seconds", "transport", "MB"):
-        assert word in told
+    summary = capsys.readouterr().err
+    for words in ("scans", "points", "organs", "born and 0 lost", "up", str(out), "MB"):
+        assert words in summary
+    assert "movers" not in summary
     assert {p.name for p in tmp_path.iterdir()} == {"scans", "out", "plant.gclip"}
 
 
@@ -30,10 +31,12 @@ def test_quiet_is_silent(write_scans, tmp_path, capsys):
     assert captured.out == captured.err == ""
 
 
-def test_verbose_names_the_fields(write_scans, tmp_path, capsys):
+def test_verbose_names_the_fields_and_the_solvers(write_scans, tmp_path, capsys):
     out = tmp_path / "plant.gclip"
     assert main([str(write_scans()), "-o", str(out), "--align", "none", "-v"]) == 0
-    assert "labels from" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    for words in ("labels from", "movers", "segment pairs", "network simplex"):
+        assert words in said
 
 
 def refused(argv, capsys, *words) -> None:

@@ -1,4 +1,4 @@
-"""Who is who: organs of scans, what was merged, why it was matched."""
+"""Organs of scans, what was merged, why it was matched."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import pytest
 from baker import Options
 from baker.matching.match import Merge
 from baker.pipeline import bake_recorded
-from baker.report.merges import absorbed, joined
-from baker.report.organs import organs_of_scans
-from baker.report.reasons import nearness, reasons
+from baker.report.matching import organ_distances, reasons
+from baker.report.organs import absorbed_organs, merged_segments, organs_of_scans
 
 PLAIN = Options(align="none", up="z", workers=1)
 
@@ -30,7 +29,7 @@ def test_every_point_has_its_organ(bake):
         assert dict(zip(found.tolist(), counts.tolist(), strict=True)) == scan.counts
         assert len(scan.points) == len(frame.positions)
         assert len(scan.segments) == len(record.hierarchies[k].segments)
-        shown = set(clip.at(clip.times[k]).tracks.tolist())  # buds of the next scan's organs too
+        shown = set(clip.at(clip.times[k]).tracks.tolist())  # and the next scan's new organs
         assert set(scan.counts) <= shown
 
 
@@ -38,10 +37,10 @@ def test_organs_that_merged_away_are_part_of_one_that_is_there(bake):
     _, record = bake
     scans = organs_of_scans(record)
     for k in range(3):
-        for organ, whole in absorbed(record, k).items():
+        for organ, whole in absorbed_organs(record, k).items():
             assert organ not in scans[k].counts
             assert whole in scans[k].counts
-        for merge in joined(record, k):
+        for merge in merged_segments(record, k):
             assert merge.after < merge.before
             assert merge.into in (
                 *record.organs[k].first.values(),
@@ -49,7 +48,7 @@ def test_organs_that_merged_away_are_part_of_one_that_is_there(bake):
             )
 
 
-def test_a_merge_is_told_by_the_organ_it_became(write_scans):
+def test_a_merge_names_the_organ_it_became(write_scans):
     """The same bake as if leaf 1 of the second scan had been cut in two segments."""
     _, record = bake_recorded([write_scans()], PLAIN)
     (merged, _), whole = record.matches, record.hierarchies[1]
@@ -70,45 +69,43 @@ def test_a_merge_is_told_by_the_organ_it_became(write_scans):
         hierarchies=(record.hierarchies[0], cut, record.hierarchies[2]),
         matches=(replace(merged, merges=(merge,)), record.matches[1]),
     )
-    (told,) = joined(edited, 0)
+    (found,) = merged_segments(edited, 0)
     organ = record.organs[0].second[leaf]
-    assert (told.scan, told.known, told.into, told.child) == (1, False, organ, merge.child)
+    assert (found.scan, found.are_organs, found.into, found.child) == (1, False, organ, merge.child)
     assert organs_of_scans(edited)[1].segments[-1] == organ
 
 
 def test_a_leaf_is_matched_to_the_nearest_and_born_on_the_stem(write_scans):
     clip, record = bake_recorded([write_scans()], PLAIN)
-    scan, near = organs_of_scans(record)[0], nearness(record, 0)
-    assert near is not None
-    told = {r.pair.track: r for r in reasons(clip, record, 0, scan, near)}
+    scan, distances = organs_of_scans(record)[0], organ_distances(record, 0)
+    found = {r.pair.track: r for r in reasons(clip, record, 0, scan, distances)}
     stem, leaf, new = (
         next(t.id for t in clip.track_table if t.name == f"label {n}") for n in range(3)
     )
-    assert told[leaf].labels == (1, 1)
-    assert told[leaf].apart < told[leaf].other[1]
-    assert near.between(leaf, leaf) == told[leaf].apart
-    assert (told[new].pair.event, told[new].host) == ("birth", stem)
-    attachment = [0, 0, 6.0]
-    assert np.linalg.norm(told[new].bud - attachment) < 1.0
+    assert found[leaf].labels == (1, 1)
+    assert found[leaf].distance < found[leaf].nearest_other[1]
+    assert distances[leaf][leaf] == found[leaf].distance
+    assert (found[new].pair.event, found[new].parent) == ("birth", stem)
+    assert np.linalg.norm(found[new].attachment - [0, 0, 6.0]) < 1.0
 
 
 @pytest.mark.parametrize("options", [{}, {"bud": 30}, {"paper": True, "bud": 1}, {"paper": True}])
-def test_a_bud_is_told_where_the_movers_unfold_from(write_scans, options):
+def test_attachment_points_are_where_the_movers_unfold(write_scans, options):
     clip, record = bake_recorded([write_scans()], replace(PLAIN, **options))
-    scan, near = organs_of_scans(record)[0], nearness(record, 0)
-    told = {r.pair.track: r for r in reasons(clip, record, 0, scan, near)}
-    births = [r for r in told.values() if r.pair.event == "birth"]
+    scan, distances = organs_of_scans(record)[0], organ_distances(record, 0)
+    found = reasons(clip, record, 0, scan, distances)
+    births = [reason for reason in found if reason.pair.event == "birth"]
     assert births
     frame = clip.at(clip.times[0])
     for birth in births:
         unfolding = frame.positions[frame.tracks == birth.pair.track]
         middle = np.unique(unfolding.round(4), axis=0).mean(axis=0)
-        np.testing.assert_allclose(birth.bud, middle, atol=1e-3)
+        np.testing.assert_allclose(birth.attachment, middle, atol=1e-3)
 
 
 def test_many_segments_are_not_all_compared(write_scans, monkeypatch):
-    monkeypatch.setattr("baker.report.reasons.MOST", 3)
+    monkeypatch.setattr("baker.report.matching.MAX_PAIRS", 3)
     clip, record = bake_recorded([write_scans()], PLAIN)
-    assert nearness(record, 0) is None
-    told = reasons(clip, record, 0, organs_of_scans(record)[0], None)
-    assert len(told) == len(clip.intervals[0].segments)
+    assert organ_distances(record, 0) == {}
+    found = reasons(clip, record, 0, organs_of_scans(record)[0], {})
+    assert len(found) == len(clip.intervals[0].segments)

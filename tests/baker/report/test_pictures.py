@@ -9,58 +9,58 @@ import pytest
 from PIL import Image
 
 from baker.report import pictures
-from baker.report.pictures import NoPicture, Plate, take_pictures
+from baker.report.pictures import NoPicture, PictureRequest, take_pictures
 
 
 @pytest.fixture
-def plates(baked) -> list[Plate]:
+def requested(baked) -> list[PictureRequest]:
     """The first scan in grey with its highest point in red; the last scan in grey."""
     _, record = baked
     grey = []
     for frame in (record.keyframes[0], record.keyframes[-1]):
         colors = np.full((len(frame.positions), 3), 120, np.uint8)
-        grey.append(Plate(frame.positions, colors))
+        grey.append(PictureRequest(frame.positions, colors))
     grey[0].colors[grey[0].points[:, 2].argmax()] = (255, 0, 0)
     return grey
 
 
 @pytest.mark.usefixtures("player_draws")
-def test_a_picture_shows_its_plate_and_says_where_everything_is(baked, plates):
-    first, last = take_pictures(plates, baked[0], workers=2)
+def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, requested):
+    first, last = take_pictures(requested, baked[0], workers=2)
     image = np.asarray(Image.open(BytesIO(first.jpeg))).astype(int)
     assert image.shape == (first.size[1], first.size[0], 3)
-    top = plates[0].points[plates[0].points[:, 2].argmax()]
-    ((x, y),) = first.place(top[None])
+    top = requested[0].points[requested[0].points[:, 2].argmax()]
+    ((x, y),) = first.project(top[None])
     red = (image[:, :, 0] - image[:, :, 1:].max(axis=2) > 60).nonzero()
     assert np.hypot(red[1] - x, red[0] - y).min() < 3.0
     assert np.allclose(first.view, last.view), "one camera for all"
-    spots = last.place(plates[1].points)
+    spots = last.project(requested[1].points)
     assert (spots >= 0).all()
     assert (spots <= last.size).all()
 
 
 @pytest.mark.usefixtures("player_draws")
-def test_batches_do_not_matter(baked, plates, monkeypatch):
-    together = take_pictures(plates, baked[0], workers=1)
-    monkeypatch.setattr(pictures, "BATCH", 1)
+def test_batches_do_not_matter(baked, requested, monkeypatch):
+    together = take_pictures(requested, baked[0], workers=1)
+    monkeypatch.setattr(pictures, "MIN_BATCH", 1)
     counts: list[int] = []
-    alone = take_pictures(plates, baked[0], workers=2, done=counts.append)
+    alone = take_pictures(requested, baked[0], workers=2, report_progress=counts.append)
     assert [p.jpeg for p in together] == [p.jpeg for p in alone]
     assert counts == [1, 2]
 
 
-def test_a_player_that_cannot_draw_is_quoted(baked, plates, player_fails):
+def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
     with pytest.raises(NoPicture, match="no EGL here"):
-        take_pictures(plates, baked[0], workers=1)
+        take_pictures(requested, baked[0], workers=1)
 
 
-def test_a_window_holds_the_plant_in_the_pictures_shape(plates):
+def test_a_window_holds_the_plant_in_the_pictures_shape(requested):
     """Seen straight from the front, a unit of length is 40 pixels wide and 80 high."""
     size = (400, 800)
     picture = pictures.Picture(b"", size, np.diag([0.2, 0.2, 0.0, 1.0]))
-    for points in (plates[0].points / 30, plates[1].points / 30, np.zeros((1, 3))):
+    for points in (requested[0].points / 30, requested[1].points / 30, np.zeros((1, 3))):
         window = picture.window(points)
-        places = picture.place(points)
+        places = picture.project(points)
         assert (places >= [window.x, window.y]).all()
         assert (places <= [window.x + window.width, window.y + window.height]).all()
         assert window.width / window.height == pytest.approx(size[0] / size[1], rel=1e-2)

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from baker import InputError, Options
 from baker.interpolation.keyframes import held_out_scans
 from baker.pipeline import bake_recorded
-from baker.report.verification import both_ways, overall, verify
+from baker.report.verification import overall, verify
 
 PLAIN = Options(align="none", up="z", paths="straight", workers=1)
 
@@ -47,11 +47,11 @@ def shifted(tmp_path) -> Path:
 WHOLE = replace(PLAIN, transport="whole", holdout=2)
 
 
-def test_an_even_shift_is_rebuilt_at_the_real_time(shifted):
+def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
     clip, record = bake_recorded([shifted], WHOLE)
     (error,) = verify(clip, record)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
-    for way in both_ways(error):
+    for way in error.both:
         assert way.maximum < 1e-4  # at another time than day 1 all points would be off by 0.05
 
 
@@ -61,10 +61,10 @@ def test_distances_are_those_to_the_nearest_point_in_the_unit_cube(shifted):
     clip, record = bake_recorded([shifted], WHOLE)
     (error,) = verify(clip, record)
     side = 30.0 - min(np.loadtxt(p)[:, 0].min() for p in shifted.iterdir())
-    assert error.rebuilt_to_real.maximum < 1e-4, "nothing was made up"
+    assert error.reconstruction_to_scan.maximum < 1e-4, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0] / side
-    way = error.real_to_rebuilt
+    way = error.scan_to_reconstruction
     assert way.maximum == pytest.approx(missed.max(), rel=1e-4)
     assert way.mean == pytest.approx(missed.mean(), rel=1e-3)
     assert way.deviation == pytest.approx(missed.std(), rel=1e-3)
@@ -77,7 +77,7 @@ def test_figures_do_not_depend_on_the_unit(write_scans):
     for path in folder.iterdir():
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
     errors = [verify(*bake_recorded([f], replace(PLAIN, holdout=2)))[0] for f in (folder, large)]
-    small, big = (error.rebuilt_to_real for error in errors)
+    small, big = (error.reconstruction_to_scan for error in errors)
     assert small.mean > 1e-3
     assert big.mean == pytest.approx(small.mean, rel=1e-2)
 
@@ -108,8 +108,8 @@ def test_all_together(write_scans):
     clip, record = bake_recorded([write_scans(days=range(5))], replace(PLAIN, holdout=2))
     errors = verify(clip, record)
     made, missed = overall(errors)
-    assert made.mean == pytest.approx(np.mean([e.rebuilt_to_real.mean for e in errors]))
-    assert missed.maximum == max(e.real_to_rebuilt.maximum for e in errors)
+    assert made.mean == pytest.approx(np.mean([e.reconstruction_to_scan.mean for e in errors]))
+    assert missed.maximum == max(e.scan_to_reconstruction.maximum for e in errors)
 
 
 @pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "2 or more")])
