@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
+from math import inf
 from pathlib import Path
 from typing import Any, Literal
 
@@ -93,6 +94,11 @@ def worker_count(requested: int) -> int:
 
 FARTHEST = 1e12  # coordinates beyond are no place of a plant
 LONGEST_UNIT = 100  # characters
+LEAST = {
+    **dict.fromkeys(("every", "neighbors", "graph_neighbors", "bud"), 1),
+    "denoise": 4,
+    "resample": 10,
+}
 
 
 @dataclass(frozen=True)
@@ -147,10 +153,14 @@ class Options:
             raise InputError(
                 f"--unit has {len(self.unit)} characters; at most {LONGEST_UNIT} are allowed."
             )
-        for name in ("every", "neighbors", "graph_neighbors", "bud"):
+        for name in ("voxel", "outliers"):
             value = getattr(self, name)
-            if value is not None and value < 1:
-                raise InputError(f"{name} is {value}; at least 1 is needed.")
+            if value is not None and not 0 < value < inf:
+                raise InputError(f"{name} is {value}; a number above 0 is needed.")
+        for name, least in LEAST.items():
+            value = getattr(self, name)
+            if value is not None and value < least:
+                raise InputError(f"{name} is {value}; at least {least} is needed.")
 
     @property
     def whole(self) -> bool:

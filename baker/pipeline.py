@@ -40,7 +40,7 @@ from baker.matching import (
     match_series,
 )
 from baker.options import Options, Segment, worker_count
-from baker.scans import ReadOptions, Series, read_series
+from baker.scans import Series, read_series
 from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
@@ -155,8 +155,7 @@ def read_scans(
     map : MapLike
         Maps a function over scans.
     """
-    wanted = ReadOptions.of(options)
-    return read_series(paths, wanted, lambda done, total, _: progress("reading", done, total), map)
+    return read_series(paths, options, partial(progress, "reading"), map)
 
 
 def bake_series(

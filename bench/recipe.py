@@ -121,10 +121,11 @@ def main() -> None:
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     np.seterr(all="ignore")
 
-    from baker.scans import ReadOptions, read_series
+    from baker.options import Options
+    from baker.scans import read_series
 
     given = asked.labels == "consistent"
-    read = ReadOptions(every=asked.every, use_labels=given, look_around=False)
+    read = Options(every=asked.every, labels=asked.labels)
     scans = read_series([asked.scans], read).scans
     began = time.perf_counter()
     labels = [scan.labels if given else segment(scan.points) for scan in scans]

@@ -21,7 +21,7 @@ from baker.options import Options, worker_count
 from baker.pipeline import Register, bake_recorded
 from baker.report import write_report
 from baker.report.verification import verify
-from baker.scans.read import ReadOptions, list_series
+from baker.scans.read import list_series
 from baker.scans.unchanged import digest
 from gclip.terminal.command import OUR_FAULT, verdict
 from traits.table import Namer, measure_days, provenance, write_table
@@ -175,10 +175,9 @@ def current_clip(job: PlantJob) -> Clip | None:
         clip = gclip.open(job.clip)
     except gclip.ClipError:
         return None
-    chosen = ReadOptions.of(job.options)
-    listing = list_series([job.folder], chosen)
+    listing = list_series([job.folder], job.options)
     entries = listing.schedule.entries
-    series = listing.series((), chosen)
+    series = listing.series((), job.options)
     resolved = job.options.for_series(series.fixed, series.length, series.root)
     made_by = software((entry.path for entry in entries), job.options.outliers)
     expected = {**made_by, "options": resolved.provenance()}

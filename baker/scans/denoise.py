@@ -16,19 +16,7 @@ def denoised(cloud: Cloud, neighbors: int) -> Cloud:
     """Moving least squares: project each point onto a plane fitted to its nearest neighbours.
 
     Nearer neighbours have more weight. Where the neighbourhood is round rather than flat, at a thin
-    stem or a tip, points stay where they are.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        N points.
-    neighbors : int
-        Nearest neighbours to which a plane is fitted.
-
-    Returns
-    -------
-    Cloud
-        The same points at their new positions; colours and labels stay.
+    stem or a tip, points stay where they are. Colours and labels stay.
 
     References
     ----------

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 
 Found = TypeVar("Found")
 
@@ -20,11 +20,8 @@ def digest(paths: Sequence[Path]) -> str:
     """
     found = hashlib.sha256()
     for path in paths:
-        try:
-            with path.open("rb") as file:
-                hashlib.file_digest(file, lambda: found)
-        except OSError as error:
-            raise _unreadable(path, error) from None
+        with asking(path), path.open("rb") as file:
+            hashlib.file_digest(file, lambda: found)
     return found.hexdigest()
 
 
@@ -35,31 +32,16 @@ def read_unchanged(paths: Sequence[Path], read: Callable[[], Found]) -> tuple[Fo
     """
     before = _states(paths)
     try:
-        found = read()
-        name = digest(paths)
-    except (InputError, OSError) as error:
-        if _states(paths) != before:  # what was wrong with it may be only that
-            raise _changed(paths) from None
-        raise _unreadable(paths[0], error) if isinstance(error, OSError) else error from None
-    if _states(paths) != before:
-        raise _changed(paths)
-    return found, name
+        with asking(paths[0]):
+            return read(), digest(paths)
+    finally:  # also after a fault, which may be only that
+        if _states(paths) != before:
+            raise InputError(
+                f"'{paths[0]}' changed while it was read; bake again when it is complete."
+            ) from None
 
 
 def _states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
-    states: list[tuple[int, ...]] = []
-    for path in paths:
-        try:
-            state = os.stat(path)
-        except OSError as error:
-            raise _unreadable(path, error) from None
-        states.append((state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns))
-    return states
-
-
-def _changed(paths: Sequence[Path]) -> InputError:
-    return InputError(f"'{paths[0]}' changed while it was read; bake again when it is complete.")
-
-
-def _unreadable(path: Path, error: OSError) -> InputError:
-    return InputError(f"'{path}' can't be read: {error.strerror or error}.")
+    with asking(paths[0]):
+        states = [os.stat(path) for path in paths]
+    return [(state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns) for state in states]

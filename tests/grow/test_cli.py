@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker.scans import ReadOptions, read_series
+from baker.scans import read_series
 from grow import formats, plant
 from grow.cli import main
 from grow.series import day_names
@@ -48,7 +48,7 @@ def test_the_reader_reads_what_was_written(tmp_path: Path, suffix: str, unlabell
     flags = ["--unlabelled", "--no-colors"] if unlabelled else []
     command = ["tree1", str(tmp_path / "t"), "--format", suffix, "--scans", "5", "--seed", "2"]
     assert main([*command, "-q", *flags]) == 0
-    series = read_series([tmp_path / "t"], ReadOptions())
+    series = read_series([tmp_path / "t"])
     subject = plant("tree1", 2)
     assert [scan.time for scan in series.scans] == [0.0, 7.5, 15.0, 22.5, 30.0]
     for scan in series.scans:
@@ -65,9 +65,7 @@ def test_the_reader_reads_what_was_written(tmp_path: Path, suffix: str, unlabell
 def test_points_can_be_one_number_or_grow(tmp_path: Path) -> None:
     assert main(["tomato", str(tmp_path / "a"), "--scans", "3", "--points", "500"]) == 0
     assert main(["tomato", str(tmp_path / "b"), "--scans", "3", "--points", "500,900"]) == 0
-    same, growing = (
-        [len(scan) for scan in read_series([tmp_path / name], ReadOptions()).scans] for name in "ab"
-    )
+    same, growing = ([len(scan) for scan in read_series([tmp_path / name]).scans] for name in "ab")
     assert same == [500, 500, 500]
     assert growing[0] == 500
     assert 500 < growing[1] < 900
@@ -80,7 +78,7 @@ def test_shuffled_labels_can_be_told_from_the_truth(tmp_path: Path) -> None:
     poses = rows_of(tmp_path / "m" / "truth" / "poses.csv")
     subject = plant("maize")
     renumbered = 0
-    series = read_series([tmp_path / "m"], ReadOptions())
+    series = read_series([tmp_path / "m"])
     for scan, pose in zip(series.scans, poses, strict=True):
         own = {int(r["label"]): int(r["organ"]) for r in organs if r["scan"] == scan.name}
         cloud = subject.cloud(scan.time)

@@ -7,7 +7,8 @@ from plyfile import PlyData
 from scipy.spatial import cKDTree
 
 from baker.geometry.neighbors import nearest_neighbors
-from baker.scans import ReadOptions, read_series
+from baker.options import Options
+from baker.scans import read_series
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
 from baker.segmentation.label_cleaning import clean_labels
@@ -68,8 +69,8 @@ def test_nothing_is_lost_far_from_the_origin(folder):
 @pytest.mark.parametrize("folder", TOMATOES, ids=lambda folder: folder.name)
 def test_one_point_stays_of_each_voxel_and_organ(folder):
     side = 1.0
-    full = read_series([folder], ReadOptions())
-    thin = read_series([folder], ReadOptions(voxel=side))
+    full = read_series([folder], Options())
+    thin = read_series([folder], Options(voxel=side))
     for before, after in zip(full.scans, thin.scans, strict=True):
         labels = np.zeros(len(before)) if before.labels is None else before.labels
         cells = np.column_stack([np.floor(before.points / side), labels])

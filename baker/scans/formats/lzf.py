@@ -28,7 +28,7 @@ def decompress(packed: bytes, size: int) -> bytes:
     while place < len(packed) and len(result) <= size:
         control, place = packed[place], place + 1
         if control < 32:
-            run = packed[place : place + control + 1]
+            run: bytes | bytearray = packed[place : place + control + 1]
             place += control + 1
         else:
             length = control >> 5

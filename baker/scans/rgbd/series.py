@@ -29,7 +29,7 @@ from baker.scans.times import Schedule
 class ImageSeries:
     """The frames of one folder, found and checked by name; pixels are read frame by frame.
 
-    camera_file: the camera's file in that folder. times_file: as in `baker.scans.ReadOptions`.
+    camera_file: the camera's file in that folder. times_file: as --times.
     Raises InputError, here and while reading: see the modules `camera` and `images`.
     """
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baker import InputError
-from baker.scans import ReadOptions
+from baker.options import Options
 from baker.scans.cloud import Cloud
 from baker.scans.denoise import denoised
 
@@ -45,7 +45,7 @@ def test_too_few_points_are_left_alone():
 
 
 def test_impossible_numbers_are_refused():
-    with pytest.raises(InputError, match="denoise must be 4 or more, not 3"):
-        ReadOptions(denoise=3)
-    with pytest.raises(InputError, match="resample must be 10 or more, not 0"):
-        ReadOptions(resample=0)
+    with pytest.raises(InputError, match="denoise is 3; at least 4 is needed"):
+        Options(denoise=3)
+    with pytest.raises(InputError, match="resample is 0; at least 10 is needed"):
+        Options(resample=0)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from baker.errors import InputError
-from baker.scans import ReadOptions, read_series
+from baker.options import Options
+from baker.scans import read_series
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def test_big_world_coordinates_are_kept(make_folder):
 def test_reading_twice_gives_the_same_bytes(make_folder):
     text = "".join(f"{i % 7} {i % 5} {i % 3} {i % 2}\n" for i in range(200))
     folder = make_folder({"day1.txt": text, "day2.txt": text})
-    options = ReadOptions(voxel=2.0, outliers=3.0)
+    options = Options(voxel=2.0, outliers=3.0)
     first, second = (read_series([folder], options) for _ in range(2))
     for a, b in zip(first.scans, second.scans, strict=True):
         assert a.points.tobytes() == b.points.tobytes()
@@ -56,9 +57,7 @@ def test_reading_twice_gives_the_same_bytes(make_folder):
 
 def test_cleaning_is_noted(make_folder):
     text = "0 0 0 1\n0 0 0 2\nnan 0 0 1\n1 1 1 1\n1.1 1.1 1.1 1\n"
-    series = read_series(
-        [make_folder({"day1.txt": text, "day2.txt": text})], ReadOptions(voxel=0.5)
-    )
+    series = read_series([make_folder({"day1.txt": text, "day2.txt": text})], Options(voxel=0.5))
     assert [len(scan) for scan in series.scans] == [2, 2]
     assert series.scans[0].labels.tolist() == [1, 1]
     assert series.scans[0].notes[2:] == (
@@ -80,17 +79,17 @@ def test_labels_missing_in_some_scans(make_folder):
     )
     with pytest.raises(InputError, match=r"^'day2\.txt' of the 3 scans: no labels"):
         read_series([folder])
-    series = read_series([folder], ReadOptions(use_labels=False))
+    series = read_series([folder], Options(labels="ignore"))
     assert all(scan.labels is None for scan in series.scans)
 
 
 def test_label_field_is_used(make_folder):
     text = "x y z label organ\n0 0 0 1 7\n1 0 0 1 8\n"
     folder = make_folder({"day1.txt": text, "day2.txt": text})
-    series = read_series([folder], ReadOptions(label_field="organ"))
+    series = read_series([folder], Options(label_field="organ"))
     assert series.scans[0].labels.tolist() == [7, 8]
     with pytest.raises(InputError, match=r"day1\.txt' has no field 'leaf'.*x, y, z, label, organ"):
-        read_series([folder], ReadOptions(label_field="leaf"))
+        read_series([folder], Options(label_field="leaf"))
 
 
 def test_colors_missing_in_some_scans_are_left_out(make_folder):
@@ -115,19 +114,19 @@ def test_las_that_was_never_classified_has_no_labels(tmp_path, later):
     assert all(scan.colors is None for scan in series.scans)
 
 
-def test_progress_names_each_scan(make_folder):
+def test_progress_is_reported_after_each_scan(make_folder):
     folder = make_folder({"day1.txt": "0 0 0\n1 1 1", "day2.txt": "0 0 0\n1 1 1"})
     calls = []
-    read_series([folder], progress=lambda *call: calls.append(call))
-    assert calls == [(0, 2, "day1.txt"), (1, 2, "day2.txt"), (2, 2, "")]
+    read_series([folder], report_progress=lambda *call: calls.append(call))
+    assert calls == [(0, 2), (1, 2), (2, 2)]
 
 
 @pytest.mark.parametrize("bad", [0, -1, float("nan"), float("inf")])
 def test_options_out_of_range(bad):
-    with pytest.raises(InputError, match="voxel must be a number above 0"):
-        ReadOptions(voxel=bad)
-    with pytest.raises(InputError, match="outliers must be a number above 0"):
-        ReadOptions(outliers=bad)
+    with pytest.raises(InputError, match=r"voxel is .*; a number above 0 is needed"):
+        Options(voxel=bad)
+    with pytest.raises(InputError, match=r"outliers is .*; a number above 0 is needed"):
+        Options(outliers=bad)
 
 
 def test_the_package_imports_nothing_heavy():
@@ -142,6 +141,6 @@ def test_the_package_imports_nothing_heavy():
 def test_every_nth_scan_needs_two(make_folder):
     folder = make_folder({f"day{day}.txt": "0 0 0\n1 1 1" for day in range(4)})
     for every, days in ((2, [0, 2]), (3, [0, 3])):
-        assert [scan.time for scan in read_series([folder], ReadOptions(every=every)).scans] == days
+        assert [scan.time for scan in read_series([folder], Options(every=every)).scans] == days
     with pytest.raises(InputError, match="--every 4 leaves only the first one"):
-        read_series([folder], ReadOptions(every=4))
+        read_series([folder], Options(every=4))

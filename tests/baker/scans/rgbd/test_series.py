@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from baker.errors import InputError
-from baker.scans import ReadOptions, read_series
+from baker.options import Options
+from baker.scans import read_series
 
 CAMERA = "fx = 100.0\nfy = 120.0\ncx = 20.0\ncy = 14.5\n"
 SIZE = (30, 40)
@@ -189,7 +190,7 @@ def test_images_in_folders_of_their_own(make_images: FolderMaker) -> None:
 
 
 def test_labels_can_be_ignored_but_still_cut_out_the_plant(make_images: FolderMaker) -> None:
-    series = read_series([make_images()], ReadOptions(use_labels=False))
+    series = read_series([make_images()], Options(labels="ignore"))
     assert len(series.scans[0]) == leaf(0).sum()
     assert series.scans[0].labels is None
     assert series.root is None
@@ -197,13 +198,13 @@ def test_labels_can_be_ignored_but_still_cut_out_the_plant(make_images: FolderMa
 
 def test_only_each_nth_scan(make_images: FolderMaker) -> None:
     folder = make_images(names=tuple(f"000_{k:02}" for k in range(5)))
-    series = read_series([folder], ReadOptions(every=2))
+    series = read_series([folder], Options(every=2))
     assert [scan.name for scan in series.scans] == [f"rgb_000_{k:02}.png" for k in (0, 2, 4)]
     assert series.rule.endswith("Of 5 scans 3 are used, one in 2.")
     with pytest.raises(InputError, match="of 5 scans, --every 5 leaves only the first one"):
-        read_series([folder], ReadOptions(every=5))
-    with pytest.raises(InputError, match="every must be a whole number, 1 or more, not 0"):
-        ReadOptions(every=0)
+        read_series([folder], Options(every=5))
+    with pytest.raises(InputError, match="every is 0; at least 1 is needed"):
+        Options(every=0)
 
 
 @pytest.mark.parametrize(
@@ -234,7 +235,7 @@ def test_times_from_a_file(make_images: FolderMaker, tmp_path: Path) -> None:
     folder = make_images()
     times = tmp_path / "times.txt"
     times.write_text("rgb_000_00.png 5\nrgb_000_03 4\nrgb_001_00.png 7\n")
-    series = read_series([folder], ReadOptions(times_file=times))
+    series = read_series([folder], Options(times=times))
     assert [(scan.name, scan.time) for scan in series.scans] == [
         ("rgb_000_03.png", 4.0),
         ("rgb_000_00.png", 5.0),
@@ -302,4 +303,4 @@ def test_a_truncated_image(make_images: FolderMaker) -> None:
 
 def test_label_fields_are_for_other_scans(make_images: FolderMaker) -> None:
     with pytest.raises(InputError, match="leave out --label-field"):
-        read_series([make_images()], ReadOptions(label_field="organ"))
+        read_series([make_images()], Options(label_field="organ"))
