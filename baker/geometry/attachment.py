@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 SHARE_AT_ATTACHMENT = 0.02  # of an organ's points, whose mean is its attachment point
+SAMPLE_SIZE = 50  # points of an organ that bound its distance from its parent
 
 
 def attachment_point(organ: NDArray[np.floating], parent: cKDTree) -> NDArray[np.float64]:
@@ -29,3 +30,31 @@ def attachment_point(organ: NDArray[np.floating], parent: cKDTree) -> NDArray[np
     distances = parent.query(organ)[0]
     count = max(1, round(SHARE_AT_ATTACHMENT * len(organ)))
     return organ[np.argsort(distances, kind="stable")[:count]].mean(axis=0, dtype=np.float64)
+
+
+def points_near(
+    parent: cKDTree, organ: NDArray[np.floating], margin: float = 0.0
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The points of an organ that are nearest to its parent.
+
+    Searches of a tree far from the points are slow, so a sample of them bounds the distance.
+
+    Parameters
+    ----------
+    parent : cKDTree
+        Of the parent's points.
+    organ : (n, 3) float
+    margin : float
+        How much farther than the nearest one a point may be.
+
+    Returns
+    -------
+    indices : (k,) intp
+        Ascending.
+    distances : (k,) float64
+    """
+    bound = parent.query(organ[:: max(1, len(organ) // SAMPLE_SIZE)])[0].min()
+    bound = np.nextafter(bound + margin, np.inf)
+    distances = parent.query(organ, distance_upper_bound=bound)[0]
+    near = np.flatnonzero(distances <= distances.min() + margin)
+    return near, distances[near]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.attachment import points_near
 from baker.interpolation.movers import OrganMovers
 from baker.interpolation.resampling import position_at
 from baker.matching import IntervalOrgans, Match
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 INSTANTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an interval, at which distances are compared
 MAX_WIDENING = 0.25  # point spacings by which a gap may widen on the way; less is not seen
+CONTACT_MARGIN = 2.0  # point spacings beyond the nearest point within which an organ is in contact
 FOLLOWING_RADIUS = 0.5  # of an organ's root mean square radius: what is nearer follows its base
 
 
@@ -93,8 +95,8 @@ def attachment_finder(
             parent = hierarchies[side].parents[segments[task.organ][side]]
             if parent == NO_PARENT or not len(hierarchies[side].segments[parent]):
                 return None
-            distances = tree(side, parent).query(clouds[side].take(members, axis=0))[0]
-            found.append(int(np.argmin(distances)))
+            near, distances = points_near(tree(side, parent), clouds[side].take(members, axis=0))
+            found.append(int(near[np.argmin(distances)]))
         return found[0], found[1]
 
     return find
@@ -110,16 +112,23 @@ def _trees(moved: OrganMovers) -> tuple[cKDTree, ...]:
 def _attached(moved: OrganMovers, parent: tuple[cKDTree, ...], spacing: float) -> OrganMovers:
     """An organ shifted on the way, as a whole the less the farther from its attachment point."""
     places = np.stack([position_at(moved.movers.curve, u) for u in INSTANTS]).astype(float)
-    found = [tree.query(points) for tree, points in zip(parent, places, strict=True)]
+    # Only what is near its parent at the scans or half-way can tell how far the organ comes off.
+    margin = CONTACT_MARGIN * spacing
+    near = np.unique(
+        np.concatenate(
+            [points_near(parent[k], places[k], margin)[0] for k in range(0, len(INSTANTS), 2)]
+        )
+    )
+    found = [tree.query(points[near]) for tree, points in zip(parent, places, strict=True)]
     distances = np.stack([distance for distance, _ in found])
     gaps = distances.min(axis=1)
     allowed = max(gaps[0], gaps[-1])
     if gaps.max() <= allowed + MAX_WIDENING * spacing:
         return moved
-    base = int(np.argmin(distances.sum(axis=0)))  # near its parent all the way
-    distances = distances[:, base]
+    nearest = int(np.argmin(distances.sum(axis=0)))  # near its parent all the way
+    base, distances = int(near[nearest]), distances[:, nearest]
     touched = np.stack(
-        [tree.data[near[base]] for tree, (_, near) in zip(parent, found, strict=True)]
+        [tree.data[touching[nearest]] for tree, (_, touching) in zip(parent, found, strict=True)]
     )
     shares = np.maximum(1.0 - allowed / np.maximum(distances, 1e-30), 0.0)
     shift = shares[:, None] * (touched - places[:, base])

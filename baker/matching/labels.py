@@ -191,5 +191,17 @@ class _Organs:
 
 def _matched(first: _Organs, second: _Organs) -> list[tuple[int, int]]:
     """Pairs of organs, by index; all others are born or lost."""
-    costs = np.array([[tree.query(s)[0].mean() for tree in second.trees] for s in first.samples])
-    return assign_with_dummies(costs, LOSS_COST * first.sizes, BIRTH_COST * second.sizes)
+    lost, born = LOSS_COST * first.sizes, BIRTH_COST * second.sizes
+    costs = _box_gaps(first.samples, second.samples)  # lower bounds of the covering distances
+    # A pair that costs more than a loss and a birth is never assigned, whatever it costs.
+    for i, j in np.argwhere(costs < lost[:, None] + born):
+        costs[i, j] = second.trees[j].query(first.samples[i])[0].mean()
+    return assign_with_dummies(costs, lost, born)
+
+
+def _box_gaps(first: Sequence[Points], second: Sequence[Points]) -> NDArray[np.float64]:
+    """Distances between the bounding boxes of (n, 3) clouds, for all pairs."""
+    low, high = (np.array([edge(s, axis=0) for s in first]) for edge in (np.min, np.max))
+    next_low, next_high = (np.array([edge(s, axis=0) for s in second]) for edge in (np.min, np.max))
+    gaps = np.maximum(next_low - high[:, None], low[:, None] - next_high)
+    return np.linalg.norm(np.maximum(gaps, 0.0), axis=2)
