@@ -10,12 +10,5 @@ from baker.scans.times.schedule import (
     schedule_scans,
 )
 
-__all__ = [
-    "Entry",
-    "FoundScans",
-    "Moment",
-    "Schedule",
-    "names_without_times",
-    "natural_key",
-    "schedule_scans",
-]
+__all__ = ["Entry", "FoundScans", "Moment", "Schedule"]
+__all__ += ["names_without_times", "natural_key", "schedule_scans"]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, date, datetime, timedelta
+from datetime import UTC, datetime, timedelta
+from functools import partial
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 COMMON_YEAR, LEAP_YEAR = 2001, 2000  # stand in where a name has no year
+NO_YEAR = "month and day"  # the family of dates without a year
 WEAK_RANK = 4  # conventions from this rank on also fit numbers that are no times
 
 
@@ -25,17 +27,11 @@ class Moment:
 class Convention:
     """One way to write a time.
 
-    Attributes
-    ----------
-    what : str
-        For people: "dates (day, month, year)".
-    pattern : re.Pattern
-    read : callable
-        From a match to a moment, or None where the numbers are no such time.
-    rank : int
-        How readily other numbers are taken for it; lower ranks are preferred.
-    family : str
-        Conventions of one family differ only in the order of day, month and year.
+    what:    for people: "dates (day, month, year)".
+    pattern: what to look for in a name.
+    read:    from a match to a moment, or None where the numbers are no such time.
+    rank:    how readily other numbers are taken for it; lower ranks are preferred.
+    family:  conventions of one family differ only in the order of day, month and year.
     """
 
     what: str
@@ -56,80 +52,52 @@ def parse_date(text: str) -> Moment | None:
     return _iso(match) if match else None
 
 
-def _dated(moment: datetime, written: str) -> Moment:
-    return Moment((moment - EPOCH) / timedelta(days=1), written, dated=True)
+def _dated(form: str, seconds_after: int = 0, **parts: int) -> Moment | None:
+    """The moment so long after these parts of a datetime; None where there is no such date."""
+    try:
+        moment = datetime(**parts, tzinfo=UTC) + timedelta(seconds=seconds_after)
+    except ValueError:
+        return None  # 2020-13-40
+    return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{form}}", dated=True)
 
 
 def _iso(match: re.Match[str]) -> Moment | None:
-    numbers = [int(n) for n in match.group("year", "month", "day", "hour", "minute", "second") if n]
-    try:
-        moment = datetime(*numbers, tzinfo=UTC)  # type: ignore[arg-type, misc]
-    except ValueError:
-        return None  # 2020-13-40
-    written = moment.strftime("%Y-%m-%d %H:%M:%S")
-    return _dated(moment, written[: {3: 10, 5: 16}.get(len(numbers), 19)])
+    parts = {part: int(number) for part, number in match.groupdict().items() if number}
+    time = " %H:%M:%S" if "second" in parts else " %H:%M" if "hour" in parts else ""
+    return _dated("%Y-%m-%d" + time, **parts)
 
 
-def _calendar(order: str) -> Callable[[re.Match[str]], Moment | None]:
-    """Reads the groups first, second, third as d(ay), m(onth), y(ear) in this order."""
-
-    def read(match: re.Match[str]) -> Moment | None:
-        groups = ("first", "second", "third")
-        texts = {letter: match[group] for letter, group in zip(order, groups, strict=False)}
-        year = int(texts["y"]) if "y" in texts else None
-        month = texts["m"]
-        number = int(month) if month.isdecimal() else MONTHS[month[:3].lower()]
-        return _day_of_year(year, number, int(texts["d"]))
-
-    return read
+def _calendar(order: str, match: re.Match[str]) -> Moment | None:
+    """From the groups a, b, c, which are d(ay), m(onth: a number or a name), y(ear) in an order."""
+    texts = {letter: match[group] for letter, group in zip(order, "abc", strict=False)}
+    day, name = int(texts["d"]), texts["m"]
+    month = int(name) if name.isdecimal() else MONTHS[name[:3].lower()]
+    if "y" not in texts:
+        stand_in = LEAP_YEAR if (month, day) == (2, 29) else COMMON_YEAR
+        return _dated("%m-%d", year=stand_in, month=month, day=day)
+    year = int(texts["y"])
+    return _dated("%Y-%m-%d", year=year + 2000 * (year < 100), month=month, day=day)
 
 
-def _day_of_year(year: int | None, month: int, day: int) -> Moment | None:
-    stand_in = LEAP_YEAR if (month, day) == (2, 29) else COMMON_YEAR
-    full = stand_in if year is None else year + 2000 if year < 100 else year
-    try:
-        moment = datetime(full, month, day, tzinfo=UTC)
-    except ValueError:
-        return None
-    return _dated(moment, f"{moment:%m-%d}" if year is None else f"{moment:%Y-%m-%d}")
-
-
-def _ordinal(match: re.Match[str]) -> Moment | None:
-    year, number = int(match["year"]), int(match["number"])
+def _day_of_year(match: re.Match[str]) -> Moment | None:
+    number = int(match["number"])
     if not 1 <= number <= 366:
         return None
-    moment = datetime.combine(date(year, 1, 1) + timedelta(number - 1), datetime.min.time(), UTC)
-    return _dated(moment, f"{moment:%Y-%m-%d}")
+    return _dated("%Y-%m-%d", (number - 1) * 86400, year=int(match["year"]), month=1, day=1)
 
 
-def _unix(match: re.Match[str]) -> Moment:
-    moment = EPOCH + timedelta(seconds=int(match[0][:10]))
-    return _dated(moment, f"{moment:%Y-%m-%d %H:%M:%S}")
+def _unix(match: re.Match[str]) -> Moment | None:
+    return _dated("%Y-%m-%d %H:%M:%S", int(match[0][:10]), year=1970, month=1, day=1)
 
 
-def _labelled(unit: str, days: float) -> Callable[[re.Match[str]], Moment]:
-    def read(match: re.Match[str]) -> Moment:
-        number = float(match["number"])
-        return Moment(number * days, f"{unit} {number:.10g}")
-
-    return read
-
-
+MONTH_NAMES = "jan feb mar,mär,mae,mrz apr may,mai jun jul aug sep oct,okt nov dec,dez"
 MONTHS = {
-    name: number
-    for number, names in enumerate(
-        (
-            *("jan", "feb", "mar mär mae mrz", "apr", "may mai", "jun"),
-            *("jul", "aug", "sep", "oct okt", "nov", "dec dez"),
-        ),
-        1,
-    )
-    for name in names.split()
+    name: number for number, names in enumerate(MONTH_NAMES.split(), 1) for name in names.split(",")
 }
 _MONTH = "(?:" + "|".join(MONTHS) + ")[a-zä]{0,6}"
 _YEAR = r"(?:19|20|21)\d\d"
 _ISO = re.compile(
-    rf"""(?<!\d) (?P<year>{_YEAR}) (?P<dash>[-_.]?) (?P<month>\d\d) (?P=dash) (?P<day>\d\d)
+    rf"""(?<!\d) (?P<year>{_YEAR}) ([-_.]?) (?P<month>\d\d) \2 (?P<day>\d\d)
         (?: [T_\ -]? (?P<hour>[01]\d|2[0-3]) [-:_.h]? (?P<minute>[0-5]\d)
             (?: [-:_.m]? (?P<second>[0-5]\d) )? Z? )?
         (?!\d)""",
@@ -137,102 +105,59 @@ _ISO = re.compile(
 )
 
 
-def _dates(what: str, pattern: str, rank: int, orders: Sequence[str]) -> list[Convention]:
-    """A convention for each order of day, month and year in which numbers may be meant."""
+def _dates(family: str, rank: int, orders: str, pattern: str) -> list[Convention]:
+    """A convention for each order in which the groups a, b, c may be day, month and year."""
     words = {"d": "day", "m": "month", "y": "year"}
     compiled = re.compile(rf"(?<!\d){pattern}(?!\d)", re.IGNORECASE)
     return [
         Convention(
             f"dates ({', '.join(words[letter] for letter in order)})",
             compiled,
-            _calendar(order),
+            partial(_calendar, order),
             rank,
-            what,
+            family,
         )
-        for order in orders
+        for order in orders.split()
     ]
 
 
 def _numbers(unit: str, days: float, prefixes: str, suffixes: str) -> list[Convention]:
     """Numbers with a label before (DAS10, week 2) or behind (12DAT, 3dpi)."""
-    patterns = (
-        rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?(?P<number>\d+(?:\.\d+)?)",
-        rf"(?<![\d.])(?P<number>\d+(?:\.\d+)?)[ _-]?(?:{suffixes})(?![a-z0-9])",
-    )
+
+    def read(match: re.Match[str]) -> Moment:
+        number = float(match["number"])
+        return Moment(number * days, f"{unit} {number:.10g}")
+
+    what = f"{unit} numbers"
     return [
-        Convention(
-            f"{unit} numbers",
-            re.compile(pattern, re.IGNORECASE),
-            _labelled(unit, days),
-            2,
-            f"{unit} numbers",
+        Convention(what, re.compile(pattern, re.IGNORECASE), read, 2, what)
+        for pattern in (
+            rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?(?P<number>\d+(?:\.\d+)?)",
+            rf"(?<![\d.])(?P<number>\d+(?:\.\d+)?)[ _-]?(?:{suffixes})(?![a-z0-9])",
         )
-        for pattern in patterns
     ]
 
 
 # Days after sowing, planting, transplanting, germination, emergence, inoculation, infection.
 _DAYS_AFTER = "da[sptgeif]|dp[iagsp]"
+_HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"
+_ORDINAL = re.compile(rf"(?<!\d)(?P<year>{_YEAR})[-_. ]?(?P<number>\d\d\d)(?!\d)")
+_UNIX = re.compile(r"(?<!\d)1\d{9}(?:\d{3})?(?!\d)")
 CONVENTIONS: tuple[Convention, ...] = (
     Convention("dates", _ISO, _iso, 0, "iso"),
-    *_dates(
-        "year first",
-        rf"(?P<first>{_YEAR})(?P<s>[-_.])(?P<second>\d\d?)(?P=s)(?P<third>\d\d?)",
-        1,
-        ["ymd"],
-    ),
-    *_dates(
-        "named",
-        rf"(?P<first>\d\d?)[-_. ]*(?P<second>{_MONTH})[-_. ]*(?P<third>{_YEAR}|\d\d)",
-        1,
-        ["dmy"],
-    ),
-    *_dates(
-        "named",
-        rf"(?P<first>{_MONTH})[-_. ]*(?P<second>\d\d?)[-_., ]+(?P<third>{_YEAR})",
-        1,
-        ["mdy"],
-    ),
-    *_dates(
-        "named",
-        rf"(?P<first>{_YEAR})[-_. ]*(?P<second>{_MONTH})[-_. ]*(?P<third>\d\d?)",
-        1,
-        ["ymd"],
-    ),
-    *_dates(
-        "numbers and a year",
-        rf"(?P<first>\d\d?)(?P<s>[-_. ])(?P<second>\d\d?)(?P=s)(?P<third>{_YEAR})",
-        1,
-        ["dmy", "mdy"],
-    ),
-    *_dates(
-        "eight digits", rf"(?P<first>\d\d)(?P<second>\d\d)(?P<third>{_YEAR})", 1, ["dmy", "mdy"]
-    ),
+    *_dates("year first", 1, "ymd", rf"(?P<a>{_YEAR})(?P<s>[-_.])(?P<b>\d\d?)(?P=s)(?P<c>\d\d?)"),
+    *_dates("named", 1, "dmy", rf"(?P<a>\d\d?)[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>{_YEAR}|\d\d)"),
+    *_dates("named", 1, "mdy", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?)[-_., ]+(?P<c>{_YEAR})"),
+    *_dates("named", 1, "ymd", rf"(?P<a>{_YEAR})[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>\d\d?)"),
+    *_dates("year", 1, "dmy mdy", rf"(?P<a>\d\d?)(?P<s>[-_. ])(?P<b>\d\d?)(?P=s)(?P<c>{_YEAR})"),
+    *_dates("eight digits", 1, "dmy mdy", rf"(?P<a>\d\d)(?P<b>\d\d)(?P<c>{_YEAR})"),
     *_numbers("day", 1.0, f"days?|d|tage?|dag|{_DAYS_AFTER}", f"days?|d|tage?|{_DAYS_AFTER}"),
     *_numbers("week", 7.0, "weeks?|wk|w|wochen?|kw", "weeks?|wk|w|wochen?"),
-    *_numbers("hour", 1 / 24, "hours?|hrs?|h|hp[ig]|ha[igs]", "hours?|hrs?|h|hp[ig]|ha[igs]"),
-    *_dates(
-        "two-digit numbers",
-        r"(?P<first>\d\d?)(?P<s>[-.])(?P<second>\d\d?)(?P=s)(?P<third>\d\d)",
-        3,
-        ["dmy", "ymd", "mdy"],
-    ),
-    Convention("unix times", re.compile(r"(?<!\d)1\d{9}(?:\d{3})?(?!\d)"), _unix, 3, "unix times"),
-    Convention(
-        "years and days of the year",
-        re.compile(rf"(?<!\d)(?P<year>{_YEAR})[-_. ]?(?P<number>\d\d\d)(?!\d)"),
-        _ordinal,
-        WEAK_RANK,
-        "days of the year",
-    ),
-    *_dates(
-        "six digits",
-        r"(?P<first>\d\d)(?P<second>\d\d)(?P<third>\d\d)",
-        WEAK_RANK,
-        ["ymd", "dmy", "mdy"],
-    ),
-    *_dates(
-        "month and day", rf"(?P<first>\d\d?)[-_. ]?(?P<second>{_MONTH})(?![a-z])", WEAK_RANK, ["dm"]
-    ),
-    *_dates("month and day", r"(?P<first>\d\d)-?(?P<second>\d\d)", WEAK_RANK + 1, ["md", "dm"]),
+    *_numbers("hour", 1 / 24, _HOURS, _HOURS),
+    *_dates("short", 3, "dmy ymd mdy", r"(?P<a>\d\d?)(?P<s>[-.])(?P<b>\d\d?)(?P=s)(?P<c>\d\d)"),
+    Convention("unix times", _UNIX, _unix, 3, "unix times"),
+    Convention("years and days of the year", _ORDINAL, _day_of_year, WEAK_RANK, "ordinal"),
+    *_dates("six digits", WEAK_RANK, "ymd dmy mdy", r"(?P<a>\d\d)(?P<b>\d\d)(?P<c>\d\d)"),
+    *_dates(NO_YEAR, WEAK_RANK, "dm", rf"(?P<a>\d\d?)[-_. ]?(?P<b>{_MONTH})(?![a-z])"),
+    *_dates(NO_YEAR, WEAK_RANK + 1, "md dm", r"(?P<a>\d\d)-?(?P<b>\d\d)"),
 )

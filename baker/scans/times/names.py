@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from baker.scans.times.conventions import CONVENTIONS, Convention, Moment
+from baker.scans.times.conventions import CONVENTIONS, NO_YEAR, Convention, Moment
 
 MAX_GAP_WITHIN_YEAR = 183  # days; a longer gap between dates without a year is a turn of the year
 MAX_SPAN = 1100  # days that dates without separators may span: else they are other numbers
@@ -23,14 +23,7 @@ MAX_SPAN = 1100  # days that dates without separators may span: else they are ot
 class Reading:
     """The times of all names of a series, by one convention.
 
-    Attributes
-    ----------
-    moments : tuple of Moment
-    spans : tuple of (int, int)
-        Where in each text the time stands.
-    convention : Convention
-    doubt : str
-        A sentence for people where the times may be read in another way; else empty.
+    spans: where in each text the time stands; doubt: how else the times may be read, or empty.
     """
 
     moments: tuple[Moment, ...]
@@ -68,7 +61,8 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         reading
         for convention in CONVENTIONS
         for reading in _readings(convention, texts)
-        if _is_plausible(reading)
+        # Weak conventions fit counters as well, which seldom give dates of one season.
+        if convention.is_clear or reading.length <= MAX_SPAN
     ]
     distinct = [reading for reading in readings if reading.distinct]
     if not distinct:
@@ -82,64 +76,50 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         and reading.moments != best.moments
         and reading.length <= MAX_SPAN
     ]
-    return Reading(best.moments, best.spans, best.convention, _doubt(best, others))
+    return replace(best, doubt=_doubt(best, others))
 
 
 def find_time(text: str) -> re.Match[str] | None:
     """The first clearly written time in a text: a date with a year, or a labelled number."""
-    for convention in CONVENTIONS:
-        if convention.is_clear:
-            for match in convention.pattern.finditer(text):
-                if convention.read(match) is not None:
-                    return match
-    return None
+    clear = (convention for convention in CONVENTIONS if convention.is_clear)
+    matches = ((c, match) for c in clear for match in c.pattern.finditer(text))
+    return next((match for c, match in matches if c.read(match) is not None), None)
 
 
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
     """One reading for each place, counted from the left, at which all texts have a match."""
-    matches = [list(convention.pattern.finditer(text)) for text in texts]
-    for place in range(min(map(len, matches), default=0)):
-        chosen = [found[place] for found in matches]
-        moments = [convention.read(match) for match in chosen]
-        known = [moment for moment in moments if moment is not None]
-        if len(known) == len(texts):
-            if convention.family == "month and day":
-                known = _across_new_year(known)
-            yield Reading(tuple(known), tuple(match.span() for match in chosen), convention)
+    for matches in zip(*map(convention.pattern.finditer, texts), strict=False):
+        moments = [moment for moment in map(convention.read, matches) if moment is not None]
+        if len(moments) == len(texts):
+            if convention.family == NO_YEAR:
+                moments = _across_new_year(moments)
+            yield Reading(tuple(moments), tuple(match.span() for match in matches), convention)
 
 
 def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
     """Whether all names have one number in common (a plot, a pot) and differ in another one."""
-    constant = len({moment.time for moment in reading.moments}) == 1
     rest = {t[:start] + t[stop:] for t, (start, stop) in zip(texts, reading.spans, strict=True)}
-    return constant and not reading.moments[0].dated and len(rest) == len(texts)
-
-
-def _is_plausible(reading: Reading) -> bool:
-    """Weak conventions fit counters as well, which seldom give dates of one season."""
-    return reading.convention.is_clear or reading.length <= MAX_SPAN
+    return reading.length == 0 and not reading.moments[0].dated and len(rest) == len(texts)
 
 
 def _doubt(best: Reading, others: Sequence[Reading]) -> str:
     if others:
         other = min(others, key=lambda reading: reading.length)
+        in_time = sorted(other.moments, key=lambda moment: moment.time)
         return (
             f"{best.convention.what} would also be {other.convention.what}, from "
-            f"{min(other.moments, key=lambda m: m.time).date} to "
-            f"{max(other.moments, key=lambda m: m.time).date}; --times FILE says which"
+            f"{in_time[0].date} to {in_time[-1].date}; --times FILE says which"
         )
     if not best.convention.is_clear:
         return f"the numbers were taken for {best.convention.what}; --times FILE says if not"
     return ""
 
 
-def _across_new_year(moments: Sequence[Moment]) -> list[Moment]:
+def _across_new_year(moments: list[Moment]) -> list[Moment]:
     """Dates without a year: those before a gap of half a year belong to the next year."""
-    times = sorted({moment.time for moment in moments})
+    times = sorted(moment.time for moment in moments)
     breaks = [b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR]
-    if not breaks:
-        return list(moments)
     return [
-        moment if moment.time >= breaks[-1] else Moment(moment.time + 365, moment.date, True)
+        replace(moment, time=moment.time + 365) if breaks and moment.time < breaks[-1] else moment
         for moment in moments
     ]

@@ -64,15 +64,14 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
     if times_file is not None:
         moments = moments_from_file(times_file, names)
         return _in_time(found, names, moments, f"times from '{times_file.name}'")
-
-    read = times_in_names(found.paths)
-    if read is not None:
-        where = "folders' names" if read.folder_level else "names"
-        rule = f"times from the {read.reading.convention.what} in the {where}"
-        schedule = _in_time(found, names, read.reading.moments, rule)
-        doubt = f" Look at this: {read.reading.doubt}." if read.reading.doubt else ""
-        return replace(schedule, rule=schedule.rule + doubt)
-    return _in_order(found, names)
+    reading, level = _times_in_names(found.paths)
+    if reading is None:
+        return _in_order(found, names)
+    where = "folders' names" if level else "names"
+    rule = f"times from the {reading.convention.what} in the {where}"
+    schedule = _in_time(found, names, reading.moments, rule)
+    doubt = f" Look at this: {reading.doubt}." if reading.doubt else ""
+    return replace(schedule, rule=schedule.rule + doubt)
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
@@ -81,33 +80,24 @@ def natural_key(name: str) -> list[tuple[int, int, str]]:
     return [(0, int(p), p) if p.isdecimal() else (1, 0, p.lower()) for p in parts]
 
 
-@dataclass(frozen=True)
-class NameTimes:
-    """Times read from names: those of the files (level 0) or of a folder so many levels above."""
-
-    reading: Reading
-    folder_level: int
-
-
-def times_in_names(paths: Sequence[Path]) -> NameTimes | None:
-    """The times that the names of all scans tell, or else those of the folders they are in.
+def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
+    """The times in the names of the files (level 0), or of the folders so many levels above them.
 
     A clearly written time in a folder's name is preferred to mere numbers in the files' names.
     """
     found = []
     for level in range(FOLDER_LEVELS + 1):
-        texts = [path.stem if level == 0 else _folder(path, level) for path in paths]
-        reading = read_times(texts)
+        parts = [path.stem if level == 0 else _above(path, level) for path in paths]
+        reading = read_times(parts)
         if reading is not None and (reading.distinct or level == 0):
-            found.append(NameTimes(reading, level))
-    clear = [read for read in found if read.reading.distinct and read.reading.convention.is_clear]
-    distinct = [read for read in found if read.reading.distinct]
-    return next(iter(clear or distinct or found), None)
+            found.append((reading, level))
+    best = sorted(found, key=lambda f: (not f[0].distinct, not f[0].convention.is_clear))
+    return best[0] if best else (None, 0)
 
 
-def _folder(path: Path, level: int) -> str:
-    above = path.resolve().parents
-    return above[level - 1].name if level <= len(above) else ""
+def _above(path: Path, level: int) -> str:
+    folders = path.resolve().parents
+    return folders[level - 1].name if level <= len(folders) else ""
 
 
 def names_without_times(stems: Sequence[str]) -> list[str]:
@@ -117,28 +107,21 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
     mark annotated scans so (``M01_0313_a``, ``M01_0314``).
     """
     reading = read_times(stems)
-    if reading is not None and reading.distinct:
-        spans = list(reading.spans)
-    else:
-        matches = [find_time(stem) for stem in stems]
-        spans = [
-            (len(s), len(s)) if m is None else m.span() for s, m in zip(stems, matches, strict=True)
-        ]
-    before = [stem[:start] for stem, (start, _) in zip(stems, spans, strict=True)]
-    stars = ["*" if stop > start else "" for start, stop in spans]
-    after = [stem[stop:] for stem, (_, stop) in zip(stems, spans, strict=True)]
-    if all(stars) and len(set(after)) == 2 and "" in after:
-        after = [""] * len(stems)
-    return [a + b + c for a, b, c in zip(before, stars, after, strict=True)]
+    spans: Sequence[tuple[int, int]] = reading.spans if reading and reading.distinct else ()
+    if not spans:
+        found = ((stem, find_time(stem)) for stem in stems)
+        spans = [time.span() if time else (len(stem), len(stem)) for stem, time in found]
+    parts = [(stem[:a], "*" * (b > a), stem[b:]) for stem, (a, b) in zip(stems, spans, strict=True)]
+    rests = {rest for _, _, rest in parts}
+    if all(star for _, star, _ in parts) and len(rests) == 2 and "" in rests:
+        parts = [(before, star, "") for before, star, _ in parts]
+    return ["".join(part) for part in parts]
 
 
 def _in_time(
     found: FoundScans, names: Sequence[str], moments: Sequence[Moment], rule: str
 ) -> Schedule:
-    entries = [
-        Entry(path, name, moment)
-        for path, name, moment in zip(found.paths, names, moments, strict=True)
-    ]
+    entries = list(map(Entry, found.paths, names, moments))
     for entry in entries:
         if not abs(entry.moment.time) <= MAX_ABS_TIME:
             raise InputError(
@@ -147,54 +130,44 @@ def _in_time(
             )
     in_time = sorted(entries, key=lambda entry: entry.moment.time)
     for before, after in pairwise(in_time):
+        both = f"'{before.name}' and '{after.name}' have"
         if before.moment.time == after.moment.time:
             raise InputError(
-                f"'{before.name}' and '{after.name}' have the same time, {after.moment.date} "
-                f"({rule}); one moment can have one scan only."
+                f"{both} the same time, {after.moment.date} ({rule}); one moment can have one "
+                "scan only."
             )
         if after.moment.time - before.moment.time < MIN_TIME_STEP:
             raise InputError(
-                f"'{before.name}' and '{after.name}' have nearly the same time ({rule}); "
-                f"{MIN_TIME_STEP:g} days have to lie between two scans."
+                f"{both} nearly the same time ({rule}); {MIN_TIME_STEP:g} days have to lie "
+                "between two scans."
             )
     rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
     if in_time != entries and not found.from_folder:
         rule += " (in the order of time, not in the order given)"
-    return Schedule(tuple(_from_the_first(in_time)), rule + ".", "days")
-
-
-def _from_the_first(entries: list[Entry]) -> list[Entry]:
-    """Dates become days since the first scan: the plant's age, not the calendar's."""
-    first = entries[0].moment.time
-    if not all(entry.moment.dated for entry in entries):
-        return entries
-    return [
-        replace(entry, moment=replace(entry.moment, time=entry.moment.time - first))
-        for entry in entries
-    ]
+    if all(moment.dated for moment in moments):  # days since the first scan: the plant's age
+        first = in_time[0].moment.time
+        in_time = [
+            replace(entry, moment=replace(entry.moment, time=entry.moment.time - first))
+            for entry in in_time
+        ]
+    return Schedule(tuple(in_time), rule + ".", "days")
 
 
 def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
     natural = sorted(range(len(names)), key=lambda i: natural_key(names[i]))
-    given = list(range(len(names)))
+    order: Sequence[int] = range(len(names))
+    how = "the order given"
     # A shell's * lists scan10 before scan9: nobody means that order.
-    from_shell = list(names) == sorted(names) and natural != given
-    if found.from_folder or from_shell:
+    if found.from_folder or (list(names) == sorted(names) and natural != list(order)):
         _require_clear_order([names[i] for i in natural])
         order, how = natural, "the natural order of their names"
-    else:
-        order, how = given, "the order given"
-
     entries = tuple(
         Entry(found.paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)
     )
     untimed = [name for name in names if find_time(_stem(name)) is None]
-    why = (
-        f"no time in the name '{untimed[0]}'"
-        if 0 < len(untimed) < len(names)
-        else "no times in the names"
-    )
-    listed = [entries[k].name for k in range(min(len(entries), MAX_LISTED_NAMES))]
+    is_mixed = 0 < len(untimed) < len(names)
+    why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
+    listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]]
     more = ", ..." if len(entries) > len(listed) else ""
     rule = (
         f"{why}: scans numbered 0 to {len(names) - 1} in {how}: {', '.join(listed)}{more}. "

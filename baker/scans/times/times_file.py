@@ -25,42 +25,25 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
         if moment is None:
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
         moments.append(moment)
-    if len({moment.date.startswith("day ") for moment in moments}) > 1:
+    if len({moment.dated for moment in moments}) > 1:
         raise InputError(f"'{path}' mixes dates and numbers of days; use one of them throughout.")
     return moments
 
 
 def _read_times(path: Path) -> dict[str, Moment]:
-    try:
-        state = path.stat()
-        if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
-            raise InputError(f"'{path}' (times) is not a regular file.")
-        if state.st_size > MAX_FILE_BYTES:
-            raise InputError(
-                f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
-                f"{MAX_FILE_BYTES} at most."
-            )
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"'{path}' (times) can't be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"'{path}' (times) is not a text file.") from error
-
     listed: dict[str, Moment] = {}
     is_first = True
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(_read_lines(path), 1):
         line = line.strip()
         if not line or line.startswith(("#", "//")):
             continue
-        parts = (
-            re.split(r"[,;\t]", line, maxsplit=2)
-            if re.search(r"[,;\t]", line)
-            else line.split(None, 1)
-        )
-        name, time = (part.strip().strip("\"' ") for part in (*parts, "")[:2])
+        parts = re.split(r"[,;\t]", line, maxsplit=2)
+        parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
+        name, time = (part.strip().strip("\"' ") for part in parts[:2])
         moment = _parse_time(time)
-        may_be_header, is_first = is_first, False
-        if moment is None and may_be_header and not re.search(r"\d", time) and time:
+        is_header = is_first and time and not re.search(r"\d", time)
+        is_first = False
+        if is_header:
             continue
         if moment is None or not name:
             raise InputError(
@@ -73,12 +56,26 @@ def _read_times(path: Path) -> dict[str, Moment]:
     return listed
 
 
+def _read_lines(path: Path) -> list[str]:
+    try:
+        state = path.stat()
+        if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
+            raise InputError(f"'{path}' (times) is not a regular file.")
+        if state.st_size > MAX_FILE_BYTES:
+            raise InputError(
+                f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
+                f"{MAX_FILE_BYTES} at most."
+            )
+        return path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise InputError(f"'{path}' (times) can't be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"'{path}' (times) is not a text file.") from error
+
+
 def _parse_time(text: str) -> Moment | None:
     if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
         return None
-    date = parse_date(text)
-    if date is not None:
-        return date
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
+    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text) and not parse_date(text):
         return Moment(float(text), f"day {float(text):.10g}")
-    return None
+    return parse_date(text)
