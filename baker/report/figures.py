@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.pipeline import BakeRecord
 from baker.report.errormap import ErrorScale
@@ -16,12 +14,9 @@ from baker.report.matching import OrganDistances, Reason, organ_distances, reaso
 from baker.report.organs import MergedSegments, ScanOrgans, absorbed_organs, merged_segments
 from baker.report.pictures import Picture, PictureRequest, Window
 from baker.report.verification import HoldoutError
-from baker.segmentation.hierarchy import Hierarchy
 from gclip import Clip
 
 NEUTRAL_COLOR = (122, 146, 110)  # of scans without colours, where organs don't matter
-TIMELINE_LEFT, TIMELINE_WIDTH = 132.0, 754.0  # pixels
-MIN_DATE_SPACING, PIXELS_PER_LETTER = 46.0, 7.0  # between two dates that are both written
 MAX_PICTURED_INTERVALS = 12  # up to which the state half-way through each is pictured too
 
 
@@ -29,41 +24,23 @@ MAX_PICTURED_INTERVALS = 12  # up to which the state half-way through each is pi
 class IntervalFigure:
     """One interval: each segment pair, and why it is one."""
 
-    reasons: tuple[Reason, ...]
-    merges: tuple[MergedSegments, ...]
+    reasons: list[Reason]
+    merges: list[MergedSegments]
     distances: OrganDistances
-
-    def organs(self, event: str) -> tuple[int, ...]:
-        """The organs that something happens to: "match", "birth" or "loss"."""
-        return tuple(r.pair.track for r in self.reasons if r.pair.event == event)
-
-    @property
-    def solvers(self) -> dict[str, int]:
-        """How many segment pairs each solver solved."""
-        names = Counter(r.pair.solver for r in self.reasons if r.pair.event != "loss")
-        return dict(sorted(names.items()))
 
     @property
     def cost(self) -> float:
         """Root mean square of the matched pairs' costs, weighed by their movers."""
-        pairs = [r.pair for r in self.reasons if r.pair.event == "match" and r.pair.movers]
+        pairs = [reason.pair for reason in self.reasons if reason.pair.event == "match"]
         total = sum(pair.movers for pair in pairs) or 1
         return float(sum(pair.movers * pair.cost**2 for pair in pairs) / total) ** 0.5
-
-    @property
-    def marginal_error(self) -> float:
-        """The worst of all segment pairs."""
-        return max((reason.pair.marginal_error for reason in self.reasons), default=0.0)
 
 
 @dataclass(frozen=True)
 class ScanFigure:
     """One scan: its hierarchy as a graph, alone and over the plant's picture where there is one."""
 
-    hierarchy: Hierarchy
     organs: ScanOrgans
-    born: tuple[int, ...]  #: organs that this scan is the first to hold
-    lost: tuple[int, ...]  #: organs that this scan is the first to lack
     absorbed: dict[int, int]  #: organs that are part of another one from this scan on, and of which
     tree: Graph
     over: Graph | None
@@ -78,8 +55,11 @@ def picture_requests(
     errors: Sequence[HoldoutError],
     scale: ErrorScale | None,
 ) -> dict[str, PictureRequest]:
-    """All pictures of the report, by name: of each scan, half-way through each interval, and of
-    each scan left out the scan, its reconstruction and the error in colours."""
+    """All pictures of the report, by name.
+
+    Of each scan; half-way through each interval; of each scan left out the scan, its
+    reconstruction and the error in colours.
+    """
     palette = clip.palette[:, :3]
     requests = {
         f"scan-{k}": PictureRequest(frame.positions, palette[scan.points])
@@ -94,15 +74,12 @@ def picture_requests(
         points, reconstruction = held.keyframe.positions, error.reconstruction
         colors, reconstructed = held.keyframe.colors, clip.at(error.time).colors
         if colors is None or not clip.has_colors:
-            colors, reconstructed = _neutral(points), _neutral(reconstruction)
+            colors = np.full((len(points), 3), NEUTRAL_COLOR, np.uint8)
+            reconstructed = np.full((len(reconstruction), 3), NEUTRAL_COLOR, np.uint8)
         requests[f"real-{k}"] = PictureRequest(points, colors[:, :3])
         requests[f"reconstruction-{k}"] = PictureRequest(reconstruction, reconstructed[:, :3])
         requests[f"error-{k}"] = PictureRequest(reconstruction, scale.colors(error.distances))
     return requests
-
-
-def _neutral(points: NDArray[np.floating]) -> NDArray[np.uint8]:
-    return np.tile(np.array(NEUTRAL_COLOR, np.uint8), (len(points), 1))
 
 
 def interval_figures(
@@ -113,7 +90,7 @@ def interval_figures(
     for k in range(len(clip.intervals)):
         distances = organ_distances(record, k)
         found = reasons(clip, record, k, organs[k], distances)
-        figures.append(IntervalFigure(tuple(found), tuple(merged_segments(record, k)), distances))
+        figures.append(IntervalFigure(found, merged_segments(record, k), distances))
     return figures
 
 
@@ -127,8 +104,7 @@ def scan_figures(
     figures = []
     for k, (hierarchy, scan) in enumerate(zip(record.hierarchies, organs, strict=True)):
         points, picture = record.keyframes[k].positions, pictures.get(f"scan-{k}")
-        before = intervals[k - 1] if k else None
-        after = intervals[k].reasons if k < len(intervals) else ()
+        after = intervals[k].reasons if k < len(intervals) else []
         over, window, attachments = None, None, []
         if picture is not None:
             window = picture.window(points)
@@ -141,10 +117,7 @@ def scan_figures(
             ]
         figures.append(
             ScanFigure(
-                hierarchy=hierarchy,
                 organs=scan,
-                born=before.organs("birth") if before else (),
-                lost=before.organs("loss") if before else (),
                 absorbed=absorbed_organs(record, k) if after else {},
                 tree=draw_tree(hierarchy, scan.segments),
                 over=over,
@@ -153,27 +126,3 @@ def scan_figures(
             )
         )
     return figures
-
-
-def holdout_windows(
-    record: BakeRecord, errors: Sequence[HoldoutError], pictures: Mapping[str, Picture]
-) -> list[Window | None]:
-    """The part of the pictures of each scan left out that shows both it and its reconstruction."""
-    return [
-        picture.window(np.concatenate([held.keyframe.positions, error.reconstruction]))
-        if (picture := pictures.get(f"real-{k}"))
-        else None
-        for k, (held, error) in enumerate(zip(record.held_out, errors, strict=True))
-    ]
-
-
-def timeline_dates(clip: Clip) -> list[tuple[float, bool]]:
-    """Where each scan is on the timeline, in pixels, and whether its date has room there."""
-    share = np.subtract(clip.times, clip.times[0]) / (clip.times[-1] - clip.times[0])
-    dates: list[tuple[float, bool]] = []
-    written = float("-inf")
-    for x, scan in zip((TIMELINE_LEFT + TIMELINE_WIDTH * share).round(1), clip.scans, strict=True):
-        fits = bool(x - written >= max(MIN_DATE_SPACING, PIXELS_PER_LETTER * len(scan.date)))
-        written = x if fits else written
-        dates.append((float(x), fits))
-    return dates

@@ -96,6 +96,5 @@ def _clouds(
     hierarchy: Hierarchy, organ_of: Mapping[int, int], points: NDArray[np.floating]
 ) -> dict[int, NDArray[np.floating]]:
     """The points of each organ that has any, in the order of the organs."""
-    order = sorted(range(len(hierarchy.segments)), key=lambda segment: organ_of[segment])
-    members = {organ_of[segment]: hierarchy.segments[segment] for segment in order}
-    return {organ: points[own] for organ, own in members.items() if len(own)}
+    members = {organ_of[segment]: own for segment, own in enumerate(hierarchy.segments) if len(own)}
+    return {organ: points[members[organ]] for organ in sorted(members)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,9 @@ from baker.options import Options, worker_count
 from baker.pipeline import BakeRecord
 from baker.report.errormap import ErrorScale
 from baker.report.figures import (
-    holdout_windows,
     interval_figures,
     picture_requests,
     scan_figures,
-    timeline_dates,
 )
 from baker.report.organs import organs_of_scans
 from baker.report.pictures import NoPicture, Picture, take_pictures
@@ -69,16 +68,14 @@ def write_report(
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures: dict[str, Picture] = {}
         no_pictures = ""
-        report_progress("pictures", 0, len(requests))
         try:
-            taken = take_pictures(
-                list(requests.values()),
+            pictures = take_pictures(
+                requests,
                 clip,
                 worker_count(workers),
-                lambda done: report_progress("pictures", done, len(requests)),
+                partial(report_progress, "pictures"),
                 part.parent,
             )
-            pictures = dict(zip(requests, taken, strict=True))
         except NoPicture as error:
             no_pictures = str(error)
         report_progress("report", 0, 1)
@@ -89,10 +86,9 @@ def write_report(
             record=record,
             pictures=pictures,
             no_pictures=no_pictures,
-            dates=timeline_dates(clip),
             scans=scan_figures(record, organs, intervals, pictures),
             intervals=intervals,
-            holdouts=list(zip(found, holdout_windows(record, found, pictures), strict=True)),
+            errors=found,
             overall=overall(found) if found else None,
             scale=scale,
             seconds=seconds or {},
@@ -111,18 +107,11 @@ def _template() -> Any:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("baker.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=PackageLoader("baker.report"), autoescape=True, undefined=StrictUndefined
     )
-    environment.filters.update(
-        significant=_significant,
-        sentence=_sentence,
-        tiny=_tiny,
-        largest=lambda table: max(table.values()),
-    )
+    environment.trim_blocks = environment.lstrip_blocks = True
+    environment.filters.update(significant=_significant, sentence=_sentence, tiny=_tiny)
+    environment.filters["largest"] = lambda table: max(table.values())
     return environment.get_template("report.html.j2")
 
 
@@ -143,12 +132,10 @@ def _sentence(note: str) -> str:
 
 def _tags(clip: Clip) -> dict[int, str]:
     """A number for each organ: the one its name ends in where these differ, else its id."""
-    ends = [re.search(r"\d+$", track.name) for track in clip.track_table]
-    numbers = {end[0] for end in ends if end is not None}
-    return {
-        track.id: end[0] if end is not None and len(numbers) == len(ends) else str(track.id)
-        for track, end in zip(clip.track_table, ends, strict=True)
-    }
+    ends = {track.id: re.search(r"\d+$", track.name) for track in clip.track_table}
+    numbers = {organ: end[0] for organ, end in ends.items() if end is not None}
+    distinct = len(set(numbers.values())) == len(ends)
+    return numbers if distinct else {organ: str(organ) for organ in ends}
 
 
 def _notes(record: BakeRecord) -> dict[str, str]:

@@ -11,7 +11,7 @@ import base64
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -73,9 +73,9 @@ class Picture:
         seen = np.column_stack([points, np.ones(len(points))]) @ self.view.T
         return np.asarray(self.size) * (1 + seen[:, :2] / seen[:, 3:] * [1, -1]) / 2
 
-    def window(self, points: NDArray[np.floating]) -> Window:
+    def window(self, *clouds: NDArray[np.floating]) -> Window:
         """The part of the picture that shows (N, 3) local positions, in the picture's shape."""
-        pixels, size = self.project(points), np.array(self.size, float)
+        pixels, size = self.project(np.concatenate(clouds)), np.array(self.size, float)
         low, high = pixels.min(axis=0), pixels.max(axis=0)
         share = max(((1 + 2 * MARGIN) * (high - low) / size).max(), MIN_WINDOW)
         extent = min(share, 1.0) * size
@@ -84,23 +84,23 @@ class Picture:
 
 
 def take_pictures(
-    requests: Sequence[PictureRequest],
+    requests: Mapping[str, PictureRequest],
     like: Clip,
     workers: int,
-    report_progress: Callable[[int], None] = lambda done: None,
+    report_progress: Callable[[int, int], None] = lambda done, total: None,
     folder: Path | None = None,
-) -> list[Picture]:
-    """Render the pictures from the one camera that shows everything on any of them.
+) -> dict[str, Picture]:
+    """Render pictures, by name, from the one camera that shows everything on any of them.
 
     Parameters
     ----------
-    requests : sequence of PictureRequest
+    requests : mapping of str to PictureRequest
     like : Clip
         Whose up axis and point spacing hold for them.
     workers : int
         Runs of the player at a time.
     report_progress : callable, optional
-        Called with the number of pictures done.
+        Called with the number of pictures done and of all.
     folder : Path, optional
         For temporary files; the system's by default.
 
@@ -111,17 +111,18 @@ def take_pictures(
     """
     pictures: list[Picture] = []
     if not requests:
-        return pictures
+        return {}
     with TemporaryDirectory(dir=folder) as drafts, ThreadPoolExecutor(workers) as executor:
-        path, clip = Path(drafts) / "pictures.gclip", _clip_of(requests, like)
+        report_progress(0, len(requests))
+        path, clip = Path(drafts) / "pictures.gclip", _clip_of(list(requests.values()), like)
         clip.save(path)
         size = _picture_size(clip, PIXELS // (1 + (len(requests) >= MANY_PICTURES)))
         runs = min(-(-len(requests) // MIN_BATCH), RUNS_PER_WORKER * workers)
         batches = np.array_split(np.arange(len(requests)), runs)
         for rendered in executor.map(partial(_render, path, size), batches):
             pictures += rendered
-            report_progress(len(pictures))
-    return pictures
+            report_progress(len(pictures), len(requests))
+    return dict(zip(requests, pictures, strict=True))
 
 
 def _clip_of(requests: Sequence[PictureRequest], like: Clip) -> Clip:

@@ -1,9 +1,5 @@
 """Verification by leaving scans out (paper section 4 and its Figure 13).
 
-    clip, record = bake_recorded(["scans/"], Options(holdout=2))
-    for error in verify(clip, record):
-        print(error.name, error.reconstruction_to_scan.mean)
-
 The scans left out are aligned along with all others, and then play no part in the bake. At each
 one's real time the clip is compared with it, both ways, with the whole series scaled to the unit
 cube: the longest side of the box around all scans, those left out too, is 1.
@@ -124,16 +120,13 @@ def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
 
 def print_errors(console: Console, errors: Sequence[HoldoutError]) -> None:
     """Print a table of the errors, two rows a scan left out, and of all together."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(box=None, padding=(0, 2, 0, 0))
-    for column in ("left out", "distance (series' size = 1)", "mean", "std", "max"):
-        table.add_column(column, justify="right" if len(column) < 5 else "left", no_wrap=True)
-    rows = [(f"{error.date}, {error.name}", error.both) for error in errors]
-    rows += [("all", overall(errors))] if len(errors) > 1 else []
-    for name, both in rows:
-        ways = ("reconstruction to scan", "scan to reconstruction")
-        for label, way, d in zip((name, ""), ways, both, strict=True):
-            table.add_row(escape(label), way, *(f"{figure:.6f}" for figure in d))
-    console.print(table, highlight=False)
+    rows = [("left out", "distance (series' size = 1)", ["mean", "std", "max"])]
+    named = [(f"{error.date}, {error.name}", error.both) for error in errors]
+    for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
+        to_scan, to_reconstruction = ([f"{figure:.6f}" for figure in way] for way in both)
+        rows.append((name, "reconstruction to scan", to_scan))
+        rows.append(("", "scan to reconstruction", to_reconstruction))
+    width = max(len(name) for name, _, _ in rows)
+    for name, way, figures in rows:
+        line = f"{name:<{width}}  {way:<27}" + "".join(f"{figure:>10}" for figure in figures)
+        console.print(line, markup=False, highlight=False)

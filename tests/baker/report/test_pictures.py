@@ -13,7 +13,7 @@ from baker.report.pictures import NoPicture, PictureRequest, take_pictures
 
 
 @pytest.fixture
-def requested(baked) -> list[PictureRequest]:
+def requested(baked) -> dict[str, PictureRequest]:
     """The first scan in grey with its highest point in red; the last scan in grey."""
     _, record = baked
     grey = []
@@ -21,20 +21,20 @@ def requested(baked) -> list[PictureRequest]:
         colors = np.full((len(frame.positions), 3), 120, np.uint8)
         grey.append(PictureRequest(frame.positions, colors))
     grey[0].colors[grey[0].points[:, 2].argmax()] = (255, 0, 0)
-    return grey
+    return dict(zip(("first", "last"), grey, strict=True))
 
 
 @pytest.mark.usefixtures("player_draws")
 def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, requested):
-    first, last = take_pictures(requested, baked[0], workers=2)
+    first, last = take_pictures(requested, baked[0], workers=2).values()
     image = np.asarray(Image.open(BytesIO(first.jpeg))).astype(int)
     assert image.shape == (first.size[1], first.size[0], 3)
-    top = requested[0].points[requested[0].points[:, 2].argmax()]
+    top = requested["first"].points[requested["first"].points[:, 2].argmax()]
     ((x, y),) = first.project(top[None])
     red = (image[:, :, 0] - image[:, :, 1:].max(axis=2) > 60).nonzero()
     assert np.hypot(red[1] - x, red[0] - y).min() < 3.0
     assert np.allclose(first.view, last.view), "one camera for all"
-    spots = last.project(requested[1].points)
+    spots = last.project(requested["last"].points)
     assert (spots >= 0).all()
     assert (spots <= last.size).all()
 
@@ -43,10 +43,12 @@ def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, 
 def test_batches_do_not_matter(baked, requested, monkeypatch):
     together = take_pictures(requested, baked[0], workers=1)
     monkeypatch.setattr(pictures, "MIN_BATCH", 1)
-    counts: list[int] = []
-    alone = take_pictures(requested, baked[0], workers=2, report_progress=counts.append)
-    assert [p.jpeg for p in together] == [p.jpeg for p in alone]
-    assert counts == [1, 2]
+    counts: list[tuple[int, int]] = []
+    alone = take_pictures(
+        requested, baked[0], workers=2, report_progress=lambda *done: counts.append(done)
+    )
+    assert [together[name].jpeg for name in requested] == [p.jpeg for p in alone.values()]
+    assert counts == [(0, 2), (1, 2), (2, 2)]
 
 
 def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
@@ -58,7 +60,7 @@ def test_a_window_holds_the_plant_in_the_pictures_shape(requested):
     """Seen straight from the front, a unit of length is 40 pixels wide and 80 high."""
     size = (400, 800)
     picture = pictures.Picture(b"", size, np.diag([0.2, 0.2, 0.0, 1.0]))
-    for points in (requested[0].points / 30, requested[1].points / 30, np.zeros((1, 3))):
+    for points in (requested["first"].points / 30, requested["last"].points / 30, np.zeros((1, 3))):
         window = picture.window(points)
         places = picture.project(points)
         assert (places >= [window.x, window.y]).all()
