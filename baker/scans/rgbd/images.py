@@ -15,37 +15,24 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns
-from baker.scans.times import (
-    Entry,
-    FoundScans,
-    Moment,
-    Schedule,
-    natural_key,
-    schedule_scans,
-)
+from baker.scans.times import Entry, FoundScans, Moment, Schedule, natural_key, schedule_scans
 
-FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")
+FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
 PNG = b"\x89PNG\r\n\x1a\n"
 SIGNATURES = (PNG, b"II*\0", b"MM\0*", b"\xff\xd8\xff", b"BM", *(b"P%d" % n for n in range(1, 7)))
-"""First bytes of `FORMATS`. To decode others, Pillow may run other programs."""
 
-MOST_PIXELS = 100_000_000
-MOST_PACKED = 8 * 1032  # pixels to a byte of PNG: DEFLATE packs 1032 bytes into one
-
-MOST_LABELS = 256
-"""More distinct colours than this are no labels, but a smoothed or lossy picture of them."""
+MAX_PIXELS = 100_000_000
+MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs 1032 bytes into one
+MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy picture of them
 
 _SLOT = re.compile(r"(?:(?P<plant>\d{1,3})[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The images of one moment; label and mask are None where there is none.
+    """The images of one moment."""
 
-    name: what the star of the patterns stands for.
-    """
-
-    name: str
+    name: str  #: what the star of the patterns stands for
     color: Path
     depth: Path
     label: Path | None
@@ -58,30 +45,31 @@ class Frame:
 
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
-    """The frames in `folder`, one for each colour image, in the natural order of their names.
+    """Find the frames of a folder, one for each colour image, in the natural order of their names.
 
-    Raises InputError: fewer than two frames, a frame without depth, labels for some frames only.
+    Raises
+    ------
+    InputError
+        For fewer than two frames, a frame without depth, or labels for some frames only.
     """
-    colors = _by_name(folder, patterns.color)
-    depths = _by_name(folder, patterns.depth)
-    labels = _by_name(folder, patterns.label)
-    masks = _by_name(folder, patterns.mask)
+    colors, depths, labels, masks = (
+        _by_name(folder, pattern)
+        for pattern in (patterns.color, patterns.depth, patterns.label, patterns.mask)
+    )
     if not colors:
         raise InputError(f"'{folder}' holds no colour images '{patterns.color}'.")
     if len(colors) == 1:
         raise InputError(
-            f"'{folder}' holds only one colour image, '{patterns.color}'; growth needs at least "
-            "two."
+            f"'{folder}' holds only one colour image, '{patterns.color}'; growth needs two."
         )
     names = sorted(colors, key=natural_key)
+    required = [("depth", depths, patterns.depth)]
+    required += [("label", labels, patterns.label)] if labels else []
     for name in names:
-        for what, found, pattern, all_or_none in (
-            ("depth", depths, patterns.depth, False),
-            ("label", labels, patterns.label, True),
-        ):
-            if name not in found and (found or not all_or_none):
+        for kind, found, pattern in required:
+            if name not in found:
                 raise InputError(
-                    f"'{colors[name]}' has no {what} image; '{pattern.replace('*', name)}' is "
+                    f"'{colors[name]}' has no {kind} image; '{pattern.replace('*', name)}' is "
                     "missing."
                 )
     return tuple(
@@ -97,7 +85,10 @@ def schedule_frames(
     Names of two numbers are day and number of the image in that day (000_05), of three also the
     plant's before (00_000_05); the numbers of a day start with 0, and `per_day` make a day.
 
-    Raises InputError: several plants, a number that is `per_day` or more, two frames at one time.
+    Raises
+    ------
+    InputError
+        For several plants, a number that is `per_day` or more, or two frames at one time.
     """
     slots = [_SLOT.fullmatch(frame.name) for frame in frames]
     found = FoundScans(tuple(frame.color for frame in frames), from_folder=True)
@@ -123,7 +114,12 @@ def schedule_frames(
         time = int(slot["day"]) + int(slot["slot"]) / per_day
         entries.append(Entry(frame.color, frame.color.name, Moment(time, f"day {time:.2f}")))
     entries.sort(key=lambda entry: entry.moment.time)
-    _require_distinct(entries)
+    for before, after in pairwise(entries):
+        if before.moment.time == after.moment.time:
+            raise InputError(
+                f"'{before.name}' and '{after.name}' have the same time, {after.moment.date}; one "
+                "moment can have one image only."
+            )
     first, last = entries[0].moment.date, entries[-1].moment.date
     rule = f"times from day and number in the names, {per_day} images a day: {first} to {last}."
     return Schedule(tuple(entries), rule, "days")
@@ -137,23 +133,22 @@ def read_color(path: Path) -> NDArray[np.uint8]:
 def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
     """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
 
-    def counts(mode: str) -> str:
+    def mode_of_counts(mode: str) -> str:
         if not mode.startswith("I"):
+            found = f", not the kind '{mode}'" if mode != "F" else ""
             raise InputError(
-                f"'{path}' is no depth image: it must have one channel of 16 bits a pixel, not "
-                f"the kind '{mode}' (8 bits a channel)."
-                if mode in ("1", "L", "LA", "P", "RGB", "RGBA")
-                else f"'{path}' is no depth image: one channel of 16-bit whole numbers is needed."
+                f"'{path}' is no depth image: it must have one channel of whole numbers of 16 "
+                f"bits a pixel{found}."
             )
         return mode
 
-    return np.maximum(_decoded(path, counts).astype(np.float64), 0) * camera.depth_unit
+    return np.maximum(_decoded(path, mode_of_counts), 0).astype(np.float64) * camera.depth_unit
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
     """(H, W) int64: the number of a grey or palette pixel, 0xRRGGBB of a coloured one.
 
-    Transparent pixels are 0. Raises InputError also for more than `MOST_LABELS` colours.
+    Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
     """
     pixels = _decoded(
         path, lambda mode: mode if mode in ("1", "L", "P") or mode.startswith("I") else "RGBA"
@@ -163,7 +158,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
     red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
     labels = np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
     distinct = len(np.unique(labels))
-    if distinct > MOST_LABELS:
+    if distinct > MAX_LABELS:
         raise InputError(
             f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
             "each organ, saved without loss and without smoothing."
@@ -189,15 +184,6 @@ def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
     return {match["name"]: path for match, path in found if match and path.is_file()}
 
 
-def _require_distinct(entries: Sequence[Entry]) -> None:
-    for before, after in pairwise(entries):
-        if before.moment.time == after.moment.time:
-            raise InputError(
-                f"'{before.name}' and '{after.name}' have the same time, {after.moment.date}; one "
-                "moment can have one image only."
-            )
-
-
 def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
     """An image's pixels; `target` says into which of Pillow's modes the file's is converted."""
     import imageio.v3 as iio
@@ -215,9 +201,9 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
         with quiet:
             image = iio.imopen(content, "r", plugin="pillow")
             height, width = image.properties(index=0).shape[:2]
-            if width * height > MOST_PIXELS:
+            if width * height > MAX_PIXELS:
                 raise DecompressionBombError
-            if content.startswith(PNG) and width * height > MOST_PACKED * len(content):
+            if content.startswith(PNG) and width * height > MAX_PIXELS_PER_BYTE * len(content):
                 raise OSError(f"its {len(content)} bytes can't hold so many pixels")
             mode = image.metadata(index=0)["mode"]
             return image.read(index=0, mode=target(mode), writeable_output=False)
@@ -225,7 +211,7 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
         cause = error.__cause__ or error  # imageio wraps what Pillow says as it opens a file
         if isinstance(cause, DecompressionBombError):
             raise InputError(
-                f"'{path}' has more than {MOST_PIXELS // 10**6} million pixels, the most that can "
+                f"'{path}' has more than {MAX_PIXELS // 10**6} million pixels, the most that can "
                 "be read."
             ) from None
         reason = " ".join(str(cause).split()).rstrip(".")

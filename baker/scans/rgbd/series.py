@@ -29,8 +29,17 @@ from baker.scans.times import Schedule
 class ImageSeries:
     """The frames of one folder, found and checked by name; pixels are read frame by frame.
 
-    camera_file: the camera's file in that folder. times_file: as --times.
-    Raises InputError, here and while reading: see the modules `camera` and `images`.
+    Parameters
+    ----------
+    camera_file : Path
+        In that folder.
+    times_file : Path, optional
+        As --times.
+
+    Raises
+    ------
+    InputError
+        Here and while reading: see the modules `camera` and `images`.
     """
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
@@ -42,7 +51,7 @@ class ImageSeries:
         self.has_labels = frames[0].label is not None
 
     def read(self, color: Path, use_labels: bool = True) -> Cloud:
-        """The cloud of the frame whose colour image is `color`: points as `unproject` gives them.
+        """Read the frame whose colour image is `color`; points are as `unproject` gives them.
 
         With label images only labelled pixels become points, after `repair`; without them every
         pixel that has a depth and is not masked. use_labels=False still cuts the plant out by its
@@ -50,15 +59,15 @@ class ImageSeries:
         """
         frame = self.frames[color]
         colors, depth = read_color(frame.color), self._depth(frame)
-        self._require_size(frame.depth, depth, frame.color, colors)
+        _require_size(frame, frame.depth, depth, colors)
         painted = np.zeros(depth.shape, bool) if frame.mask is None else read_mask(frame.mask)
-        if frame.mask is not None:
-            self._require_size(frame.mask, painted, frame.color, colors)
+        _require_size(frame, frame.mask, painted, colors)
+        labels = read_labels(frame.label) if frame.label else None
         notes: tuple[str, ...] = ()
-        if frame.label is None:
-            labels, chosen = None, (depth > 0) & ~painted
+        if labels is None:
+            chosen = (depth > 0) & ~painted
         else:
-            labels = self._labels(frame, colors)
+            _require_size(frame, frame.label, labels, colors)
             repaired = repair(depth, labels, self.camera.background, painted, self.camera.repair)
             depth, chosen = repaired.depth, repaired.depth > 0
             notes = _notes(repaired.labels)
@@ -82,28 +91,27 @@ class ImageSeries:
             return self.camera.ground
         frame = self.frames[self.schedule.entries[0].path]
         depth = self._depth(frame)
-        around = depth > 0
+        ground = depth > 0
         if frame.label is not None:
-            around &= self._labels(frame, depth) == self.camera.background
-        if not around.any():
+            labels = read_labels(frame.label)
+            _require_size(frame, frame.label, labels, depth)
+            ground &= labels == self.camera.background
+        if not ground.any():
             raise InputError(
-                f"'{frame.depth}' has no depth beside the plant, so where the ground is can't be "
-                f"told; set ground (mm from the camera) in '{self.camera_file}'."
+                f"'{frame.depth}' has no depth beside the plant, so the ground's distance is "
+                f"unknown; set ground (mm from the camera) in '{self.camera_file}'."
             )
-        return float(np.median(depth[around]))
+        return float(np.median(depth[ground]))
 
     def _depth(self, frame: Frame) -> NDArray[np.float64]:
         """The depth image, cut to the colour image where the camera's file says so."""
         depth = read_depth(frame.depth, self.camera)
         camera = self.camera
-        for name, expected, found in (
-            ("width", camera.width, depth.shape[1]),
-            ("height", camera.height, depth.shape[0]),
-        ):
-            if expected is not None and expected != found:
+        expected = (camera.height or depth.shape[0], camera.width or depth.shape[1])
+        for name, said, found in zip(("height", "width"), expected, depth.shape, strict=True):
+            if said != found:
                 raise InputError(
-                    f"'{frame.depth}' has the {name} {found}, but '{self.camera_file}' says "
-                    f"{expected}."
+                    f"'{frame.depth}' has the {name} {found}, but '{self.camera_file}' says {said}."
                 )
         if camera.crop is None:
             return depth
@@ -111,49 +119,40 @@ class ImageSeries:
         left, top = camera.crop
         return depth[top : top + height, left : left + width]
 
-    def _labels(self, frame: Frame, beside: NDArray) -> NDArray[np.int64]:
-        assert frame.label is not None
-        labels = read_labels(frame.label)
-        self._require_size(frame.label, labels, frame.color, beside)
-        return labels
 
-    def _require_size(self, path: Path, image: NDArray, other: Path, beside: NDArray) -> None:
-        if image.shape[:2] != beside.shape[:2]:
-            sizes = [f"{i.shape[1]}x{i.shape[0]}" for i in (image, beside)]
-            raise InputError(
-                f"'{path}' is {sizes[0]} pixels, but '{other.name}' is {sizes[1]}; the images of "
-                "a frame must show the same pixels (or set crop in the camera's file)."
-            )
+def _require_size(frame: Frame, path: Path | None, image: NDArray, color: NDArray) -> None:
+    if image.shape[:2] != color.shape[:2]:
+        sizes = [f"{i.shape[1]}x{i.shape[0]}" for i in (image, color)]
+        raise InputError(
+            f"'{path}' is {sizes[0]} pixels, but '{frame.color.name}' is {sizes[1]}; the images of "
+            "a frame must show the same pixels (or set crop in the camera's file)."
+        )
 
 
 def _notes(labels: Sequence[LabelRepair]) -> tuple[str, ...]:
     """One sentence on the repair, one on what could not be repaired."""
-    pixels, filled, dropped = (
-        sum(getattr(label, name) for label in labels) for name in ("pixels", "filled", "dropped")
-    )
-    if not filled + dropped:
-        return (f"depth is valid at all {pixels} labelled pixels.",)
-    reasons = [
-        f"{count} {what}"
-        for name, what in (
-            ("missing", "not measured"),
-            ("painted", "painted"),
-            ("jumps", "off their surface"),
-            ("ring", "on a border"),
-        )
-        if (count := sum(getattr(label, name) for label in labels))
-    ]
+    names = ("pixels", "missing", "painted", "jumps", "ring", "filled", "dropped")
+    total = {name: sum(getattr(label, name) for label in labels) for name in names}
+    unknown = total["filled"] + total["dropped"]
+    if not unknown:
+        return (f"depth is valid at all {total['pixels']} labelled pixels.",)
+    reasons = {
+        "not measured": total["missing"],
+        "painted": total["painted"],
+        "off their surface": total["jumps"],
+        "on a border": total["ring"],
+    }
+    why = ", ".join(f"{count} {reason}" for reason, count in reasons.items() if count)
     each = ", ".join(f"{label.label}: {label.filled}" for label in labels if label.filled)
     notes = [
-        f"depth unknown at {filled + dropped} of {pixels} labelled pixels ({', '.join(reasons)}); "
-        f"{filled} filled by diffusion (label: pixels {each or 'none'})."
+        f"depth unknown at {unknown} of {total['pixels']} labelled pixels ({why}); "
+        f"{total['filled']} filled by diffusion (label: pixels {each or 'none'})."
     ]
-    lost = [label for label in labels if label.dropped]
-    whole = [label for label in lost if label.dropped == label.pixels]
+    whole = [label for label in labels if label.dropped == label.pixels]
     if whole:
         listed = ", ".join(f"{label.label} ({label.pixels})" for label in whole)
         notes.append(f"left out, without any valid depth: label (pixels) {listed}.")
-    parts = sum(label.dropped for label in lost if label not in whole)
+    parts = total["dropped"] - sum(label.dropped for label in whole)
     if parts:
         notes.append(f"left out {parts} pixels in parts of labels without any valid depth.")
     return tuple(notes)
