@@ -16,28 +16,22 @@ from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError
 
 READERS = {
-    ".ply": "ply",
-    ".pcd": "pcd",
-    ".xyz": "text",
-    ".txt": "text",
-    ".csv": "text",
-    ".asc": "text",
-    ".pts": "text",
-    ".las": "las",
-    ".laz": "las",
-    ".e57": "e57",
-    ".npy": "arrays",
-    ".npz": "arrays",
-    ".obj": "mesh",
-    ".stl": "mesh",
-    ".off": "mesh",
-    ".glb": "mesh",
-    ".gltf": "mesh",
+    suffix: module
+    for module, suffixes in {
+        "ply": ".ply",
+        "pcd": ".pcd",
+        "text": ".xyz .txt .csv .asc .pts",
+        "las": ".las .laz",
+        "e57": ".e57",
+        "arrays": ".npy .npz",
+        "mesh": ".obj .stl .off .glb .gltf",
+    }.items()
+    for suffix in suffixes.split()
 }
 """Suffix in lower case -> module of this package."""
 
@@ -60,35 +54,21 @@ def require_known(path: Path) -> None:
 
 
 def read_columns(path: Path) -> Columns:
-    """All numeric fields of a scan.
+    """All numeric fields of a scan; the suffix of `path` tells the format.
 
-    Parameters
-    ----------
-    path : Path
-        The file; its suffix tells the format.
-
-    Returns
-    -------
-    Columns
-        One (N,) array for each field, as it stands in the file.
-
-    Raises
-    ------
-    InputError
-        The suffix is unknown, or the file can't be opened or is not sound.
+    Raises InputError: an unknown suffix, or a file that can't be opened or is not sound.
     """
     require_known(path)
     try:
-        with path.open("rb") as file:  # libraries say little of folders and forbidden files
-            if not file.read(1):
-                raise FormatError("is an empty file.")
-        reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
-        with _unpacked(path) as plain:
-            columns: Columns = reader.read(plain)
+        with asking(path):
+            with path.open("rb") as file:  # libraries say little of folders and forbidden files
+                if not file.read(1):
+                    raise FormatError("is an empty file.")
+            reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
+            with _unpacked(path) as plain:
+                columns: Columns = reader.read(plain)
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
-    except OSError as error:
-        raise InputError(f"'{path}' can't be read: {error.strerror or error}.") from error
     return columns
 
 

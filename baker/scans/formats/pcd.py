@@ -22,7 +22,7 @@ from baker.scans.formats.lzf import decompress
 from baker.scans.formats.text import Lines, read_rows
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
-LONGEST_HEADER = 100  # lines
+LONGEST_HEADER = 1 << 19  # bytes
 MOST_VALUES = 10_000  # of a point; the largest descriptors have some thousand
 LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
@@ -41,17 +41,18 @@ def read(path: Path) -> Columns:
     match words["DATA"][0]:
         case "ascii":
             require_room(count, 2 * len(names) - 1, room)
-            return Columns(_unpack_colors(_read_ascii(path, start, lines, record, count)))
+            columns = _read_ascii(path, start, lines, record, count)
         case "binary":
             require_room(count, record.itemsize, room)
             points = np.fromfile(path, record, count, offset=start)
-            return Columns(_unpack_colors({name: points[name] for name in names}))
+            columns = {name: points[name] for name in names}
         case "binary_compressed":
             require_room(count, record.itemsize / LZF_RATIO, room - 8)
-            return Columns(_unpack_colors(_read_compressed(path, start, record, count)))
+            columns = _read_compressed(path, start, record, count)
         case other:
             known = "ascii, binary, binary_compressed"
             raise _header_fault(f"names the unknown DATA '{excerpt(other)}'; known are {known}")
+    return Columns(_unpack_colors(columns))
 
 
 def _read_ascii(
@@ -78,24 +79,20 @@ def _as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:
 
 def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:
     """Two sizes (packed and not), then LZF: all values of the first field, of the second, …"""
-    content = path.read_bytes()[start:]
-    packed_size, announced_size = (int(n) for n in np.frombuffer(content[:8], "<u4"))
-    packed, size = content[8 : 8 + packed_size], count * record.itemsize
+    content, size = path.read_bytes()[start:], count * record.itemsize
+    packed_size = int.from_bytes(content[:4], "little")
     try:
-        body = decompress(packed, size) if len(packed) == packed_size else None
-    except ValueError:
-        body = None
-    if body is None or len(body) != size or announced_size != size:
+        body = decompress(content[8 : 8 + packed_size], size)
+    except ValueError as error:
         raise FormatError(
             f"is cut short or damaged: its compressed data don't unpack to the {count} points "
             f"({size} bytes) that the header announces."
-        )
-    names = record.names or ()
-    places = np.cumsum([0, *(record[name].itemsize * count for name in names)]).tolist()
-    return {
-        name: np.frombuffer(body, record[name], count, place)
-        for name, place in zip(names, places, strict=False)
-    }
+        ) from error
+    columns, place = {}, 0
+    for name in record.names or ():
+        columns[name] = np.frombuffer(body, record[name], count, place)
+        place += columns[name].nbytes
+    return columns
 
 
 def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
@@ -111,20 +108,17 @@ def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
 
 def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
     """The words of each line by its first one; the header's size in bytes and in lines."""
-    words: dict[str, list[str]] = {}
     with path.open("rb") as file:
-        for number in range(1, LONGEST_HEADER):
-            line = file.readline(4096)
-            if not line or b"\0" in line:
-                break
-            key, *values = line.decode("latin-1").split() or ["#"]
-            words[key] = values
-            if key == "DATA":
-                for needed in ("FIELDS", "SIZE", "TYPE", "POINTS", "DATA"):
-                    if not words.get(needed):
-                        raise _header_fault(f"has no line '{needed}'")
-                return words, file.tell(), number
-    raise FormatError("is not a PCD file: its header has no line 'DATA'.")
+        head = file.read(LONGEST_HEADER)
+    end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", head, re.MULTILINE)
+    if not end:
+        raise FormatError("is not a PCD file: its header has no line 'DATA'.")
+    text = head[: end.end()].decode("latin-1")
+    words = {key: values for key, *values in map(str.split, filter(str.strip, text.split("\n")))}
+    for needed in ("FIELDS", "SIZE", "TYPE", "POINTS", "DATA"):
+        if not words.get(needed):
+            raise _header_fault(f"has no line '{needed}'")
+    return words, end.end(), text.count("\n")
 
 
 def _record(words: dict[str, list[str]]) -> np.dtype:
@@ -136,11 +130,12 @@ def _record(words: dict[str, list[str]]) -> np.dtype:
             raise _header_fault(f"has {len(fields)} FIELDS, but {len(values)} values of {key}")
     record: list[tuple[str, str]] = []
     for name, kind, width, count in zip(fields, *columns, strict=True):
+        given = f"gives the field '{excerpt(name)}' the"
         if kind + width not in TYPES:
             unknown = f"{excerpt(kind)} of size {excerpt(width)}"
-            raise _header_fault(f"gives the field '{excerpt(name)}' the unknown type {unknown}")
+            raise _header_fault(f"{given} unknown type {unknown}")
         if not re.fullmatch("0*[1-9][0-9]{0,4}", count):
-            raise _header_fault(f"gives the field '{excerpt(name)}' the COUNT {excerpt(count)}")
+            raise _header_fault(f"{given} COUNT {excerpt(count)}")
         if len(record) + int(count) > MOST_VALUES:
             raise _header_fault(f"gives a point more than {MOST_VALUES} values")
         for i in range(int(count)):

@@ -20,7 +20,6 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import TextIO
@@ -51,48 +50,33 @@ class Lines:
             yield line
 
 
-@dataclass(frozen=True)
-class _Head:
-    """What stands before the rows, and how they look.
-
-    names: of the columns, None where the file doesn't tell; first: the first row as it stands, row:
-    its values; count: the announced number of points, if any.
-    """
-
-    names: Sequence[str] | None
-    delimiter: str | None
-    first: str
-    row: Sequence[str]
-    count: int | None
-
-
 def read(path: Path) -> Columns:
     """All columns of numbers. Raises FormatError, with the line that doesn't fit."""
     with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = Lines(file)
-        head = _read_head(lines)
-        width = len(head.row)
-        if head.names is None and width not in USUAL_WIDTHS:
+        names, delimiter, first, count = _read_head(lines)
+        values = _split(first, delimiter)
+        width = len(values)
+        if names is None and width not in USUAL_WIDTHS:
             raise FormatError(
                 f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are "
                 "understood, for others name the columns in a header line.",
                 lines.number,
             )
-        numeric = [i for i, value in enumerate(head.row) if _is_number(value)]
-        if head.names is None and len(numeric) < width:
-            fault = next(value for value in head.row if not _is_number(value))
-            raise FormatError(_not_a_number(fault), lines.number)
-        is_open_ended = head.delimiter is not None and head.first.rstrip().endswith(head.delimiter)
+        numeric = [i for i, value in enumerate(values) if _is_number(value)]
+        if names is None and len(numeric) < width:
+            raise _not_numbers(values, lines.number)
+        is_open_ended = delimiter is not None and first.rstrip().endswith(delimiter)
         chosen = numeric if is_open_ended or len(numeric) < width else None
-        names = head.names or [f"column {i + 1}" for i in range(width)]
-        rows = read_rows(lines, names, head.first, head.delimiter, chosen)
-    if head.count is not None and head.count != len(rows):
+        expected = names or [f"column {i + 1}" for i in range(width)]
+        rows = read_rows(lines, expected, first, delimiter, chosen)
+    if count is not None and count != len(rows):
         raise FormatError(
-            f"announces {head.count} points, but {len(rows)} rows follow: it is cut short, or the "
+            f"announces {count} points, but {len(rows)} rows follow: it is cut short, or the "
             "number is wrong."
         )
-    if head.names is None:
-        names = usual_names(rows, is_leica=head.count is not None)
+    if names is None:
+        names = usual_names(rows, is_leica=count is not None)
         notes = [f"no header line: columns taken as {' '.join(names)}."]
     else:
         words = [names[i] for i in range(width) if i not in numeric]
@@ -116,10 +100,8 @@ def read_rows(
         An open text, read up to its first row.
     names : sequence of str
         One for each value of a row.
-    first : str, optional
-        A row that was read already.
-    delimiter : str, optional
-        What stands between values; None is any white space.
+    first, delimiter : str, optional
+        A row that was read already; what stands between values, None for any white space.
     columns : sequence of int, optional
         Which values of a row to read, where not all are wanted.
 
@@ -140,10 +122,10 @@ def read_rows(
                 encoding=None,
             )
         except ValueError as error:  # at the line that numpy has asked for last
-            raise FormatError(_reason(str(error), names), lines.number) from error
+            raise _row_fault(str(error), names, lines.number) from error
     width = len(names if columns is None else columns)
     if rows.size and rows.shape[1] != width:
-        raise FormatError(_reason(f"{rows.shape[1]} columns", names), lines.number)
+        raise _row_fault(f"{rows.shape[1]} columns", names, lines.number)
     return rows.reshape(-1, width)
 
 
@@ -164,22 +146,25 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
     return ["x", "y", "z", *names[width]]
 
 
-def _reason(numpys: str, names: Sequence[str]) -> str:
+def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
     """Numpy's sentence about a row in the words of one who has the file before them."""
     if text := re.search("could not convert string '(.*)' to float64", numpys, re.DOTALL):
-        return _not_a_number(text[1])
+        return _not_numbers([text[1]], line)
     if found := re.search(r"from \d+ to (\d+)|with (\d+) columns|^(\d+) columns", numpys):
         count = int(next(filter(None, found.groups())))
-        return (
+        return FormatError(
             f"{count} value{'s' * (count != 1)} found, but {len(names)} expected "
-            f"({excerpt(' '.join(names))})."
+            f"({excerpt(' '.join(names))}).",
+            line,
         )
-    return f"no row of numbers ({excerpt(numpys)})."
+    return FormatError(f"no row of numbers ({excerpt(numpys)}).", line)
 
 
-def _not_a_number(text: str) -> str:
+def _not_numbers(values: Sequence[str], line: int) -> FormatError:
+    """The fault of the first of these values that is no number."""
+    text = next((value for value in values if not _is_number(value)), values[0])
     hint = "; write decimals with a point" if re.fullmatch(r"[-+]?\d+,\d+", text) else ""
-    return f"'{excerpt(text)}' is not a number{hint}."
+    return FormatError(f"'{excerpt(text)}' is not a number{hint}.", line)
 
 
 def _encoding(path: Path) -> str:
@@ -193,38 +178,38 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _read_head(lines: Lines) -> _Head:
-    """Read up to the first row."""
+def _read_head(lines: Lines) -> tuple[list[str] | None, str | None, str, int | None]:
+    """Names of the columns, delimiter, first row and announced count; None where not told."""
     comments: list[str] = []
     header: list[str] | None = None
     count: int | None = None
     header_line = 0
     for line in lines:
         text = line.strip()
-        if not text:
-            continue
         if text.startswith(("#", "//")):
             comments.append(text.lstrip("#/ \t"))
+        if not text or text.startswith(("#", "//")):
             continue
         delimiter = _delimiter(text)
         values = _split(text, delimiter)
         if len(values) == 1 and values[0].isdecimal() and count is None:
             count = int(values[0][:18])
         elif sum(map(_is_number, values)) >= min(3, len(values)):
-            if header is None:
-                header = _names_in(comments, delimiter, len(values))
-            elif len(header) != len(values):
+            header = header or _names_in(comments, delimiter, len(values))
+            if header and len(header) != len(values):
                 raise FormatError(
                     f"the header names {len(header)} columns, but the first row has "
                     f"{len(values)} values.",
                     header_line,
                 )
-            return _Head(_distinct(header), delimiter, line, values, count)
+            name, times = Counter(header).most_common(1)[0] if header else ("", 1)
+            if times > 1:
+                raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
+            return header, delimiter, line, count
         elif header is None and _names_xyz(values) and not any(map(_is_number, values)):
             header, header_line = values, lines.number
         else:
-            fault = next(value for value in values if not _is_number(value))
-            raise FormatError(_not_a_number(fault), lines.number)
+            raise _not_numbers(values, lines.number)
     raise FormatError("holds no points.")
 
 
@@ -235,13 +220,6 @@ def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> lis
             if len(names) == width and _names_xyz(names):
                 return names
     return None
-
-
-def _distinct(names: list[str] | None) -> list[str] | None:
-    twice = [name for name, count in Counter(names or []).items() if count > 1]
-    if twice:
-        raise FormatError(f"has a header that names two columns '{excerpt(min(twice))}'.")
-    return names
 
 
 def _names_xyz(names: Sequence[str]) -> bool:
