@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -49,31 +49,31 @@ def choose_fields(
     InputError
         There is no x, y or z, or no `label_field`, or labels are no integers.
     """
-    by_name: dict[str, str] = {}
-    for name in columns.values:
-        by_name.setdefault(name.lower(), name)
+    by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
     found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
-
-    missing = [axis for axis in "xyz" if axis not in by_name]
+    wanted = [*"xyz", *([label_field] if label_field is not None and use_labels else ())]
+    missing = [name for name in wanted if name.lower() not in by_name]
     if missing:
-        raise InputError(f"'{path}' has no field {missing[0]}; the fields found: {found}.")
+        raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     notes = [f"positions from {_quoted(used)}"]
 
     labels = None
-    label_name = _label_name(by_name, label_field) if use_labels else None
-    if use_labels and label_field is not None and label_name is None:
-        raise InputError(f"'{path}' has no field '{label_field}'; the fields found: {found}.")
-    if label_name is not None:
+    usual = [prefix + name for name in LABEL_NAMES for prefix in ("", "scalar_")]
+    candidates = usual if label_field is None else [label_field.lower()]
+    label = next((by_name[name] for name in candidates if name in by_name), None)
+    if use_labels and label is not None:
         finite = np.asarray(np.isfinite(points).all(axis=1))
-        labels = _to_labels(columns.values[label_name], finite, label_name, path)
-        notes.append(f"labels from '{excerpt(label_name)}'")
+        labels = _to_labels(columns.values[label], finite, label, path)
+        notes.append(f"labels from '{excerpt(label)}'")
 
     colors = None
-    if names := _color_names(by_name):
-        colors, scale = to_srgb([columns.values[name] for name in names])
-        notes.append(f"colours from {_quoted(names)} ({scale})")
+    triple = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
+    if triple:
+        used = [by_name[name] for name in triple]
+        colors, scale = to_srgb([columns.values[name] for name in used])
+        notes.append(f"colours from {_quoted(used)} ({scale})")
 
     return Cloud(points, labels, colors, (*columns.notes, "; ".join(notes) + "."))
 
@@ -108,23 +108,6 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
         return np.rint(values).astype(np.uint8), "8-bit"
     # By the high byte: right both for values scaled by 257 and, as LAS asks for, by 256.
     return (values / 256).astype(np.uint8), "16-bit"
-
-
-def _label_name(by_name: Mapping[str, str], label_field: str | None) -> str | None:
-    if label_field is not None:
-        return by_name.get(label_field.lower())
-    for name in LABEL_NAMES:
-        for key in (name, f"scalar_{name}"):
-            if key in by_name:
-                return by_name[key]
-    return None
-
-
-def _color_names(by_name: Mapping[str, str]) -> list[str] | None:
-    for names in COLOR_NAMES:
-        if all(name in by_name for name in names):
-            return [by_name[name] for name in names]
-    return None
 
 
 def _to_labels(values: NDArray, finite: NDArray, name: str, path: Path) -> NDArray[np.int64]:

@@ -47,10 +47,10 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
     for path in inputs:
         require_there(path)
-
     if len(inputs) == 1 and inputs[0].is_dir():
         return FoundScans(_in_folder(inputs[0], times_file), from_folder=True)
 
+    seen: dict[Path, Path] = {}
     for path in inputs:
         if path.is_dir():
             raise InputError(
@@ -59,7 +59,9 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
         if not path.is_file():
             raise InputError(f"'{path}' is not a regular file.")
         require_known(path)
-    _require_distinct(inputs)
+        earlier = seen.setdefault(path.resolve(), path)
+        if earlier is not path:
+            raise InputError(f"'{earlier}' is given twice (again as '{path}').")
     if len(inputs) == 1:
         raise InputError(f"'{inputs[0]}' is only one scan; growth needs at least two.")
     return FoundScans(tuple(inputs), from_folder=False)
@@ -140,27 +142,15 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
     names = names_without_times([scan.stem for scan in scans])
     have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
     patterns = [re.sub(r"\d+", "#", name) for name in names]
-
     for kinds, may_all_differ in (
         ([suffix_of(scan) for scan in scans], False),
         (names, True),
         (patterns, not have_times),
     ):
-        examples: dict[str, Path] = {}
-        for kind, scan in zip(kinds, scans, strict=True):
-            examples.setdefault(kind, scan)
-        if len(examples) == 1 or (may_all_differ and len(examples) == len(scans)):
-            continue
-        first, second = list(examples.values())[:2]
-        raise InputError(
-            f"'{folder}' seems to hold more than one series ('{first.name}' and '{second.name}'); "
-            "give each its own folder, or name the files of one series."
-        )
-
-
-def _require_distinct(paths: Sequence[Path]) -> None:
-    seen: dict[Path, Path] = {}
-    for path in paths:
-        earlier = seen.setdefault(path.resolve(), path)
-        if earlier is not path:
-            raise InputError(f"'{earlier}' is given twice (again as '{path}').")
+        first = dict(zip(reversed(kinds), reversed(scans), strict=True))
+        if len(first) > 1 and not (may_all_differ and len(first) == len(scans)):
+            names_of_two = [scan.name for scan in scans if scan in first.values()][:2]
+            raise InputError(
+                f"'{folder}' seems to hold more than one series ('{names_of_two[0]}' and "
+                f"'{names_of_two[1]}'); give each its own folder, or name the files of one series."
+            )

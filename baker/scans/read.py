@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
-from baker.scans import clean, place
-from baker.scans.cloud import Cloud
-from baker.scans.denoise import denoised
+from baker.scans import clean
+from baker.scans.cloud import Cloud, relative_to, shared_origin
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns, suffix_of
@@ -52,7 +51,7 @@ def read_series(
     Returns
     -------
     Series
-        All scans share one `origin`, chosen from the first one (`baker.scans.place.shared_origin`).
+        All scans share one `origin`, chosen from the first one (`baker.scans.cloud.shared_origin`).
 
     Raises
     ------
@@ -66,7 +65,7 @@ def read_series(
     if report_progress:
         map = reporting(map, report_progress, len(entries))
     raw = listing.read(entries[0], options)
-    origin = place.shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
+    origin = shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
     read = partial(_scan, origin=origin, listing=listing, options=options)
     scans = _agree(list(map(read, entries, chain([raw], repeat(None)))), options)
     return listing.series(scans, options)
@@ -84,11 +83,11 @@ def _scan(
     cloud, sha256 = raw or listing.read(entry, options)
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
-    cloud = clean.drop_duplicates(place.relative_to(origin, cloud))
+    cloud = clean.drop_duplicates(relative_to(origin, cloud))
     steps: tuple[tuple[Callable[..., Cloud], float | None], ...] = (
         (clean.drop_outliers, options.outliers),
         (clean.downsample, options.voxel),
-        (denoised, options.denoise),
+        (clean.denoised, options.denoise),
         (clean.resampled, options.resample),
     )
     for step, value in steps:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,8 @@ class Scan:
     labels: NDArray[np.int64] | None = None
     colors: NDArray[np.uint8] | None = None
     date: str = ""
-    notes: tuple[str, ...] = field(default=())
-    beside: tuple[Path, ...] = field(default=())
+    notes: tuple[str, ...] = ()
+    beside: tuple[Path, ...] = ()
     sha256: str = ""
 
     def __len__(self) -> int:

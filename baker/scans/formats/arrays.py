@@ -9,7 +9,7 @@ fields are named. No objects are unpickled.
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -27,19 +27,17 @@ COLORS = ("colors", "colours", "rgb")
 
 def read(path: Path) -> Columns:
     """The columns of the arrays. Raises FormatError: not sound, or no points among them."""
-    is_archive = path.suffix.lower() == ".npz"
     with library_faults(path.suffix[1:].upper()):
-        if is_archive:
+        if path.suffix.lower() == ".npz":
             _require_sound_headers(path)
             with np.load(path, allow_pickle=False) as file:
                 return Columns(_named(file))
-        array = np.load(
-            path, mmap_mode="r", allow_pickle=False
-        )  # makes no room for what isn't there
+        # A map makes no room for what isn't there.
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
         if array.dtype.names:
             fields = {name: np.asarray(array[name]) for name in array.dtype.names}
             return Columns({name: v for name, v in fields.items() if _is_column(v)})
-        if array.ndim != 2 or array.shape[1] not in USUAL_WIDTHS or array.dtype.kind not in NUMBERS:
+        if not _is_table(array, USUAL_WIDTHS):
             found = f"shape {array.shape} and type {array.dtype}"
             raise FormatError(f"holds an array of {found}; (N, 3) to (N, 7) numbers are read.")
         names = usual_names(array)
@@ -53,23 +51,27 @@ def _named(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
         found = excerpt(", ".join(arrays)) or "none"
         raise FormatError(f"has no array '{POINTS[0]}' (it has {found}).")
     positions = arrays[points]
-    count = len(positions)
-    if positions.ndim != 2 or positions.shape[1] != 3 or positions.dtype.kind not in NUMBERS:
+    if not _is_table(positions, (3,)):
         found = f"shape {positions.shape} and type {positions.dtype}"
         raise FormatError(f"has an array '{points}' of {found}, not (N, 3) numbers.")
     columns = dict(zip("xyz", positions.T, strict=True))
     for name in arrays:
         values = arrays[name]
-        if name in COLORS and values.ndim == 2 and values.shape[1] in (3, 4):
+        if name in COLORS and _is_table(values, (3, 4)):
             columns |= dict(zip(("red", "green", "blue"), values.T, strict=False))
         elif name != points and _is_column(values):
-            columns[{"labels": "label"}.get(name, name)] = values
+            columns["label" if name == "labels" else name] = values
     for name, values in columns.items():
-        if len(values) != count:
+        if len(values) != len(positions):
             raise FormatError(
-                f"has {count} points, but an array '{excerpt(name)}' of {len(values)} values."
+                f"has {len(positions)} points, but an array '{excerpt(name)}' of {len(values)} "
+                "values."
             )
     return columns
+
+
+def _is_table(values: NDArray, widths: Container[int]) -> bool:
+    return values.ndim == 2 and values.shape[1] in widths and values.dtype.kind in NUMBERS
 
 
 def _is_column(values: NDArray) -> bool:
@@ -82,9 +84,6 @@ def _require_sound_headers(path: Path) -> None:
         for member in archive.infolist():
             with archive.open(member) as file:
                 version = np.lib.format.read_magic(file)
-                read_header = {
-                    (1, 0): np.lib.format.read_array_header_1_0,
-                    (2, 0): np.lib.format.read_array_header_2_0,
-                }[version]
+                read_header = getattr(np.lib.format, "read_array_header_{}_{}".format(*version))
                 shape, _, dtype = read_header(file)
                 require_room(int(np.prod(shape, dtype=object)), dtype.itemsize, member.file_size)

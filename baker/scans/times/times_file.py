@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import stat
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -32,19 +31,15 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
 
 def _read_times(path: Path) -> dict[str, Moment]:
     listed: dict[str, Moment] = {}
-    is_first = True
-    for number, line in enumerate(_read_lines(path), 1):
-        line = line.strip()
-        if not line or line.startswith(("#", "//")):
-            continue
+    lines = [(number, line.strip()) for number, line in enumerate(_read_lines(path), 1)]
+    rows = [(n, line) for n, line in lines if line and not line.startswith(("#", "//"))]
+    for number, line in rows:
         parts = re.split(r"[,;\t]", line, maxsplit=2)
         parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
         name, time = (part.strip().strip("\"' ") for part in parts[:2])
+        if number == rows[0][0] and time and not re.search(r"\d", time):
+            continue  # a header
         moment = _parse_time(time)
-        is_header = is_first and time and not re.search(r"\d", time)
-        is_first = False
-        if is_header:
-            continue
         if moment is None or not name:
             raise InputError(
                 f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
@@ -58,13 +53,12 @@ def _read_times(path: Path) -> dict[str, Moment]:
 
 def _read_lines(path: Path) -> list[str]:
     try:
-        state = path.stat()
-        if stat.S_ISFIFO(state.st_mode) or stat.S_ISCHR(state.st_mode):
+        if path.is_fifo() or path.is_char_device():
             raise InputError(f"'{path}' (times) is not a regular file.")
-        if state.st_size > MAX_FILE_BYTES:
+        if (size := path.stat().st_size) > MAX_FILE_BYTES:
             raise InputError(
-                f"'{path}' (times) holds {state.st_size} bytes; a list of times has "
-                f"{MAX_FILE_BYTES} at most."
+                f"'{path}' (times) holds {size} bytes; a list of times has {MAX_FILE_BYTES} at "
+                "most."
             )
         return path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
@@ -76,6 +70,7 @@ def _read_lines(path: Path) -> list[str]:
 def _parse_time(text: str) -> Moment | None:
     if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
         return None
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text) and not parse_date(text):
+    date = parse_date(text)
+    if date is None and re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
         return Moment(float(text), f"day {float(text):.10g}")
-    return parse_date(text)
+    return date

@@ -10,8 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from baker.errors import InputError
 from baker.scans import clean
-from baker.scans.cloud import Cloud
-from baker.scans.place import relative_to, shared_origin
+from baker.scans.cloud import Cloud, relative_to, shared_origin
 
 HERE = Path("scan.ply")
 lattice = arrays(np.float32, st.tuples(st.integers(1, 30), st.just(3)), elements=st.integers(-2, 2))

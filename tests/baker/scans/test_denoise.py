@@ -7,8 +7,8 @@ import pytest
 
 from baker import InputError
 from baker.options import Options
+from baker.scans.clean import denoised
 from baker.scans.cloud import Cloud
-from baker.scans.denoise import denoised
 
 NOISE = 0.01
 

@@ -104,5 +104,5 @@ def test_senseless_colors_are_left_out_with_a_note():
 
 
 def test_missing_axis():
-    with pytest.raises(InputError, match=r"scan\.ply' has no field z; the fields found: x, y"):
+    with pytest.raises(InputError, match=r"scan\.ply' has no field 'z'; the fields found: x, y"):
         choose_fields(Columns({"x": np.zeros(1), "y": np.zeros(1)}), HERE)
