@@ -29,14 +29,9 @@ def compile_kernels(
     """
     from numba.core.event import install_listener
 
-    from baker.transport import network_simplex, partition_kernels
+    from baker.transport import network_simplex
 
-    kernels = [
-        value
-        for module in (network_simplex, partition_kernels)
-        for value in vars(module).values()
-        if hasattr(value, "py_func")
-    ]
+    kernels = [value for value in vars(network_simplex).values() if hasattr(value, "py_func")]
     with install_listener("numba:compile", _progress_listener(kernels, report_progress)):
         _solve_smallest()
     if code_folder() is None:

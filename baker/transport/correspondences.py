@@ -16,35 +16,16 @@ from baker.transport.support import balance
 
 @dataclass(frozen=True)
 class Correspondences:
-    """Pairs of points of an organ's two scans.
+    """Pairs of points of an organ's two scans; every point is in at least one pair."""
 
-    Attributes
-    ----------
-    rows, columns : (M,) int ndarray
-        Points of the start and of the end, ordered by row, then column. Every point of either side
-        is in at least one pair; M <= n + m.
-    weights : (M,) float32 ndarray
-        1 where a pair carries the most mass of its row and of its column, 1/2 where of one.
-    distance : float
-        Wasserstein distance of the two scans in length units, of all plans together.
-    marginal_error : float
-        L1 error of the marginals, the largest of all plans.
-    solver : str
-        What found the plan that moves the most.
-    notes : tuple of str
-        For the report, one sentence each.
-    divided : bool
-        Whether the organ's leaflets were transported each on its own.
-    """
-
-    rows: Indices
-    columns: Indices
-    weights: NDArray[np.float32]
-    distance: float
-    marginal_error: float
-    solver: str
-    notes: tuple[str, ...] = ()
-    divided: bool = False
+    rows: Indices  # (M,) points of the start, M <= n + m; ordered by row, then column
+    columns: Indices  # (M,) points of the end
+    weights: NDArray[np.float32]  # 1: the most mass of its row and of its column; 1/2: of one
+    distance: float  # Wasserstein distance in length units, of all plans together
+    marginal_error: float  # L1 error of the marginals, the largest of all plans
+    solver: str  # what found the plan that moves the most
+    notes: tuple[str, ...] = ()  # for the report, one sentence each
+    divided: bool = False  # the organ's leaflets were transported each on its own
 
 
 class Part(Protocol):
@@ -80,21 +61,20 @@ def correspond(
     if not parts:
         return _correspond(start, end, (start, end), options)
     shared = replace(options, shared=True)
-    rows, columns, weights, work, found = [], [], [], [], []
+    rows, columns, work, found = [], [], [], []
     for part in parts:
         source, target = start[part.start], end[part.end]
         placed_start, placed_end = part.registered or balance(source, target)
         one = _correspond(placed_start, placed_end, (source, target), shared)
         rows.append(part.start[one.rows])
         columns.append(part.end[one.columns])
-        weights.append(one.weights)
         work.append(one.distance**options.power * len(part.end))
         found.append(one)
     order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
     return Correspondences(
         np.concatenate(rows)[order],
         np.concatenate(columns)[order],
-        np.concatenate(weights)[order],
+        np.concatenate([one.weights for one in found])[order],
         (sum(work) / len(end)) ** (1 / options.power),
         max(one.marginal_error for one in found),
         found[int(np.argmax(work))].solver,
@@ -123,24 +103,7 @@ def largest_entries(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
     """The non-zero entries of T-hat = (T' + T'') / 2: the maxima of T's rows and of its columns.
 
-    Parameters
-    ----------
-    plan : Plan
-        T, in which every row and every column has mass.
-    n, m : int
-        Rows and columns of T.
-
-    Returns
-    -------
-    rows, columns : (M,) int32 ndarray
-        Ordered by row, then column; M <= n + m. Ties go to the lowest index.
-    weights : (M,) float32 ndarray
-        1 where an entry is the maximum of its row and of its column, 1/2 where of one.
-
-    Raises
-    ------
-    ValueError
-        The plan leaves out a point.
+    Ties go to the lowest index. ValueError where the n by m plan leaves out a point.
     """
     rows, columns, mass = plan.rows, plan.columns, plan.mass
     weights = np.zeros(len(mass), np.float32)

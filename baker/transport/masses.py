@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.problem import Masses, Points
-from gclip.morton import morton_order
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -19,20 +18,11 @@ TOTAL_MASS = 10**9  # whole units
 
 
 def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
-    """Masses by how much of the other cloud is around each point.
+    """Masses of registered clouds, by how much of the other cloud is around each point.
 
     A point's mass is the number of the other cloud's points that are no farther than its tenth
-    neighbour in its own cloud, of as many points; fully from ten on.
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        Clouds that are registered to each other.
-
-    Returns
-    -------
-    supply, demand : (n,) and (m,) int64 ndarray
-        Whole units, at least 1, of equal sums.
+    neighbour in its own cloud, of as many points; fully from ten on. In whole units, at least 1, of
+    equal sums.
     """
     from scipy.spatial import KDTree
 
@@ -40,12 +30,8 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     if k < 2:
         shares = np.ones(len(start)), np.ones(len(end))
     else:
-        # Along a curve trees are made, and answer, in a third of the time.
-        orders = morton_order(start), morton_order(end)
-        source, target = KDTree(start[orders[0]]), KDTree(end[orders[1]])
-        shares = np.empty(len(start)), np.empty(len(end))
-        shares[0][orders[0]] = _share(source, target, k)
-        shares[1][orders[1]] = _share(target, source, k)
+        source, target = KDTree(start), KDTree(end)
+        shares = _share(source, target, k), _share(target, source, k)
     supply, demand = (np.maximum(1, TOTAL_MASS * (s / s.sum())).astype(np.int64) for s in shares)
     # What rounding has taken goes to the largest, of which it is next to nothing.
     supply[np.argmax(supply)] += max(0, int(demand.sum() - supply.sum()))

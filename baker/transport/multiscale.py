@@ -14,13 +14,20 @@ M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.parallel import thread_map
-from baker.transport.problem import Edges, Indices, Masses, Points, costs
+from baker.transport.problem import (
+    Edges,
+    Indices,
+    Masses,
+    Points,
+    TransportOptions,
+    costs,
+)
 from baker.transport.space_partition import Blocks, bisection_order, cut, refine_plan
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
@@ -36,49 +43,23 @@ PARTS_PER_WORKER = 4  # that a worker's cells are solved in
 MIN_GAIN = 3e-3  # share of the cost that a sweep has to gain
 
 
-@dataclass(frozen=True)
-class Coupling:
-    """A feasible plan in whole masses.
-
-    Attributes
-    ----------
-    edges : pair of (E,) int64 ndarray
-    mass : (E,) int64 ndarray
-    solver : str
-        What found it.
-    sweeps : int
-        Of the last level.
-    """
+class Coupling(NamedTuple):
+    """A feasible plan in whole masses."""
 
     edges: Edges
     mass: Masses
-    solver: str
-    sweeps: int = 1
+    solver: str  # what found it
+    sweeps: int = 1  # of the last level
 
 
-@dataclass(frozen=True)
-class Search:
-    """How to look for the plan of least cost.
-
-    Attributes
-    ----------
-    power : {2, 1}
-        The cost of a pair is distance ** power.
-    seed : int
-        Of the directions in which clouds are cut.
-    slack : float
-        Mean cost below which an improvement is not worth another sweep.
-    workers : int
-        Threads; the plan is the same whatever their number.
-    """
-
-    power: int = 2
-    seed: int = 0
-    slack: float = 0.0
-    workers: int = 1
-
-
-def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: Search) -> Coupling:
+def couple(
+    start: Points,
+    end: Points,
+    supply: Masses,
+    demand: Masses,
+    options: TransportOptions,
+    slack: float = 0.0,
+) -> Coupling:
     """The plan of least cost between two clouds.
 
     Parameters
@@ -86,20 +67,19 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
     start, end : (n, 3) and (m, 3) float ndarray
     supply, demand : (n,) and (m,) int64 ndarray
         Of equal sum.
-    search : Search
-
-    Returns
-    -------
-    Coupling
+    options : TransportOptions
+        Its power, seed and workers.
+    slack : float
+        Mean cost below which an improvement is not worth another sweep.
     """
     n, m = len(start), len(end)
     if n < m:
-        found = couple(end, start, demand, supply, search)
-        return replace(found, edges=found.edges[::-1])
+        found = couple(end, start, demand, supply, options, slack)
+        return found._replace(edges=found.edges[::-1])
     if m == 1:
         return Coupling((np.arange(n), np.zeros(n, np.int64)), supply, "only choice")
-    row_order, axes = bisection_order(start, search.seed)
-    column_order, _ = bisection_order(end, search.seed, axes)
+    row_order, axes = bisection_order(start, options.seed)
+    column_order, _ = bisection_order(end, options.seed, axes)
     row_levels, column_levels = (
         _levels(points[order], masses[order])
         for points, masses, order in ((start, supply, row_order), (end, demand, column_order))
@@ -110,27 +90,22 @@ def couple(start: Points, end: Points, supply: Masses, demand: Masses, search: S
         # A cloud that has fewer levels than the other waits at its points.
         columns = column_levels[min(index, len(column_levels) - 1)]
         if index >= len(column_levels):
-            columns = replace(columns, first=np.arange(len(columns.points)))
+            columns = columns._replace(first=np.arange(len(columns.points)))
         edges, mass = refine_plan(
             rows.blocks_above(), columns.blocks_above(), rows.masses, columns.masses, edges, mass
         )
         last = index == len(row_levels) - 1
-        edges, mass, sweeps = _improve(rows, columns, edges, mass, search, last)
+        edges, mass, sweeps = _improve(rows, columns, edges, mass, options, slack, last)
     edges = row_order[edges[0]], column_order[edges[1]]
     return Coupling(edges, mass, "network simplex", sweeps)
 
 
-@dataclass(frozen=True)
-class _Level:
-    """A cloud as n blocks, in the order of its bisection; on the finest level as n points.
+class _Level(NamedTuple):
+    """A cloud as n blocks, in the order of its bisection; on the finest level as n points."""
 
-    points: (n, 3) float64 centroids; masses: (n,); first: where each block of the level above
-    begins.
-    """
-
-    points: NDArray[np.float64]
+    points: NDArray[np.float64]  # (n, 3) centroids
     masses: Masses
-    first: Indices
+    first: Indices  # where each block of the level above begins
 
     def blocks_above(self) -> Blocks:
         """The blocks of the level above, made of this level's."""
@@ -155,7 +130,13 @@ def _levels(points: Points, masses: Masses) -> list[_Level]:
 
 
 def _improve(
-    rows: _Level, columns: _Level, edges: Edges, mass: Masses, search: Search, last: bool
+    rows: _Level,
+    columns: _Level,
+    edges: Edges,
+    mass: Masses,
+    options: TransportOptions,
+    slack: float,
+    last: bool,
 ) -> tuple[Edges, Masses, int]:
     """Improve a feasible plan in one sweep; that of the last level until a sweep gains too little.
 
@@ -170,25 +151,25 @@ def _improve(
     one_cell = n + m <= MAX_POINTS_OF_ONE_CELL
 
     def cost() -> float:
-        return float(mass @ costs(start, end, edges, search.power)) / float(mass.sum())
+        return float(mass @ costs(start, end, edges, options.power)) / float(mass.sum())
 
     now = np.inf if one_cell else cost()
-    tight = one_cell or (last and search.slack < MIN_GAIN * now)
+    tight = one_cell or (last and slack < MIN_GAIN * now)
     k = 0 if few else NEIGHBORS_IF_TIGHT if tight else NEIGHBORS
-    near = _neighbors(start, k, search.workers), _neighbors(end, k, search.workers)
+    near = _neighbors(start, k, options.workers), _neighbors(end, k, options.workers)
     if one_cell:
         whole = np.array([0, len(mass)])
-        plan = improve_cells(start, end, near, edges, mass, whole, search.power, exhaustive)
+        plan = improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
         return (*plan, 1)
     size = POINTS_OF_CELL_IF_TIGHT if tight else POINTS_OF_CELL
     for sweep in range(MAX_SWEEPS if last else 1):
         late = sweep + 1 - SWEEPS_OF_SMALL_CELLS
         cells = round((n + m) / (size * 2 ** max(0, late)))
-        cell = _cells(start, cells, search.seed, sweep)
-        edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, search)
+        cell = _cells(start, cells, options.seed, sweep)
+        edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, options)
         before, now = now, cost()
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        enough = max(search.slack, MIN_GAIN * now if late > 0 else 0.0)
+        enough = max(slack, MIN_GAIN * now if late > 0 else 0.0)
         if cells == 1 or (late >= 0 and before - now <= enough):
             break
     return edges, mass, sweep + 1
@@ -223,7 +204,7 @@ def _sweep(
     mass: Masses,
     cell: Indices,
     exhaustive: bool,
-    search: Search,
+    options: TransportOptions,
 ) -> tuple[Edges, Masses]:
     """Solve each cell's rows exactly for the masses that they now send."""
     from baker.transport.network_simplex import improve_cells
@@ -237,13 +218,13 @@ def _sweep(
         part = slice(cells[0], cells[-1])
         return improve_cells(
             start, end, near, (rows[part], columns[part]), mass[part], cells - cells[0],
-            search.power, exhaustive,
+            options.power, exhaustive,
         )  # fmt: skip
 
     count = len(first) - 1
-    parts = min(count, 1 if search.workers == 1 else PARTS_PER_WORKER * search.workers)
+    parts = min(count, 1 if options.workers == 1 else PARTS_PER_WORKER * options.workers)
     stops = np.arange(parts + 1) * count // parts
-    with thread_map(search.workers) as map:
+    with thread_map(options.workers) as map:
         solved = list(map(solve, stops[:-1], stops[1:]))
     rows = np.concatenate([pairs[0] for pairs, _ in solved])
     columns = np.concatenate([pairs[1] for pairs, _ in solved])

@@ -27,44 +27,18 @@ class Method(StrEnum):
 
 @dataclass(frozen=True)
 class TransportOptions:
-    """How to solve the transport problem of one pair of segments.
-
-    Attributes
-    ----------
-    method : Method
-        `exact` (also `auto`), or `sinkhorn`, the paper's regularised transport (section 3.4).
-    power : {2, 1}
-        The cost is distance ** power: the squared distance, or the distance itself (the paper's).
-    neighbors : int
-        Sinkhorn only: k of the k-nearest-neighbour support, both ways.
-    gamma : float
-        Sinkhorn's regularisation, relative to the median cost of the support.
-    feasible : bool
-        Sinkhorn only: add a feasible plan's pairs to the support. False is the paper's support, on
-        which often not all of the mass can flow.
-    tolerance : float
-        Sinkhorn stops at this L1 error of the marginals ...
-    iterations : int
-        ... or after so many iterations.
-    seed : int
-        Directions of the bisections that give first plans; any value gives a good plan.
-    workers : int
-        Threads of the exact method; the plan is the same whatever their number.
-    shared : bool
-        Exact method only: a point's mass is what both segments have around it
-        (`baker.transport.masses`), instead of uniform.
-    """
+    """How to solve the transport problem of one pair of segments (section 3.4)."""
 
     method: Method | str = Method.AUTO
-    power: Literal[1, 2] = 2
-    neighbors: int = 15
-    gamma: float = 0.3
-    feasible: bool = True
-    tolerance: float = 1e-3
-    iterations: int = 2000
-    seed: int = 0
-    workers: int = 1
-    shared: bool = False
+    power: Literal[1, 2] = 2  # the cost is distance ** power; the paper's is 1
+    neighbors: int = 15  # Sinkhorn: k of the k-nearest-neighbour support, both ways
+    gamma: float = 0.3  # Sinkhorn's regularisation, relative to the support's median cost
+    feasible: bool = True  # Sinkhorn: add feasible plans' pairs to the paper's support
+    tolerance: float = 1e-3  # Sinkhorn stops at this L1 error of the marginals ...
+    iterations: int = 2000  # ... or after so many iterations
+    seed: int = 0  # directions of the bisections that give first plans; any gives a good plan
+    workers: int = 1  # threads of the exact method; the plan is the same whatever their number
+    shared: bool = False  # exact: masses by what both segments have around a point, not uniform
 
     def __post_init__(self) -> None:
         Method(self.method)
@@ -78,40 +52,18 @@ class TransportOptions:
 
 @dataclass(frozen=True)
 class Plan:
-    """A transport plan: a sparse coupling of two segments, each of mass 1.
+    """A transport plan: a sparse coupling of two segments, each of mass 1."""
 
-    Attributes
-    ----------
-    rows, columns : (E,) int32 ndarray
-        Points of the start and of the end, ordered by row, then column.
-    mass : (E,) float64 ndarray
-        What flows between them.
-    cost : float
-        Sum of mass times distance ** power.
-    distance : float
-        cost ** (1 / power): the Wasserstein distance in the points' unit.
-    marginal_error : float
-        L1 error of the row sums plus that of the column sums.
-    solver : str
-        What found the plan: "network simplex", "sinkhorn", or "only choice".
-    feasible : bool
-        Whether all of the mass could flow on the support.
-    iterations : int
-        Sweeps of the exact solver, iterations of Sinkhorn's algorithm.
-    notes : tuple of str
-        For the report, one sentence each.
-    """
-
-    rows: NDArray[np.int32]
-    columns: NDArray[np.int32]
-    mass: NDArray[np.float64]
-    cost: float
-    distance: float
-    marginal_error: float
-    solver: str
-    feasible: bool = True
-    iterations: int = 1
-    notes: tuple[str, ...] = ()
+    rows: NDArray[np.int32]  # (E,) points of the start; ordered by row, then column
+    columns: NDArray[np.int32]  # (E,) points of the end
+    mass: NDArray[np.float64]  # (E,) what flows between them
+    cost: float  # sum of mass times distance ** power
+    distance: float  # cost ** (1 / power): the Wasserstein distance in the points' unit
+    marginal_error: float  # L1 error of the row sums plus that of the column sums
+    solver: str  # "network simplex", "sinkhorn", or "only choice"
+    feasible: bool = True  # all of the mass could flow on the support
+    iterations: int = 1  # sweeps of the exact solver, iterations of Sinkhorn's algorithm
+    notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 
 def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
@@ -142,17 +94,7 @@ def make_plan(
 ) -> Plan:
     """Order a coupling's pairs, and compute its cost and the error of its marginals.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        The points as they are.
-    edges : pair of (E,) int ndarray
-    mass : (E,) array-like
-        Of sum 1.
-    power, solver, feasible, iterations, notes
-        As in `Plan` and `TransportOptions`.
-    masses : pair of (n,) and (m,) int64 ndarray, optional
-        The marginals, of equal sums; uniform by default.
+    mass: (E,), of sum 1; masses: the marginals, of equal sums, uniform by default.
     """
     order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
     rows, columns = edges[0][order], edges[1][order]
@@ -165,7 +107,7 @@ def make_plan(
         flow,
         cost,
         cost ** (1.0 / power),
-        marginal_error(rows, flow, supply) + marginal_error(columns, flow, demand),
+        _marginal_error(rows, flow, supply) + _marginal_error(columns, flow, demand),
         solver,
         feasible,
         iterations,
@@ -173,7 +115,7 @@ def make_plan(
     )
 
 
-def marginal_error(indices: Indices, mass: NDArray[np.float64], marginal: Masses) -> float:
+def _marginal_error(indices: Indices, mass: NDArray[np.float64], marginal: Masses) -> float:
     """L1 error of one side's sums, from a marginal in whole units."""
     sums = np.bincount(indices, mass, len(marginal))
     return float(np.abs(sums - marginal / marginal.sum()).sum())

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.feasibility import share_that_can_flow
 from baker.transport.problem import (
     Edges,
     Indices,
@@ -30,23 +28,12 @@ MIN_PROGRESS = 0.01  # the share by which the error must fall meanwhile
 MIN_MASS = 1e-12  # share of a point's mass below which a pair carries nothing
 
 
-@dataclass(frozen=True)
-class Scaling:
-    """Where Sinkhorn's iterations ended.
+class Scaling(NamedTuple):
+    """Where Sinkhorn's iterations ended; the column sums are exact to rounding."""
 
-    Attributes
-    ----------
-    mass : (E,) float64 ndarray
-        T's entries on the support.
-    error : float
-        L1 error of the row sums; the column sums are exact to rounding.
-    iterations : int
-        Updates of both u and v.
-    """
-
-    mass: NDArray[np.float64]
-    error: float
-    iterations: int
+    mass: NDArray[np.float64]  # (E,) T's entries on the support
+    error: float  # L1 error of the row sums
+    iterations: int  # updates of both u and v
 
 
 def regularized_plan(start: Points, end: Points, options: TransportOptions) -> Plan:
@@ -54,27 +41,14 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
 
     On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
     plan is then where the iterations stall, `feasible` is False, and the notes say how much.
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float64 ndarray
-        Length units.
-    options : TransportOptions
-
-    Returns
-    -------
-    Plan
-
-    References
-    ----------
-    Section 3.4 of the paper, equations 2 to 5.
     """
     n, m = len(start), len(end)
     source, target, support = _support(start, end, options)
     cost = costs(source, target, support, options.power)
     flowing = 1.0 if options.feasible else share_that_can_flow(support, n, m)
+    typical = float(np.median(cost) or cost.mean() or 1.0)  # most costs may be zero, or all
     found = scale(
-        support, cost / (options.gamma * _typical(cost)), n, m,
+        support, cost / (options.gamma * typical), n, m,
         options.tolerance, options.iterations, feasible=flowing == 1.0,
     )  # fmt: skip
     notes = []
@@ -108,9 +82,20 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
     return source, target, unique(nearest(source, target, options.neighbors), *plans)
 
 
-def _typical(cost: NDArray[np.float64]) -> float:
-    """The unit of gamma: the median cost, or where most are zero the mean, or 1."""
-    return float(np.median(cost) or cost.mean() or 1.0)
+def share_that_can_flow(edges: Edges, n: int, m: int) -> float:
+    """Share of uniform marginals that can be transported on a support, by maximum flow."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import maximum_flow
+
+    supply, demand = uniform_masses(n, m)
+    source, sink = n + m, n + m + 1
+    tails = np.concatenate([np.full(n, source), np.arange(n, n + m), edges[0]])
+    heads = np.concatenate([np.arange(n), np.full(m, sink), n + edges[1]])
+    capacities = np.concatenate([supply, demand, np.minimum(supply[edges[0]], demand[edges[1]])])
+    network = csr_array((capacities.astype(np.int32), (tails, heads)), shape=(sink + 1, sink + 1))
+    flow = maximum_flow(network, source, sink).flow
+    # The flow through an edge fits 32 bits, their sum need not: `flow_value` would wrap around.
+    return int(flow[[source]].data.sum(dtype=np.int64)) / int(supply.sum())
 
 
 def scale(

@@ -6,7 +6,6 @@ from baker.transport.masses import shared_masses
 from baker.transport.multiscale import (
     MAX_POINTS_OF_ONE_CELL,
     MAX_POINTS_PRICED_AT_ONCE,
-    Search,
     couple,
 )
 from baker.transport.problem import (
@@ -71,9 +70,8 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
         source, target = balance(start, end)
         if not whole:
             slack = MAX_SLACK * explained_cost(start, end, source, target)
-    search = Search(options.power, options.seed, slack, options.workers)
     masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
-    found = couple(source, target, *masses, search)
+    found = couple(source, target, *masses, options, slack)
     return make_plan(
         start, end, found.edges, found.mass / found.mass.sum(), options.power, found.solver,
         iterations=found.sweeps, masses=masses,

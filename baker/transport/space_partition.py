@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,23 +11,11 @@ from numpy.typing import NDArray
 from baker.transport.problem import Edges, Indices, Masses, Points
 
 
-@dataclass(frozen=True)
-class Blocks:
-    """A cloud cut into compact blocks that hold equally many points, to within one.
+class Blocks(NamedTuple):
+    """A cloud cut into compact blocks that hold equally many points, to within one."""
 
-    Attributes
-    ----------
-    order : (n,) int64 ndarray
-        Indices of the points, block after block.
-    first : (blocks,) int64 ndarray
-        Where in `order` each block begins.
-    """
-
-    order: Indices
-    first: Indices
-
-    def __len__(self) -> int:
-        return len(self.first)
+    order: Indices  # (n,) indices of the points, block after block
+    first: Indices  # (blocks,) where in `order` each block begins
 
     def masses(self, masses: Masses) -> Masses:
         """(blocks,) int64, the sum of the points' masses in each block."""
@@ -59,13 +47,25 @@ def bisection_order(
     -------
     order : (n,) int64 ndarray
     axes : (k,) int64 ndarray
+        Part p of a level of 2 ** level parts is cut along ``axes[2 ** level + p]``.
     """
-    from baker.transport.partition_kernels import bisect
-
-    depth = max(1, (len(points) - 1).bit_length())
-    known = axes is not None
+    n = len(points)
+    depth = max(1, (n - 1).bit_length())
+    points, known = points @ _rotation(seed), axes is not None
     axes = np.zeros(2**depth, np.int64) if axes is None else axes
-    return bisect(points @ _rotation(seed), axes, known, depth), axes
+    ranks = np.argsort(np.argsort(points, axis=0, kind="stable"), axis=0)  # sorted without ties
+    order = np.arange(n)
+    for level in range(depth):
+        parts = 1 << level
+        first = -(-np.arange(parts) * n // parts)
+        if not known:
+            own = points.take(order, axis=0)
+            extents = np.maximum.reduceat(own, first) - np.minimum.reduceat(own, first)
+            axes[parts : 2 * parts] = extents.argmax(axis=1)
+        part = np.repeat(np.arange(parts), np.diff(first, append=n))
+        rank = ranks.ravel().take(3 * order + axes[parts + part])
+        order = order.take(np.argsort(part * n + rank))
+    return order, axes
 
 
 @cache
@@ -107,32 +107,29 @@ def refine_plan(
         Pairs of points, by row, then column, in the order of the blocks.
     mass : (F,) int64 ndarray
     """
-    from baker.transport.partition_kernels import refine
-
-    by_row = np.argsort(edges[0] * len(columns) + edges[1], kind="stable")
-    i, j, handed = refine(
-        edges[1][by_row], mass[by_row], supply[rows.order], demand[columns.order], columns.first
-    )
+    by_row = np.argsort(edges[0] * len(columns.first) + edges[1], kind="stable")
+    block, mass = edges[1][by_row], mass[by_row]
+    by_column = np.argsort(block, kind="stable")
+    # Where the mass of each pair of blocks begins in the rows' order, and in the columns' order.
+    row_ends, column_ends = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
+    begin, sorted_begin = np.cumsum(mass) - mass, np.cumsum(mass[by_column]) - mass[by_column]
+    shift = np.empty_like(begin)
+    shift[by_column] = sorted_begin - begin[by_column]
+    # A new pair of points begins with each pair of blocks, each row and each column.
+    column_pair = by_column[np.searchsorted(sorted_begin, column_ends[:-1], "right") - 1]
+    begins = np.sort(np.r_[begin, row_ends[:-1], column_ends[:-1] - shift[column_pair]])
+    handed = np.diff(begins, append=row_ends[-1])
+    begins, handed = begins[handed > 0], handed[handed > 0]
+    pair = np.searchsorted(begin, begins, "right") - 1
+    i = np.searchsorted(row_ends, begins, "right")
+    j = np.searchsorted(column_ends, begins + shift[pair], "right")
     return (rows.order[i], columns.order[j]), handed
 
 
 def bisection_plan(
     start: Points, end: Points, supply: Masses, demand: Masses, seed: int
 ) -> tuple[Edges, Masses]:
-    """A feasible plan that pairs what lies at the same place of both clouds' bisections.
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-    supply, demand : (n,) and (m,) int64 ndarray
-        Of equal sum.
-    seed : int
-
-    Returns
-    -------
-    edges : pair of (E,) int64 ndarray
-    mass : (E,) int64 ndarray
-    """
+    """A feasible plan that pairs what lies at the same place of both clouds' bisections."""
     if len(start) < len(end):
         (columns, rows), mass = bisection_plan(end, start, demand, supply, seed)
         return (rows, columns), mass

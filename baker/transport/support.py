@@ -24,14 +24,6 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
     (S Cov(p) S = Cov(q)), A = S^1/2 takes translation, growth and stretching out of the cost, and
     what is left is what the solver must decide.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-
-    Returns
-    -------
-    (n, 3) and (m, 3) float64 ndarray
-
     References
     ----------
     M. Gelbrich: On a formula for the L2 Wasserstein metric between measures on Euclidean and
@@ -72,18 +64,7 @@ def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArr
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
-    """Pairs of every point with its k nearest on the other side, both ways (section 3.4).
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-    k : int
-
-    Returns
-    -------
-    pair of (E,) int64 ndarray
-        Rows and columns, ordered by row, then column.
-    """
+    """Pairs of every point with its k nearest on the other side, both ways (section 3.4)."""
     from scipy.spatial import KDTree
 
     n, m = len(start), len(end)

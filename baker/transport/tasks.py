@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -20,22 +21,12 @@ SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far 
 
 @dataclass(frozen=True)
 class Task:
-    """One organ's transport through an interval.
-
-    Attributes
-    ----------
-    event : {"match", "birth", "loss"}
-    organ : int
-        Track id.
-    start, end : (n,) and (m,) intp ndarray
-        Point indices in the two scans. A new organ starts from its attachment points on its parent;
-        a lost one has no end.
-    """
+    """One organ's transport through an interval."""
 
     event: Literal["match", "birth", "loss"]
-    organ: int
-    start: NDArray[np.intp]
-    end: NDArray[np.intp]
+    organ: int  # track id
+    start: NDArray[np.intp]  # (n,) points of the first scan; of a new organ, where it is attached
+    end: NDArray[np.intp]  # (m,) points of the second scan; none of a lost organ
 
 
 def transport_tasks(
@@ -45,26 +36,10 @@ def transport_tasks(
     attachment_points: int | None = None,
     paper: bool = False,
 ) -> list[tuple[Task, ...]]:
-    """The transport tasks of each interval of a series.
-
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    matches : sequence of Match
-    tracks : sequence of IntervalOrgans
-    attachment_points : int, optional
-        As that of `interval_tasks`.
-    paper : bool
-        New organs grow from at least as many points as the paper takes.
-    """
+    """The `interval_tasks` of each interval of a series."""
     least = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
-    return [
-        tuple(
-            interval_tasks((clouds[k], clouds[k + 1]), match, tracks[k], attachment_points, least)
-        )
-        for k, match in enumerate(matches)
-    ]
+    intervals = zip(pairwise(clouds), matches, tracks, strict=True)
+    return [tuple(interval_tasks(*interval, attachment_points, least)) for interval in intervals]
 
 
 def interval_tasks(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from baker.transport.multiscale import Search, couple
+from baker.transport.multiscale import couple
 from baker.transport.problem import Points, TransportOptions, checked, costs, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.space_partition import cut
@@ -35,8 +35,9 @@ def wasserstein(
         Length units.
     """
     start, end = checked(start), checked(end)
+    options = TransportOptions(power=1 if power == 1 else 2, seed=seed)
     if max(len(start), len(end)) <= samples:
-        return solve(start, end, TransportOptions(power=1 if power == 1 else 2)).distance
+        return solve(start, end, options).distance
     source, target, known = start - start.mean(axis=0), end - start.mean(axis=0), 0.0
     if power == 2:
         source, target = balance(start, end)
@@ -44,6 +45,6 @@ def wasserstein(
     rows, columns = (cut(cloud, samples, seed) for cloud in (source, target))
     supply, demand = uniform_masses(len(start), len(end))
     centres = rows.centroids(source), columns.centroids(target)
-    plan = couple(*centres, rows.masses(supply), columns.masses(demand), Search(power, seed=seed))
+    plan = couple(*centres, rows.masses(supply), columns.masses(demand), options)
     left = float(plan.mass @ costs(*centres, plan.edges, power)) / float(supply.sum())
     return max(known + left, 0.0) ** (1.0 / power)

@@ -5,9 +5,8 @@ import pytest
 from scipy.spatial.distance import cdist
 
 from baker.transport.correspondences import largest_entries
-from baker.transport.feasibility import share_that_can_flow
 from baker.transport.problem import TransportOptions, costs
-from baker.transport.sinkhorn import scale
+from baker.transport.sinkhorn import scale, share_that_can_flow
 from baker.transport.solve import solve
 from baker.transport.support import nearest
 from tests.baker.transport.transport_clouds import grown_leaf, leaf

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from baker.transport.partition_kernels import _select, refine
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import (
+    Blocks,
     bisection_order,
     bisection_plan,
     cut,
@@ -59,7 +59,7 @@ def test_expanding_a_plan_of_blocks_keeps_it(n, m, blocks_n, blocks_m):
     row_block, column_block = np.empty(n, int), np.empty(m, int)
     row_block[rows.order] = np.searchsorted(rows.first, np.arange(n), "right") - 1
     column_block[columns.order] = np.searchsorted(columns.first, np.arange(m), "right") - 1
-    between = np.zeros((len(rows), len(columns)), int)
+    between = np.zeros((len(rows.first), len(columns.first)), int)
     np.add.at(between, (row_block[plan[0][0]], column_block[plan[0][1]]), plan[1])
     expected = np.zeros_like(between)
     np.add.at(expected, coarse_edges, coarse_mass)
@@ -81,7 +81,7 @@ def test_blocks_are_compact():
 
 
 def halves(points: np.ndarray, part: int, parts: int, members: np.ndarray) -> list[np.ndarray]:
-    """The parts of all levels by sorting each along its longest extent: what the loop does."""
+    """The parts of all levels by sorting each along its longest extent."""
     n = len(points)
     begin, end = -(-part * n // parts), -(-(part + 1) * n // parts)
     if end - begin <= 1:
@@ -97,7 +97,7 @@ def halves(points: np.ndarray, part: int, parts: int, members: np.ndarray) -> li
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 64, 100])
-def test_bisection_is_that_of_numpy(n, monkeypatch):
+def test_bisection_is_recursive_halving(n, monkeypatch):
     monkeypatch.setattr("baker.transport.space_partition._rotation", lambda seed: np.eye(3))
     points = np.random.default_rng(n).random((n, 3))
     order, _ = bisection_order(points, 0)
@@ -109,20 +109,8 @@ def test_bisection_is_that_of_numpy(n, monkeypatch):
     assert begin == n
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_selection_is_that_of_numpy(seed):
-    random = np.random.default_rng(seed)
-    values = random.integers(0, 9, random.integers(1, 40)).astype(float)
-    middle = int(random.integers(0, len(values)))
-    members, expected = np.arange(len(values)), np.partition(values, middle)
-    chosen = values.copy()
-    _select(chosen, members, middle)
-    np.testing.assert_array_equal(values[members], chosen)
-    np.testing.assert_array_equal(np.sort(chosen[:middle]), np.sort(expected[:middle]))
-
-
-def north_west(columns, mass, supply, demand, first):
-    """`refine` by cumulative sums: where the masses of points begin within those of pairs."""
+def north_west(columns, mass, supply, demand):
+    """`refine_plan` pair by pair: where the masses of points begin within those of pairs."""
     by_column = np.argsort(columns, kind="stable")
     row_end, column_end = np.cumsum(supply), np.cumsum(demand)
     begin = np.cumsum(mass) - mass
@@ -139,7 +127,7 @@ def north_west(columns, mass, supply, demand, first):
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_refining_is_that_of_numpy(seed):
+def test_refining_is_the_north_west_corner_rule(seed):
     random = np.random.default_rng(seed)
     coarse = random.integers(0, 6, (4, 5))
     coarse[0, :], coarse[:, 0] = 3, 2  # no block is empty
@@ -148,6 +136,6 @@ def test_refining_is_that_of_numpy(seed):
     # Every block of rows and of columns is two points, one of which may have nothing.
     supply = np.stack([s := coarse.sum(axis=1) // 3, coarse.sum(axis=1) - s], axis=1).ravel()
     demand = np.stack([d := coarse.sum(axis=0) // 2, coarse.sum(axis=0) - d], axis=1).ravel()
-    first = 2 * np.arange(coarse.shape[1])
-    found = np.array(refine(columns, mass, supply, demand, first))
-    np.testing.assert_array_equal(found, north_west(columns, mass, supply, demand, first))
+    blocks = [Blocks(np.arange(2 * n), 2 * np.arange(n)) for n in coarse.shape]
+    edges, handed = refine_plan(*blocks, supply, demand, (rows, columns), mass)
+    np.testing.assert_array_equal([*edges, handed], north_west(columns, mass, supply, demand))
