@@ -64,17 +64,17 @@ def reasons(
     starts = {task.organ: task.start for task in record.tasks[interval] if task.event == "birth"}
     found = []
     for pair in clip.intervals[interval].segments:
-        row = distances.get(pair.track, {})
         if pair.event == "birth":
             start = starts[pair.track]
             middle = points[start].mean(axis=0, dtype=float)
             found.append(Reason(pair, None, None, None, most_frequent(scan.points[start]), middle))
-        elif pair.event == "match" and pair.track in row:
-            others = [(d, organ) for organ, d in row.items() if organ != pair.track]
-            other = min(others)[::-1] if others else None
-            found.append(Reason(pair, labels.get(pair.track), row[pair.track], other))
+        elif pair.event == "match":
+            row = distances.get(pair.track, {})
+            others = sorted((d, organ) for organ, d in row.items() if organ != pair.track)
+            other = others[0][::-1] if others else None
+            found.append(Reason(pair, labels.get(pair.track), row.get(pair.track), other))
         else:
-            found.append(Reason(pair, labels.get(pair.track) if pair.event == "match" else None))
+            found.append(Reason(pair))
     return found
 
 

@@ -40,9 +40,8 @@ def organs_of_scans(record: BakeRecord) -> list[ScanOrgans]:
     sides.append((record.matches[-1].second, record.organs[-1].second))
     scans = []
     for found, (merged, organ_of) in zip(record.hierarchies, sides, strict=True):
-        points = np.empty(sum(map(len, merged.segments)), np.intp)
-        for segment, members in enumerate(merged.segments):
-            points[members] = organ_of[segment]
+        tracks = np.array([organ_of[segment] for segment in range(len(merged.segments))], np.intp)
+        points = tracks[merged.numbers()]
         segments = tuple(
             most_frequent(points[members]) if len(members) else organ_of[merged.root]
             for members in found.segments

@@ -35,8 +35,8 @@ def print_summary(
     rows = {
         "scans": f"{len(clip.scans)}, {first.date} to {last.date}, "
         f"{sum(scan.points for scan in clip.scans):,} points",
-        "organs": f"{len(clip.track_table)}; on the way {events['birth']} born "
-        f"and {events['loss']} lost",
+        "organs": f"{len(clip.track_table)}; {events['birth']} born and {events['loss']} lost "
+        "in the series",
         "up": clip.up,
     }
     if inexact:  # half of the L1 distance is what goes astray

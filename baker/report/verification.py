@@ -1,7 +1,7 @@
 """Verification by leaving scans out (paper section 4 and its Figure 13).
 
 The scans left out are aligned along with all others, and then play no part in the bake. At each
-one's real time the clip is compared with it, both ways, with the whole series scaled to the unit
+one's time the clip is compared with it, both ways, with the whole series scaled to the unit
 cube: the longest side of the box around all scans, those left out too, is 1.
 """
 
@@ -112,7 +112,7 @@ def unit_length(record: BakeRecord) -> float:
 
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     """Mean of the means, mean of the deviations and largest of the maxima, both ways."""
-    each = np.array([error.both for error in errors])  # (errors, 2 ways, 3 figures)
+    each = np.array([error.both for error in errors])  # (errors, 2 directions, 3 figures)
     every = np.concatenate([each[..., :2].mean(axis=0), each[..., 2:].max(axis=0)], axis=1)
     to_scan, to_reconstruction = every.tolist()
     return Distances(*to_scan), Distances(*to_reconstruction)
@@ -123,10 +123,10 @@ def print_errors(console: Console, errors: Sequence[HoldoutError]) -> None:
     rows = [("left out", "distance (series' size = 1)", ["mean", "std", "max"])]
     named = [(f"{error.date}, {error.name}", error.both) for error in errors]
     for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
-        to_scan, to_reconstruction = ([f"{figure:.6f}" for figure in way] for way in both)
-        rows.append((name, "reconstruction to scan", to_scan))
-        rows.append(("", "scan to reconstruction", to_reconstruction))
+        to_scan, to_reconstruction = both
+        rows.append((name, "reconstruction to scan", [f"{d:.6f}" for d in to_scan]))
+        rows.append(("", "scan to reconstruction", [f"{d:.6f}" for d in to_reconstruction]))
     width = max(len(name) for name, _, _ in rows)
-    for name, way, figures in rows:
-        line = f"{name:<{width}}  {way:<27}" + "".join(f"{figure:>10}" for figure in figures)
+    for name, direction, figures in rows:
+        line = f"{name:<{width}}  {direction:<27}" + "".join(f"{figure:>10}" for figure in figures)
         console.print(line, markup=False, highlight=False)

@@ -18,7 +18,15 @@ def test_a_bake_from_the_command_line(write_scans, tmp_path, capsys):
     assert main([str(write_scans()), "-o", str(out), "--align", "none"]) == 0
     assert len(gclip.open(out).intervals) == 2
     summary = capsys.readouterr().err
-    for words in ("scans", "points", "organs", "born and 0 lost", "up", str(out), "MB"):
+    for words in (
+        "scans",
+        "points",
+        "organs",
+        "born and 0 lost",
+        "up",
+        str(out),
+        "MB",
+    ):
         assert words in summary
     assert "movers" not in summary
     assert {p.name for p in tmp_path.iterdir()} == {"scans", "out", "plant.gclip"}

@@ -106,7 +106,7 @@ class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
     """Which depth `baker.scans.rgbd.depth_repair` marks unknown."""
 
     ring: Border = 1
-    """Pixels along a label's border that never count as valid, unless there are no others near."""
+    """Pixels along a label's border that never count as valid, unless it is too thin for others."""
     band: Border = 6
     """Pixels along a label's border in which depth may jump; 0 looks for no jumps."""
     jump: Positive = 2.0

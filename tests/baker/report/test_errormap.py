@@ -10,8 +10,8 @@ from baker.report.verification import Distances, HoldoutError
 @pytest.fixture
 def error() -> HoldoutError:
     distances = np.random.default_rng(0).exponential(0.01, 5000)
-    way = Distances.of(distances)
-    return HoldoutError("a", "day 1", 1.0, 5000, way, way, 0.002, np.zeros((5000, 3)), distances)
+    both = Distances.of(distances)
+    return HoldoutError("a", "day 1", 1.0, 5000, both, both, 0.002, np.zeros((5000, 3)), distances)
 
 
 def test_small_is_blue_and_large_is_red_and_larger_is_as_red():

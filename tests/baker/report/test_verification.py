@@ -51,8 +51,8 @@ def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
     clip, record = bake_recorded([shifted], WHOLE)
     (error,) = verify(clip, record)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
-    for way in error.both:
-        assert way.maximum < 1e-4  # at another time than day 1 all points would be off by 0.05
+    for distances in error.both:
+        assert distances.maximum < 1e-4  # at another time than day 1: 0.05
 
 
 def test_distances_are_those_to_the_nearest_point_in_the_unit_cube(shifted):
@@ -64,10 +64,10 @@ def test_distances_are_those_to_the_nearest_point_in_the_unit_cube(shifted):
     assert error.reconstruction_to_scan.maximum < 1e-4, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0] / side
-    way = error.scan_to_reconstruction
-    assert way.maximum == pytest.approx(missed.max(), rel=1e-4)
-    assert way.mean == pytest.approx(missed.mean(), rel=1e-3)
-    assert way.deviation == pytest.approx(missed.std(), rel=1e-3)
+    distances = error.scan_to_reconstruction
+    assert distances.maximum == pytest.approx(missed.max(), rel=1e-4)
+    assert distances.mean == pytest.approx(missed.mean(), rel=1e-3)
+    assert distances.deviation == pytest.approx(missed.std(), rel=1e-3)
 
 
 def test_figures_do_not_depend_on_the_unit(write_scans):
