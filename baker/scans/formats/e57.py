@@ -9,6 +9,7 @@ import numpy as np
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults, require_room
 
+PLACES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
 SMALLEST_POINT = 1 / 8  # bytes; coordinates are packed into as many bits as they need
 
@@ -36,12 +37,8 @@ def read(path: Path) -> Columns:
             ]
         finally:
             file.close()
-    columns = {
-        name: np.concatenate([scan[field] for scan in scans])
-        for field, name in {f"cartesian{axis.upper()}": axis for axis in "xyz"}.items()
-    }
-    if all(set(COLORS) <= set(scan) for scan in scans):
-        columns |= {
-            name: np.concatenate([scan[field] for scan in scans]) for field, name in COLORS.items()
-        }
-    return Columns(columns)
+    have_colors = all(set(COLORS) <= set(scan) for scan in scans)
+    names = PLACES | COLORS if have_colors else PLACES
+    return Columns(
+        {name: np.concatenate([scan[field] for scan in scans]) for field, name in names.items()}
+    )

@@ -11,12 +11,7 @@ from contextlib import contextmanager
 class FormatError(Exception):
     """What is wrong with a file, in words that follow its name: "holds no points."
 
-    Parameters
-    ----------
-    sentence : str
-        The sentence without its subject.
-    line : int, optional
-        Where in a text it is wrong, from 1.
+    `line` is where in a text it is wrong, from 1.
     """
 
     def __init__(self, sentence: str, line: int | None = None) -> None:
@@ -54,4 +49,13 @@ def require_room(count: int, size: float, room: int) -> None:
         raise FormatError(
             f"is cut short, or its header is wrong: it announces {count} points "
             f"(at least {math.ceil(count * size)} bytes), but {max(room, 0)} bytes follow."
+        )
+
+
+def require_count(announced: int, found: int, what: str = "points") -> None:
+    """FormatError unless as many points were found as a header announces."""
+    if found != announced:
+        raise FormatError(
+            f"is cut short, or its header is wrong: it announces {announced} points, but {found} "
+            f"{what} follow."
         )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.fields import LABEL_NAMES
-from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.faults import FormatError, library_faults, require_count, require_room
 from baker.scans.formats.laz import require_sound_chunks
 
 CHUNK = 32 << 20  # bytes of points that are decoded at a time
@@ -31,12 +31,12 @@ def read(path: Path) -> Columns:
     _check_beginning(path)
     with library_faults("LAS"):
         columns, extra = _read_dimensions(path)
-    if set(extra) & set(LABEL_NAMES) and not columns["classification"].any():
-        del columns["classification"]
-    colors = ("red", "green", "blue")
-    if all(name in columns and not columns[name].any() for name in colors):
-        for name in colors:  # room for colours that nobody filled in
-            del columns[name]
+    unused = [["red", "green", "blue"]]  # room for colours that nobody filled in
+    if set(extra) & set(LABEL_NAMES):
+        unused.append(["classification"])
+    for names in unused:
+        if set(names) <= set(columns) and not any(columns[name].any() for name in names):
+            columns = {name: columns[name] for name in columns if name not in names}
     return Columns(columns)
 
 
@@ -46,22 +46,14 @@ def _read_dimensions(path: Path) -> tuple[dict[str, NDArray], list[str]]:
 
     with laspy.open(path, read_evlrs=False) as file:
         header = file.header
-        if header.point_count == 0:
-            raise FormatError("holds no points.")
+        room, size = path.stat().st_size - header.offset_to_point_data, header.point_format.size
+        require_room(header.point_count, 0 if header.are_points_compressed else size, room)
         if header.are_points_compressed:
             require_sound_chunks(path, header)
-        else:
-            room = path.stat().st_size - header.offset_to_point_data
-            require_room(header.point_count, header.point_format.size, room)
         # In chunks, so that memory is made only for points that are there.
-        chunks = list(file.chunk_iterator(max(1, CHUNK // header.point_format.size)))
+        chunks = list(file.chunk_iterator(max(1, CHUNK // size)))
 
-    found = sum(len(chunk) for chunk in chunks)
-    if found != header.point_count:
-        raise FormatError(
-            f"is cut short, or its header is wrong: it announces {header.point_count} points, but "
-            f"{found} follow."
-        )
+    require_count(header.point_count, sum(map(len, chunks)))
     names = [name for name in header.point_format.dimension_names if name not in ("X", "Y", "Z")]
     with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
         columns = {
@@ -79,15 +71,12 @@ def _check_beginning(path: Path) -> None:
     if len(start) < SHORTEST_HEADER or not start.startswith(b"LASF"):
         raise FormatError("is not a LAS file: it doesn't begin with 'LASF'.")
     header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
-    size = path.stat().st_size
+    size, room = path.stat().st_size, points_offset - header_size
+    fault = ""
     if max(header_size, points_offset) > size:
-        raise FormatError(
-            f"is no sound LAS file, or is cut short (its header says that the points "
-            f"begin at byte {points_offset}, and the file ends at {size})."
-        )
-    room = points_offset - header_size
-    if record_count * SHORTEST_RECORD > room:
-        raise FormatError(
-            f"is no sound LAS file, or is cut short (its header announces {record_count} "
-            f"records before the points, for which there are {max(room, 0)} bytes)."
-        )
+        fault = f"says that the points begin at byte {points_offset}, and the file ends at {size}"
+    elif record_count * SHORTEST_RECORD > room:
+        records = f"{record_count} records before the points"
+        fault = f"announces {records}, for which there are {max(room, 0)} bytes"
+    if fault:
+        raise FormatError(f"is no sound LAS file, or is cut short (its header {fault}).")

@@ -36,17 +36,13 @@ def require_sound_chunks(path: Path, header: Any) -> None:
             chunks = [length for _, length in lazrs.read_chunk_table(file, vlr)]
             is_sound = sum(chunks) <= table - begin - 8
         if is_sound and struct.unpack_from("<H", record)[0] == LAYERED:
-            is_sound = _layers_fit(file, begin + 8, chunks, size, _layers(record))
+            items = struct.iter_unpack("<HHH", record[34:])  # kind, size and version of each
+            layers = sum(LAYERS.get(kind, item_size) for kind, item_size, _ in items)
+            is_sound = _layers_fit(file, begin + 8, chunks, size, layers)
     if not is_sound:
         raise FormatError(
             "is no sound LAZ file, or is cut short: its compressed chunks don't fit into it."
         )
-
-
-def _layers(record: bytes) -> int:
-    """Layers of a chunk, by the items that the LASzip record lists."""
-    items = struct.iter_unpack("<HHH", record[34:])
-    return sum(LAYERS.get(kind, size) for kind, size, _ in items)
 
 
 def _layers_fit(file: BinaryIO, start: int, chunks: list[int], size: int, layers: int) -> bool:

@@ -4,25 +4,10 @@ from __future__ import annotations
 
 
 def decompress(packed: bytes, size: int) -> bytes:
-    """Unpack LZF data.
+    """Unpack LZF data to `size` bytes; ValueError where they are damaged or of another size.
 
     A control byte below 32 announces a run of literal bytes; any other one a copy of earlier
-    output, by its length and its distance.
-
-    Parameters
-    ----------
-    packed : bytes
-    size : int
-        Bytes of the result.
-
-    Raises
-    ------
-    ValueError
-        Where the data are damaged, or unpack to another size.
-
-    References
-    ----------
-    Marc Lehmann, liblzf.
+    output, by its length and its distance. Format: Marc Lehmann, liblzf.
     """
     result, place = bytearray(), 0
     while place < len(packed) and len(result) <= size:

@@ -67,15 +67,15 @@ def _read_off(path: Path) -> Mesh:
         raise FormatError("is not an OFF file: it doesn't begin with 'OFF' or 'COFF'.")
     rows = rows if rows[0] else rows[1:]  # the counts may stand in the first line
     vertex_count, face_count = int(rows[0][0]), int(rows[0][1])
-    if vertex_count + face_count > len(rows) - 1:
+    rows = rows[1:]
+    if vertex_count + face_count > len(rows):
         raise FormatError(
             f"is cut short, or its header is wrong: it announces {vertex_count} vertices and "
-            f"{face_count} faces, but {len(rows) - 1} lines follow."
+            f"{face_count} faces, but {len(rows)} lines follow."
         )
-    vertices = np.array(rows[1 : 1 + vertex_count], float)
-    faces = [
-        np.array(row[1 : 1 + int(row[0])], int) for row in rows[1 + vertex_count :][:face_count]
-    ]
+    vertices = np.array(rows[:vertex_count], float)
+    corners = rows[vertex_count : vertex_count + face_count]
+    faces = [np.array(row[1 : 1 + int(row[0])], int) for row in corners]
     colors = vertices[:, 3:6] if vertices.shape[1] >= 6 else np.empty((0, 3))
     scale = 255 if colors.size and colors.max() <= 1 else 1
     return vertices[:, :3], np.clip(colors * scale, 0, 255).astype(np.uint8), faces

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_room
+from baker.scans.formats.faults import FormatError, require_count, require_room
 from baker.scans.formats.lzf import decompress
 from baker.scans.formats.text import Lines, read_rows
 
@@ -62,11 +62,7 @@ def _read_ascii(
     with path.open(encoding="latin-1") as file:
         file.seek(start)
         rows = read_rows(Lines(file, lines), names)
-    if len(rows) != count:
-        raise FormatError(
-            f"is cut short, or its header is wrong: it announces {count} points, but {len(rows)} "
-            "rows follow."
-        )
+    require_count(count, len(rows), "rows")
     return {name: _as_type(record[name], rows[:, i]) for i, name in enumerate(names)}
 
 

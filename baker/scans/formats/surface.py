@@ -24,7 +24,7 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     Parameters
     ----------
     vertices : mapping of str to (V,) ndarray
-        The fields of the vertices, among them x, y and z.
+        The fields of the vertices.
     faces : (F, 3) ndarray, or sequence of F ndarrays of int
         Numbers of each face's corners; faces of more corners are fans of triangles.
 

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError
+from baker.scans.formats.faults import FormatError, require_count
 
 LONGEST_LINE = 1 << 17
 USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
@@ -70,11 +70,8 @@ def read(path: Path) -> Columns:
         chosen = numeric if is_open_ended or len(numeric) < width else None
         expected = names or [f"column {i + 1}" for i in range(width)]
         rows = read_rows(lines, expected, first, delimiter, chosen)
-    if count is not None and count != len(rows):
-        raise FormatError(
-            f"announces {count} points, but {len(rows)} rows follow: it is cut short, or the "
-            "number is wrong."
-        )
+    if count is not None:
+        require_count(count, len(rows), "rows")
     if names is None:
         names = usual_names(rows, is_leica=count is not None)
         notes = [f"no header line: columns taken as {' '.join(names)}."]
@@ -92,7 +89,7 @@ def read_rows(
     delimiter: str | None = None,
     columns: Sequence[int] | None = None,
 ) -> NDArray[np.float64]:
-    """The numbers of all rows, (N, C) float64.
+    """The numbers of all rows.
 
     Parameters
     ----------
@@ -103,7 +100,11 @@ def read_rows(
     first, delimiter : str, optional
         A row that was read already; what stands between values, None for any white space.
     columns : sequence of int, optional
-        Which values of a row to read, where not all are wanted.
+        Which C values of a row to read, where not all are wanted.
+
+    Returns
+    -------
+    (N, C) ndarray of float64
 
     Raises
     ------
@@ -114,12 +115,7 @@ def read_rows(
         warnings.simplefilter("ignore", UserWarning)  # numpy warns where there are no rows
         try:
             rows = np.loadtxt(
-                chain([first], lines),
-                delimiter=delimiter,
-                quotechar='"',
-                usecols=columns,
-                ndmin=2,
-                encoding=None,
+                chain([first], lines), delimiter=delimiter, quotechar='"', usecols=columns, ndmin=2
             )
         except ValueError as error:  # at the line that numpy has asked for last
             raise _row_fault(str(error), names, lines.number) from error
@@ -133,17 +129,12 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
     """Names for 3 to 7 columns without a header; see the module's text."""
     width = rows.shape[1]
     start = 4 if is_leica and width == 7 else 3
-    triple = ["red", "green", "blue"]
-    if width >= 6 and (rows[:, start : start + 3] < 0).any():
-        triple = ["nx", "ny", "nz"]
-    names = {
-        3: [],
-        4: ["intensity"] if is_leica else ["label"],
-        5: ["label", "column 5"],
-        6: triple,
-        7: ["intensity", *triple] if is_leica else [*triple, "label"],
-    }
-    return ["x", "y", "z", *names[width]]
+    are_normals = width >= 6 and (rows[:, start : start + 3] < 0).any()
+    triple = ["nx", "ny", "nz"] if are_normals else ["red", "green", "blue"]
+    others = {4: ["label"], 5: ["label", "column 5"], 6: triple, 7: [*triple, "label"]}
+    if is_leica:
+        others |= {4: ["intensity"], 7: ["intensity", *triple]}
+    return ["x", "y", "z", *others.get(width, [])]
 
 
 def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
@@ -215,11 +206,8 @@ def _read_head(lines: Lines) -> tuple[list[str] | None, str | None, str, int | N
 
 def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> list[str] | None:
     """The names of so many columns, from the last comment that fits."""
-    for comment in reversed(comments):
-        for names in (_split(comment, delimiter), _split(comment, None), _split(comment, ",")):
-            if len(names) == width and _names_xyz(names):
-                return names
-    return None
+    tries = (_split(c, d) for c in reversed(comments) for d in (delimiter, None, ","))
+    return next((names for names in tries if len(names) == width and _names_xyz(names)), None)
 
 
 def _names_xyz(names: Sequence[str]) -> bool:
