@@ -13,11 +13,7 @@ from baker.errors import writing
 from baker.options import Options, worker_count
 from baker.pipeline import BakeRecord
 from baker.report.errormap import ErrorScale
-from baker.report.figures import (
-    interval_figures,
-    picture_requests,
-    scan_figures,
-)
+from baker.report.figures import interval_figures, picture_requests, scan_figures
 from baker.report.organs import organs_of_scans
 from baker.report.pictures import NoPicture, Picture, take_pictures
 from baker.report.verification import HoldoutError, overall, verify

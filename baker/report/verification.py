@@ -60,7 +60,9 @@ class HoldoutError:
 
 
 def verify(
-    clip: Clip, record: BakeRecord, report_progress: Callable[[str, int, int], None] | None = None
+    clip: Clip,
+    record: BakeRecord,
+    report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
     """Compare a clip with the scans that were held out of it.
 
@@ -82,24 +84,26 @@ def verify(
     """
     from scipy.spatial import cKDTree
 
-    side, errors, count = unit_length(record), [], len(record.held_out)
+    side, errors = unit_length(record), []
     for number, held in enumerate(record.held_out, 1):
         points, reconstruction = held.keyframe.positions, clip.at(held.scan.time).local
         distances = cKDTree(points).query(reconstruction)[0] / side
-        error = HoldoutError(
-            name=held.scan.name,
-            date=held.scan.date,
-            time=held.scan.time,
-            points=len(points),
-            reconstruction_to_scan=Distances.of(distances),
-            scan_to_reconstruction=Distances.of(cKDTree(reconstruction).query(points)[0] / side),
-            spacing=point_spacing(points) / side,
-            reconstruction=reconstruction,
-            distances=distances,
+        errors.append(
+            HoldoutError(
+                name=held.scan.name,
+                date=held.scan.date,
+                time=held.scan.time,
+                points=len(points),
+                reconstruction_to_scan=Distances.of(distances),
+                scan_to_reconstruction=Distances.of(
+                    cKDTree(reconstruction).query(points)[0] / side
+                ),
+                spacing=point_spacing(points) / side,
+                reconstruction=reconstruction,
+                distances=distances,
+            )
         )
-        errors.append(error)
-        if report_progress is not None:
-            report_progress("verification", number, count)
+        report_progress("verification", number, len(record.held_out))
     return errors
 
 
