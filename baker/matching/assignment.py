@@ -29,10 +29,8 @@ def assign_with_dummies(
 
     n, m = costs.shape
     forbidden = 1.0 + 2.0 * float(costs.sum() + loss.sum() + birth.sum())
-    padded = np.zeros((n + m, n + m))
-    padded[:n, :m] = costs
-    padded[:n, m:] = np.where(np.eye(n, dtype=bool), loss[:, None], forbidden)
-    padded[n:, :m] = np.where(np.eye(m, dtype=bool), birth[None, :], forbidden)
+    lost, born = (np.where(np.eye(len(c), dtype=bool), c, forbidden) for c in (loss, birth))
+    padded = np.block([[costs, lost], [born, np.zeros((m, n))]])
     rows, columns = linear_sum_assignment(padded)
     return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if i < n and j < m]
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 SAMPLE_SIZE = 128  # points of an organ that its descriptors and distances are found from
 ATTACHMENT_POINTS = 5  # of these, the nearest to the parent, whose mean is the attachment point
@@ -17,31 +21,14 @@ ORDERED_ORGANS = 10  # organs of a plant up to which their order along the stem 
 
 @dataclass(frozen=True)
 class OrganDescriptors:
-    """What a scan's n organs look like.
+    """What a scan's n organs look like; lengths in length units."""
 
-    Attributes
-    ----------
-    samples : list of (s, 3) float64 ndarray
-        Points of each organ, at most `SAMPLE_SIZE`.
-    attachments : (n, 3) float64 ndarray
-        Attachment point of each organ on its parent; of the root organ, the base of the plant.
-    sizes : (n,) float64 ndarray
-        Root mean square distance of an organ's points from its attachment point, in length units.
-    directions : (n, 3) float64 ndarray
-        Unit vectors from the attachment point to the organ's centroid.
-    order : (n,) float64 ndarray
-        Number of organs that leave the stem below this one; 0 where there is no stem.
-    height : (n,) float64 ndarray
-        Distance of the attachment point from the base of the plant, 1 that of the last organ; 0
-        where there is no stem.
-    """
-
-    samples: list[NDArray[np.float64]]
-    attachments: NDArray[np.float64]
-    sizes: NDArray[np.float64]
-    directions: NDArray[np.float64]
-    order: NDArray[np.float64]
-    height: NDArray[np.float64]
+    samples: list[NDArray[np.float64]]  # (s, 3) points of each organ, at most `SAMPLE_SIZE`
+    attachments: NDArray[np.float64]  # (n, 3) points on the parents; of the root, the plant base
+    sizes: NDArray[np.float64]  # (n,) root mean square distances from the attachment points
+    directions: NDArray[np.float64]  # (n, 3) unit vectors from there to the centroids
+    order: NDArray[np.float64]  # (n,) organs that leave the stem below; 0 where there is no stem
+    height: NDArray[np.float64]  # (n,) distance from the plant base, of the last organ 1; likewise
 
     def __len__(self) -> int:
         return len(self.samples)
@@ -93,6 +80,15 @@ def describe_organs(
     )
 
 
+def size_from_parent(cloud: NDArray[np.floating], parent: KDTree | None) -> float:
+    """Root mean square distance of an organ from its point nearest to its parent.
+
+    That is the Wasserstein distance of shrinking it into a bud; of no parent, into its centroid.
+    """
+    bud = cloud.mean(axis=0) if parent is None else cloud[np.argmin(parent.query(cloud)[0])]
+    return float(np.sqrt(((cloud - bud) ** 2).sum(axis=1).mean()))
+
+
 def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp]], int, list[int]]:
     """The segments that have points, which of them holds the root point, and their parents.
 
@@ -112,8 +108,7 @@ def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDA
 
     distances = KDTree(parent).query(sample)[0]
     nearest = np.argsort(distances, kind="stable")[:ATTACHMENT_POINTS]
-    point: NDArray[np.float64] = sample[nearest].mean(axis=0)
-    return point
+    return np.asarray(sample[nearest].mean(axis=0))
 
 
 def _is_stem(root: int, parents: list[int]) -> bool:
@@ -134,10 +129,7 @@ def _order_along_stem(
     """
     from scipy.special import expit
 
-    below = (
-        expit((along[:, None] - along) / softness) if softness else np.full([len(along)] * 2, 0.5)
-    )
+    below = expit((along[:, None] - along) / (softness or np.inf))
     np.fill_diagonal(below, 0.0)
     below[:, root] = 0.0
-    order: NDArray[np.float64] = below.sum(axis=1)
-    return order * min(1.0, ORDERED_ORGANS / len(along))
+    return np.asarray(below.sum(axis=1) * min(1.0, ORDERED_ORGANS / len(along)))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.assignment import assign_by_minima, assign_with_dummies
+from baker.matching.descriptors import size_from_parent
 from baker.segmentation.hierarchy import Hierarchy
 
 Points = NDArray[np.floating]
@@ -24,20 +25,13 @@ Distance = Callable[[Points, Points], float]
 class Merge:
     """A child merged into its parent's segment, because that brought the match nearer.
 
-    Attributes
-    ----------
-    side : int
-        0 in the first scan, 1 in the second.
-    head, child : int
-        Segments, as the hierarchies that matching was given number them.
-    before, after : float
-        Distance of the matched segments, in length units.
+    Segments as the hierarchies that matching was given number them.
     """
 
-    side: int
+    side: int  # 0 in the first scan, 1 in the second
     head: int
     child: int
-    before: float
+    before: float  # distance of the matched segments, in length units
     after: float
 
     def __str__(self) -> str:
@@ -49,23 +43,11 @@ class Merge:
 
 @dataclass(frozen=True)
 class GreedyRules:
-    """What the paper leaves open (docs/method.md, rows 11 and 14).
+    """What the paper leaves open (docs/method.md, rows 11 and 14)."""
 
-    Attributes
-    ----------
-    merge_first : bool
-        Also merge segments of the first scan, whichever gains most; the paper merges in the second
-        scan only.
-    min_gain : float
-        Share of the distance that a merge has to save.
-    dummies : bool
-        Children may stay unmatched on both sides at once, where that costs less than matching them;
-        else only the surplus of the larger side does.
-    """
-
-    merge_first: bool = True
-    min_gain: float = 0.001
-    dummies: bool = True
+    merge_first: bool = True  # merge in the first scan too; the paper merges in the second only
+    min_gain: float = 0.001  # share of the distance that a merge has to save
+    dummies: bool = True  # children of both sides may stay unmatched; else only a side's surplus
 
 
 PAPER = GreedyRules(merge_first=False, min_gain=0.0, dummies=False)
@@ -142,6 +124,14 @@ class _Scan:
             if child not in group and len(self.hierarchy.segments[child])
         ]
 
+    def sizes(self, head: int, children: list[int]) -> NDArray[np.float64]:
+        """Wasserstein distance of each child from its own attachment point on a merged segment."""
+        from scipy.spatial import KDTree
+
+        parent = self.cloud(self.groups[head])
+        tree = KDTree(parent) if len(parent) else None
+        return np.array([size_from_parent(self.cloud([child]), tree) for child in children])
+
     def merged(self) -> tuple[Hierarchy, dict[int, int]]:
         """The merged hierarchy, and the index in it of each group's head."""
         inside = {segment for group in self.groups.values() for segment in group}
@@ -196,25 +186,7 @@ class _Descent:
             [[self.distance(first.cloud([p]), second.cloud([q])) for q in target] for p in source]
         )
         if self.rules.dummies:
-            pairs = assign_with_dummies(
-                costs,
-                np.array([_size(first, p, first.cloud(first.groups[a])) for p in source]),
-                np.array([_size(second, q, second.cloud(second.groups[b])) for q in target]),
-            )
+            pairs = assign_with_dummies(costs, first.sizes(a, source), second.sizes(b, target))
         else:
             pairs = assign_by_minima(costs)
         return [(source[i], target[j]) for i, j in pairs]
-
-
-def _size(scan: _Scan, segment: int, parent: Points) -> float:
-    """Wasserstein distance of a segment from its own attachment point, the nearest to its parent.
-
-    That is what it costs to shrink the segment into a bud: the root mean square distance.
-    """
-    from scipy.spatial import KDTree
-
-    cloud = scan.cloud([segment])
-    bud = cloud.mean(axis=0)
-    if len(parent):
-        bud = cloud[np.argmin(KDTree(parent).query(cloud)[0])]
-    return float(np.sqrt(((cloud - bud) ** 2).sum(axis=1).mean()))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.matching.assignment import assign_with_dummies
+from baker.matching.descriptors import size_from_parent
 from baker.matching.tracking import track_organs
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
 
@@ -36,27 +37,13 @@ LOSS_COST, BIRTH_COST = 0.4, 0.75
 
 @dataclass(frozen=True)
 class LabelUse:
-    """The labels to bake with.
+    """The labels to bake with."""
 
-    Attributes
-    ----------
-    labels : tuple of (N,) int64 ndarray, or None
-        One array for each scan; None where the scans are segmented without labels.
-    consistent : bool
-        The same organ has the same label in all scans.
-    sentence : str
-        How the labels came about, for the user.
-    renamed : bool
-        They are track numbers, not the scans' own labels.
-    found : bool
-        The organs themselves were found without labels.
-    """
-
-    labels: tuple[Labels, ...] | None
-    consistent: bool
-    sentence: str
-    renamed: bool = False
-    found: bool = False
+    labels: tuple[Labels, ...] | None  # (N,) of each scan; None where segmented without labels
+    consistent: bool  # the same organ has the same label in all scans
+    sentence: str  # how the labels came about, for the user
+    renamed: bool = False  # they are track numbers, not the scans' own labels
+    found: bool = False  # the organs themselves were found without labels
 
 
 def label_policy(
@@ -108,11 +95,12 @@ def label_policy(
                 "without labels (--labels ignore)."
             )
     share = label_agreement(clouds, given, root_points) if requested == "auto" else 0.0
-    if requested == "consistent" or share > MIN_AGREEMENT:
-        why = "as asked" if requested != "auto" else f"{share:.0%} of the organs match by shape too"
-        return LabelUse(tuple(given), True, f"labels name the same organs in all scans: {why}")
-    why = "as asked" if requested != "auto" else f"only {share:.0%} of the organs match by shape"
-    return LabelUse(tuple(given), False, f"labels are numbered anew in every scan: {why}")
+    consistent = requested == "consistent" or share > MIN_AGREEMENT
+    what = "name the same organs in all scans" if consistent else "are numbered anew in every scan"
+    match = f"{share:.0%} of the organs match by shape"
+    why = f"{match} too" if consistent else f"only {match}"
+    why = why if requested == "auto" else "as asked"
+    return LabelUse(tuple(given), consistent, f"labels {what}: {why}")
 
 
 def follow_labels(
@@ -181,11 +169,7 @@ class _Organs:
         samples = [cloud[own[:: -(-len(own) // SAMPLE_SIZE)]] for own in members]
         trees = [KDTree(sample) for sample in samples]
         stem = trees[names.index(int(labels[root_point]))]
-        begins = [sample[np.argmin(stem.query(sample)[0])] for sample in samples]
-        sizes = [
-            float(np.sqrt(((sample - begin) ** 2).sum(axis=1).mean()))
-            for sample, begin in zip(samples, begins, strict=True)
-        ]
+        sizes = [size_from_parent(sample, stem) for sample in samples]
         return cls(names, samples, trees, np.array(sizes))
 
 

@@ -35,19 +35,11 @@ STALK_NEIGHBORS = 8  # leaflets that move a point of the stalk
 
 @dataclass(frozen=True)
 class LeafletPair:
-    """A part of an organ that is transported on its own.
+    """A part of an organ that is transported on its own."""
 
-    Attributes
-    ----------
-    start, end : (n,) and (m,) intp ndarray
-        Its points in the two scans, counted within the organ.
-    registered : pair of (n, 3) and (m, 3) float64 ndarray, or None
-        Positions that the points are compared at; None of a leaflet, for as they are.
-    """
-
-    start: Indices
+    start: Indices  # (n,) and (m,) its points in the two scans, counted within the organ
     end: Indices
-    registered: tuple[Points, Points] | None = None
+    registered: tuple[Points, Points] | None = None  # positions to compare; None: as they are
 
 
 def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> list[LeafletPair]:
@@ -109,25 +101,12 @@ class _Leaflets:
 def register_leaflets(
     start: Points, end: Points, attachments: tuple[int, int], first: Indices, second: Indices
 ) -> tuple[Floats, Indices]:
-    """Register an organ to its later scan by its leaflets.
+    """Register an organ to its later scan by its leaflets, (n,) and (m,), -1 on the stalk.
 
     As it is, attachment point on attachment point, or rotated about the attachment point so that
     some leaflet comes to lie in the direction of some other, with or without as much growth as that
-    takes: whichever brings most leaflets onto others.
-
-    Parameters
-    ----------
-    start, end, attachments
-        As in `match_leaflets`.
-    first, second : (n,) and (m,) int ndarray
-        The leaflet of each point, -1 on the stalk.
-
-    Returns
-    -------
-    (n, 3) float64 ndarray
-        The start's registered points.
-    (p, 2) intp ndarray
-        The leaflets that are the same.
+    takes: whichever brings most leaflets onto others. Returns the start's registered points (n, 3)
+    and the leaflets that are the same, (p, 2).
     """
     source, target = _Leaflets.of(start, first), _Leaflets.of(end, second)
     origin, base = start[attachments[0]].astype(float), end[attachments[1]].astype(float)
@@ -179,8 +158,7 @@ def _scores(centroid: Floats, radius: Floats, source: _Leaflets, target: _Leafle
     ratio = target.share[None] / source.share[:, None]
     points = np.sqrt(np.minimum(source.count[:, None], target.count[None]))
     points[np.maximum(ratio, 1 / ratio) > MAX_RATIO] = 0
-    scores: Floats = nearness**2 * points
-    return scores
+    return np.asarray(nearness**2 * points)
 
 
 def _assigned(scores: Floats) -> tuple[Indices, float]:
@@ -271,5 +249,4 @@ def _displacements(
     distance, near = KDTree(places).query(source, k=min(STALK_NEIGHBORS, len(places)))
     weight = 1.0 / np.maximum(distance, 1e-9 * (distance.max() + 1e-300))
     weight /= weight.sum(axis=1, keepdims=True)
-    displacement: Floats = np.einsum("nk,nkx->nx", weight, (moved - places)[near])
-    return displacement
+    return np.asarray(np.einsum("nk,nkx->nx", weight, (moved - places)[near]))

@@ -6,13 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from baker.matching.hierarchical import (
-    Distance,
-    GreedyRules,
-    Merge,
-    Points,
-    match_hierarchies,
-)
+from baker.matching.hierarchical import Distance, GreedyRules, Merge, Points, match_hierarchies
 from baker.segmentation.hierarchy import Hierarchy
 
 
@@ -20,30 +14,16 @@ from baker.segmentation.hierarchy import Hierarchy
 class Match:
     """The segments of two successive scans, matched one to one.
 
-    Attributes
-    ----------
-    first, second : Hierarchy
-        The hierarchies that the indices below refer to. Matching may have merged segments of the
-        hierarchies that it was given.
-    pairs : tuple of (int, int)
-        Segment of the first scan, segment of the second.
-    births : tuple of int
-        Segments of the second scan that the first does not have, parents before their children.
-    losses : tuple of int
-        Segments of the first scan that the second no longer has.
-    notes : tuple of str
-        Why segments were matched as they were, one sentence each, for the report.
-    merges : tuple of Merge
-        In the order in which they were made.
+    Matching may have merged segments of the hierarchies that it was given; indices refer to these.
     """
 
     first: Hierarchy
     second: Hierarchy
-    pairs: tuple[tuple[int, int], ...]
-    births: tuple[int, ...]
-    losses: tuple[int, ...]
-    notes: tuple[str, ...] = ()
-    merges: tuple[Merge, ...] = ()
+    pairs: tuple[tuple[int, int], ...]  # segment of the first scan, segment of the second
+    births: tuple[int, ...]  # new segments of the second scan, parents before their children
+    losses: tuple[int, ...]  # segments of the first scan that the second no longer has
+    notes: tuple[str, ...] = ()  # why they were matched as they were, a sentence each
+    merges: tuple[Merge, ...] = ()  # in the order in which they were made
 
     def start_of(self, end: int) -> int | None:
         """The first scan's segment that becomes segment `end` of the second, if there is one."""

@@ -73,8 +73,7 @@ def follow(
     counts : sequence of int
         Number of organs of each scan.
     scores : mapping of (int, int) to (n, m) float64 ndarray
-        For an earlier and a later scan, the score of each pair of their organs; only pairs above 0
-        are ever chained.
+        Of each pair of organs of an earlier and a later scan; chained only above 0.
 
     Returns
     -------

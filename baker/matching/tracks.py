@@ -5,41 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 
 @dataclass(frozen=True)
 class Organ:
-    """One organ through the series.
+    """One organ through the series."""
 
-    Attributes
-    ----------
-    label : int or None
-        Its label in the scan in which it first appears; None where it has none.
-    parent : int or None
-        The organ that it grows from, as an index into the organs; None for the root.
-    first, last : int
-        The first and the last scan that hold it.
-    """
-
-    label: int | None
-    parent: int | None
-    first: int
+    label: int | None  # in the scan in which it first appears; None where it has none
+    parent: int | None  # the organ that it grows from, by index; None for the root
+    first: int  # the first and the last scan that hold it
     last: int
 
 
 @dataclass(frozen=True)
 class IntervalOrgans:
-    """Which organ each segment of an interval's two hierarchies is.
-
-    Attributes
-    ----------
-    first, second : dict of int to int
-        From segments to indices of organs, in the hierarchies of the interval's match.
-    """
+    """Which organ each segment of the two hierarchies of an interval's match is."""
 
     first: dict[int, int]
     second: dict[int, int]
@@ -105,10 +87,7 @@ def _name(
 
 def _carried(before: Hierarchy, organs: dict[int, int], after: Hierarchy) -> dict[int, int]:
     """Organs of a scan's segments after merging: that of the largest segment merged into each."""
-    count = sum(len(members) for members in before.segments)
-    home = np.full(count, NO_PARENT)
-    for segment, members in enumerate(after.segments):
-        home[members] = segment
+    home = after.numbers()
     empty_home = next((s for s, m in enumerate(after.segments) if not len(m)), NO_PARENT)
     carried: dict[int, int] = {}
     for segment in sorted(organs, key=lambda s: len(before.segments[s])):

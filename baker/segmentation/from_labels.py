@@ -7,7 +7,6 @@ from all others (ten spacings) no label is the stem: all hang under a virtual, e
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 
 import numpy as np
@@ -66,30 +65,25 @@ def _grow_from(
     names: Sequence[int],
 ) -> tuple[list[int], list[str]]:
     """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
-    adjacent: list[list[tuple[float, int]]] = [[] for _ in segments]
-    for (child, parent), gap in gaps.items():
-        adjacent[parent].append((gap, child))
     parents, notes = [NO_PARENT] * len(segments), []
     reached, unreached = {first}, set(range(len(segments))) - {first}
-    heap = [(gap, child, first) for gap, child in adjacent[first]]
-    heapq.heapify(heap)
     while unreached:
-        if not heap:
+        touching = [
+            (gap, child, parent)
+            for (child, parent), gap in gaps.items()
+            if parent in reached and child in unreached
+        ]
+        if touching:
+            _, child, parent = min(touching)
+        else:
             gap, child, parent = _smallest_gap(points, segments, reached, unreached)
             notes.append(
                 f"segment {names[child]} touches no other one; it was hung on segment "
                 f"{names[parent]} across a gap of {gap:.3g}"
             )
-        else:
-            gap, child, parent = heapq.heappop(heap)
-            if child in reached:
-                continue
         parents[child] = parent
         reached.add(child)
         unreached.remove(child)
-        for gap, other in adjacent[child]:
-            if other in unreached:
-                heapq.heappush(heap, (gap, other, child))
     return parents, notes
 
 

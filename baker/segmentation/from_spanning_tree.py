@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.graph import RootedTree, spanning_tree
 from baker.geometry.neighbors import Neighbors
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
 DEFAULT_THRESHOLD = 0.18  # c, as a share of the longest path from the root
 
@@ -45,26 +45,11 @@ def hierarchy_from_spanning_tree(
 
 
 def longest_paths(tree: RootedTree) -> NDArray[np.intp]:
-    """(N,) m_v: edges on the longest path from each point down to a leaf of its subtree.
-
-    Level by level from the tips, so that no path is too long for it.
-    """
-    longest = np.zeros(len(tree.order), np.intp)
-    for level in reversed(_levels(tree)[1:]):
-        np.maximum.at(longest, tree.parent[level], longest[level] + 1)
-    return longest
-
-
-def _levels(tree: RootedTree) -> list[NDArray[np.intp]]:
-    """The points at 0, 1, 2, … edges from the root; breadth first order is sorted by that."""
-    rank = np.empty(len(tree.order), np.intp)
-    rank[tree.order] = np.arange(len(tree.order))
-    parent_rank = rank[tree.parent[tree.order[1:]]]
-    levels, begin, end = [], 0, 1
-    while begin < end:
-        levels.append(tree.order[begin:end])
-        begin, end = end, 1 + int(np.searchsorted(parent_rank, end))
-    return levels
+    """(N,) m_v: edges on the longest path from each point down to a leaf of its subtree."""
+    longest, parent = [0] * len(tree.order), tree.parent.tolist()
+    for point in tree.order[:0:-1].tolist():
+        longest[parent[point]] = max(longest[parent[point]], longest[point] + 1)
+    return np.array(longest)
 
 
 def _segment_starts(
@@ -83,14 +68,14 @@ def _segment_starts(
 def _hierarchy(tree: RootedTree, starts: NDArray[np.bool_]) -> Hierarchy:
     """Segments numbered from the root on, each point in the segment that began above it last."""
     heads = tree.order[starts[tree.order]]
-    segment = np.full(len(tree.order), -1)
-    segment[heads] = np.arange(len(heads))
-    for level in _levels(tree)[1:]:
-        unnamed = level[segment[level] < 0]
-        segment[unnamed] = segment[tree.parent[unnamed]]
-    order = np.argsort(segment, kind="stable")
-    members = np.split(order, np.searchsorted(segment[order], np.arange(1, len(heads))))
-    parents = [NO_PARENT, *(int(segment[tree.parent[head]]) for head in heads[1:])]
+    number = np.full(len(tree.order), -1)
+    number[heads] = np.arange(len(heads))
+    segment, parent = number.tolist(), tree.parent.tolist()
+    for point in tree.order.tolist():
+        if segment[point] < 0:
+            segment[point] = segment[parent[point]]
+    _, members = split_by_label(np.array(segment))
+    parents = [NO_PARENT, *(segment[parent[head]] for head in heads[1:].tolist())]
     notes: tuple[str, ...] = ()
     if tree.bridges:
         notes = (f"{tree.bridges} gaps in the cloud bridged, the widest {tree.widest:.3g}",)

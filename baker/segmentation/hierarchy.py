@@ -77,8 +77,3 @@ def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray
     short = owner.astype(np.int16) if len(names) <= 2**15 else owner  # sorted in a quarter the time
     order = np.argsort(short, kind="stable")
     return names.tolist(), np.split(order, np.cumsum(np.bincount(owner))[:-1])
-
-
-def whole(points: NDArray[np.floating]) -> Hierarchy:
-    """The whole cloud as one segment (the paper's Figure 3, no segments)."""
-    return Hierarchy((np.arange(len(points)),), (0,), (NO_PARENT,), 0)

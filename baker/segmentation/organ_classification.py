@@ -23,11 +23,7 @@ STEM = 0
 
 def blade_scores(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) how surely each point lies on a blade: from -1, on stem or petiole, to 1."""
-    clear: NDArray[np.float64] = (
-        np.clip(MIN_ROD_FLATNESS - flatness(sample), -FLATNESS_RANGE, FLATNESS_RANGE)
-        / FLATNESS_RANGE
-    )
-    return clear
+    return np.clip((MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE, -1.0, 1.0)
 
 
 def organs_of_nodes(

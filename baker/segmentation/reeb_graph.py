@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from baker.geometry.graph import connected_knn_graph
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors, point_spacing
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
+from baker.segmentation.hierarchy import split_by_label
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -34,32 +35,15 @@ MAX_HOLE = 3.0  # length of a loop that is but a hole, in stem diameters
 
 @dataclass(frozen=True)
 class PlantSample:
-    """A plant's points, one a voxel, and their geodesic distances from the plant base.
+    """A plant's points, one a voxel, and their geodesic distances from the plant base."""
 
-    Attributes
-    ----------
-    points : (n, 3) float64
-    nearest : (N,) intp
-        The sample's point nearest to each point of the cloud.
-    graph : (n, n) csr_matrix
-        The connected kNN graph.
-    distance : (n,) float64
-        Geodesic distance from the plant base.
-    predecessor : (n,) intp
-        The point before each on the shortest path from there, -1 at the base.
-    spacing : float
-        Point spacing of the sample.
-    diameter : float
-        Of the stem; 0 where the cloud is too small to tell.
-    """
-
-    points: NDArray[np.float64]
-    nearest: NDArray[np.intp]
-    graph: csr_matrix
-    distance: NDArray[np.float64]
-    predecessor: NDArray[np.intp]
-    spacing: float
-    diameter: float
+    points: NDArray[np.float64]  # (n, 3)
+    nearest: NDArray[np.intp]  # (N,) the sample's point nearest to each point of the cloud
+    graph: csr_matrix  # (n, n) the connected kNN graph
+    distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
+    predecessor: NDArray[np.intp]  # (n,) the point before on the path from there; -1 at the base
+    spacing: float  # point spacing of the sample
+    diameter: float  # of the stem; 0 where the cloud is too small to tell
 
     @property
     def thickness(self) -> float:
@@ -69,29 +53,14 @@ class PlantSample:
 
 @dataclass(frozen=True)
 class ReebTree:
-    """Components of level sets, numbered from the base on: parents before their children.
+    """Components of level sets, m nodes numbered from the base on: parents before children."""
 
-    Attributes
-    ----------
-    node : (n,) intp
-        The node of each point of the sample.
-    parent : list of int
-        Of each node; -1 for the root, node 0.
-    children : list of list of int
-    count : (m,) float64
-        Points of each node.
-    width : (m,) float64
-        Of each node's section.
-    reach : (m,) float64
-        Distance from the beginning of each node to the farthest tip beyond it.
-    """
-
-    node: NDArray[np.intp]
-    parent: list[int]
+    node: NDArray[np.intp]  # (n,) the node of each point of the sample
+    parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
-    count: NDArray[np.float64]
-    width: NDArray[np.float64]
-    reach: NDArray[np.float64]
+    count: NDArray[np.float64]  # (m,) points of each node
+    width: NDArray[np.float64]  # (m,) of each node's section
+    reach: NDArray[np.float64]  # (m,) distance from a node's beginning to the farthest tip beyond
 
     def subtree_sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
         """(m,) sums over each node and all nodes beyond it of (m,) values."""
@@ -179,8 +148,7 @@ def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) ->
     for child in range(len(parent) - 1, 0, -1):
         children[parent[child]].insert(0, child)
         reach[parent[child]] = max(reach[parent[child]], reach[child] + sample.thickness)
-    order = np.argsort(node, kind="stable")
-    members = np.split(order, np.flatnonzero(np.diff(node[order])) + 1)
+    _, members = split_by_label(node)
     width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
     count = np.array([len(m) for m in members], np.float64)
     return ReebTree(node, parent, children, count, width, reach)
@@ -235,9 +203,8 @@ def _stem_diameter(
     diameter = 8.0 * spacing
     for _ in range(MAX_ROUNDS):
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
-        found = _sections(
-            points, graph, distance, 0.5 * diameter, STEM_LENGTH * diameter, thickness
-        )
+        levels = np.arange(0.5 * diameter, STEM_LENGTH * diameter, thickness)
+        found = _sections(points, graph, distance, levels, thickness)
         if not len(found):
             return 0.0
         before = diameter
@@ -251,21 +218,19 @@ def _sections(
     points: NDArray[np.float64],
     graph: csr_matrix,
     distance: NDArray[np.float64],
-    low: float,
-    high: float,
+    levels: NDArray[np.float64],
     thickness: float,
 ) -> NDArray[np.float64]:
-    """(s, 2) width and number of points of each component of the levels from `low` to `high`."""
+    """(s, 2) width and number of points of each component of the levels that begin there."""
     from scipy.sparse.csgraph import connected_components
 
     found = []
-    for begin in np.arange(low, high, thickness):
+    for begin in levels:
         level = np.flatnonzero((distance >= begin) & (distance < begin + thickness))
         if len(level) < MIN_POINTS_OF_SECTION:
             continue
         _, part = connected_components(graph[level][:, level], directed=False)
-        order = np.argsort(part, kind="stable")
-        for members in np.split(level[order], np.flatnonzero(np.diff(part[order])) + 1):
+        for members in (level[own] for own in split_by_label(part)[1]):
             if len(members) >= MIN_POINTS_OF_SECTION:
                 width = section_width(points[members], distance[members])
                 found.append((width, len(members)))

@@ -12,18 +12,17 @@ from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.parallel import MapLike
-from baker.segmentation.adjacency import segment_adjacency
+from baker.segmentation.adjacency import agreed_gaps, segment_adjacency
 from baker.segmentation.from_labels import hierarchy_from_labels, under_virtual_root
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
-from baker.segmentation.hierarchy import Hierarchy, split_by_label, whole
-from baker.segmentation.parents import agreed_gaps
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
 COARSE_POINTS = 400  # of an organ, that its place in the coarse hierarchy is found by
 
 
 def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
-    return [whole(cloud) for cloud in clouds]
+    return [Hierarchy((np.arange(len(cloud)),), (0,), (NO_PARENT,), 0) for cloud in clouds]
 
 
 def thin_hierarchies(

@@ -3,9 +3,8 @@
 import numpy as np
 
 from baker.geometry.neighbors import nearest_neighbors
-from baker.segmentation.adjacency import segment_adjacency
+from baker.segmentation.adjacency import agreed_gaps, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT
-from baker.segmentation.parents import agreed_gaps
 from baker.segmentation.stage import labelled_hierarchies
 
 SPACING = 0.05
