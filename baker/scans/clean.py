@@ -22,13 +22,8 @@ MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered :
 RESAMPLING_STEPS = 30
 BATCH_POINTS = 50_000  # whose neighbourhoods are held at a time
 
-MAX_COORDINATE = 1e12
-"""Coordinates beyond are marks of points that weren't measured (1e30, -1e38, ...); they would be
-too large for 32-bit numbers to hold their products."""
-
-MIN_SCAN_SIZE = 1e-9
-"""Scans of a smaller size are in no unit that plants are measured in, and so small that products
-of their lengths vanish."""
+MAX_COORDINATE = 1e12  # beyond are marks of points that weren't measured (1e30, -1e38, ...)
+MIN_SCAN_SIZE = 1e-9  # of smaller ones the products of lengths vanish; no unit of plants gives them
 
 
 def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:

@@ -147,10 +147,11 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
         (names, True),
         (patterns, not have_times),
     ):
-        first = dict(zip(reversed(kinds), reversed(scans), strict=True))
-        if len(first) > 1 and not (may_all_differ and len(first) == len(scans)):
-            names_of_two = [scan.name for scan in scans if scan in first.values()][:2]
+        count = len(set(kinds))
+        if count > 1 and not (may_all_differ and count == len(scans)):
+            other = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
             raise InputError(
-                f"'{folder}' seems to hold more than one series ('{names_of_two[0]}' and "
-                f"'{names_of_two[1]}'); give each its own folder, or name the files of one series."
+                f"'{folder}' seems to hold more than one series ('{scans[0].name}' and "
+                f"'{scans[other].name}'); give each its own folder, or name the files of one "
+                "series."
             )

@@ -92,19 +92,9 @@ def _scan(
     )
     for step, value in steps:
         cloud = cloud if value is None else step(cloud, value)
-    return Scan(
-        name=printable(entry.name),
-        path=entry.path,
-        time=entry.moment.time,
-        origin=origin,
-        points=cloud.points,
-        labels=cloud.labels,
-        colors=cloud.colors,
-        date=entry.moment.date,
-        notes=cloud.notes,
-        beside=listing.files(entry)[1:],
-        sha256=sha256,
-    )
+    name, (time, date) = printable(entry.name), (entry.moment.time, entry.moment.date)
+    contents = cloud.points, cloud.labels, cloud.colors
+    return Scan(name, entry.path, time, origin, *contents, date, cloud.notes, sha256)
 
 
 @dataclass(frozen=True)

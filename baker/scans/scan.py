@@ -23,8 +23,8 @@ class Scan:
     colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
     date:    how the time is written for people: "2020-03-08", "day 5", "2".
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
-    beside:  further files the scan was made from (the depth and label images of a colour image).
-    sha256:  digest of the bytes of all these files as they were read.
+    sha256:  digest of the bytes, as they were read, of this file and all others that the scan was
+             made from (the depth and label images of a colour image).
     """
 
     name: str
@@ -36,7 +36,6 @@ class Scan:
     colors: NDArray[np.uint8] | None = None
     date: str = ""
     notes: tuple[str, ...] = ()
-    beside: tuple[Path, ...] = ()
     sha256: str = ""
 
     def __len__(self) -> int:

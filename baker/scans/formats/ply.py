@@ -13,7 +13,7 @@ import numpy as np
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults, require_room
-from baker.scans.formats.surface import Faces, points_on_surface
+from baker.scans.formats.mesh import Faces, points_on_surface
 
 LONGEST_HEADER = 1 << 20
 CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use

@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 
 from baker.errors import InputError
@@ -60,7 +60,9 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
     Raises InputError: two scans at one time, a times file that can't be read or misses a scan,
     numbered names whose order can't be told.
     """
-    names = _names(found.paths)
+    names = [path.name for path in found.paths]
+    if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
+        names = [f"{path.resolve().parent.name}/{path.name}" for path in found.paths]
     if times_file is not None:
         moments = moments_from_file(times_file, names)
         return _in_time(found, names, moments, f"times from '{times_file.name}'")
@@ -85,19 +87,14 @@ def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
 
     A clearly written time in a folder's name is preferred to mere numbers in the files' names.
     """
-    found = []
-    for level in range(FOLDER_LEVELS + 1):
-        parts = [path.stem if level == 0 else _above(path, level) for path in paths]
-        reading = read_times(parts)
-        if reading is not None and (reading.distinct or level == 0):
-            found.append((reading, level))
-    best = sorted(found, key=lambda f: (not f[0].distinct, not f[0].convention.is_clear))
-    return best[0] if best else (None, 0)
-
-
-def _above(path: Path, level: int) -> str:
-    folders = path.resolve().parents
-    return folders[level - 1].name if level <= len(folders) else ""
+    names = ((path.stem, *(above.name for above in path.resolve().parents)) for path in paths)
+    levels = islice(zip(*names, strict=False), FOLDER_LEVELS + 1)
+    found = [(read, level) for level, texts in enumerate(levels) if (read := read_times(texts))]
+    return min(
+        ((read, level) for read, level in found if read.distinct or level == 0),
+        key=lambda found: (not found[0].distinct, not found[0].convention.is_clear),
+        default=(None, 0),
+    )
 
 
 def names_without_times(stems: Sequence[str]) -> list[str]:
@@ -130,26 +127,22 @@ def _in_time(
             )
     in_time = sorted(entries, key=lambda entry: entry.moment.time)
     for before, after in pairwise(in_time):
-        both = f"'{before.name}' and '{after.name}' have"
-        if before.moment.time == after.moment.time:
+        step = after.moment.time - before.moment.time
+        if step < MIN_TIME_STEP:
             raise InputError(
-                f"{both} the same time, {after.moment.date} ({rule}); one moment can have one "
-                "scan only."
-            )
-        if after.moment.time - before.moment.time < MIN_TIME_STEP:
-            raise InputError(
-                f"{both} nearly the same time ({rule}); {MIN_TIME_STEP:g} days have to lie "
-                "between two scans."
+                f"'{before.name}' and '{after.name}' have nearly the same time ({rule}); "
+                f"{MIN_TIME_STEP:g} days have to lie between two scans."
+                if step
+                else f"'{before.name}' and '{after.name}' have the same time, "
+                f"{after.moment.date} ({rule}); one moment can have one scan only."
             )
     rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
     if in_time != entries and not found.from_folder:
         rule += " (in the order of time, not in the order given)"
     if all(moment.dated for moment in moments):  # days since the first scan: the plant's age
         first = in_time[0].moment.time
-        in_time = [
-            replace(entry, moment=replace(entry.moment, time=entry.moment.time - first))
-            for entry in in_time
-        ]
+        ages = [replace(entry.moment, time=entry.moment.time - first) for entry in in_time]
+        in_time = [replace(e, moment=age) for e, age in zip(in_time, ages, strict=True)]
     return Schedule(tuple(in_time), rule + ".", "days")
 
 
@@ -161,10 +154,9 @@ def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
     if found.from_folder or (list(names) == sorted(names) and natural != list(order)):
         _require_clear_order([names[i] for i in natural])
         order, how = natural, "the natural order of their names"
-    entries = tuple(
-        Entry(found.paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)
-    )
-    untimed = [name for name in names if find_time(_stem(name)) is None]
+    moments = [Moment(float(k), str(k)) for k in range(len(names))]
+    entries = [Entry(found.paths[i], names[i], moments[k]) for k, i in enumerate(order)]
+    untimed = [name for name in names if find_time(name.rpartition(".")[0]) is None]
     is_mixed = 0 < len(untimed) < len(names)
     why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]]
@@ -173,12 +165,12 @@ def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
         f"{why}: scans numbered 0 to {len(names) - 1} in {how}: {', '.join(listed)}{more}. "
         "Growth rates will be per scan; --times FILE tells the days."
     )
-    return Schedule(entries, rule, "scans")
+    return Schedule(tuple(entries), rule, "scans")
 
 
 def _require_clear_order(names: Sequence[str]) -> None:
     """Numbers at the same place of the names must all grow together, else which one is time?"""
-    numbers = [[int(n) for n in re.findall(r"\d+", _stem(name))] for name in names]
+    numbers = [[int(n) for n in re.findall(r"\d+", name.rpartition(".")[0])] for name in names]
     for i, (before, after) in enumerate(pairwise(numbers)):
         if any(a > b for a, b in zip(before, after, strict=False)):
             raise InputError(
@@ -186,15 +178,3 @@ def _require_clear_order(names: Sequence[str]) -> None:
                 "say it with --times FILE, with dates such as 2020-03-08 in the names, or by "
                 "naming the files in order."
             )
-
-
-def _names(paths: Sequence[Path]) -> list[str]:
-    """File names; with their folders where that alone tells them apart (2020-03-08/scan.ply)."""
-    names = [path.name for path in paths]
-    if len(set(names)) < len(names):
-        names = [f"{path.resolve().parent.name}/{path.name}" for path in paths]
-    return names
-
-
-def _stem(name: str) -> str:
-    return name.rpartition(".")[0]

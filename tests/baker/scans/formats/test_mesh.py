@@ -9,7 +9,7 @@ import trimesh
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
-from baker.scans.formats.surface import FEWEST_POINTS, points_on_surface
+from baker.scans.formats.mesh import FEWEST_POINTS, points_on_surface
 
 SUFFIXES = (".obj", ".off", ".stl", ".glb", ".gltf", ".ply")
 

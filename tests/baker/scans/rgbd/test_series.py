@@ -77,11 +77,6 @@ def test_points_lie_where_the_camera_saw_them(make_images: FolderMaker) -> None:
         assert set(scan.labels.tolist()) == {3}
         assert scan.colors is not None
         np.testing.assert_array_equal(np.unique(scan.colors, axis=0), [[10, 200, 30 + k]])
-        assert [path.name.split("_")[0] for path in scan.beside] == [
-            "camera.toml",
-            "depth",
-            "label",
-        ]
 
 
 def test_units_crop_and_ground(make_images: FolderMaker) -> None:
