@@ -62,42 +62,19 @@ Register = Callable[..., Alignment]
 
 @dataclass(frozen=True)
 class BakeRecord:
-    """What the stages found, for the report and for verification.
+    """What the stages found, for the report and for verification."""
 
-    Attributes
-    ----------
-    found : Series
-        All scans as they were read, those left out too.
-    series : Series
-        The scans that were baked.
-    keyframes : tuple of Keyframe
-        The same, aligned.
-    alignment : Alignment
-        Of all scans found.
-    labels : str
-        How the labels were used, one sentence.
-    hierarchies : tuple of Hierarchy
-        Of each scan as it was segmented, before matching merged any segments.
-    matches : tuple of Match
-        Of each interval, with the reasons in their notes.
-    organs : tuple of IntervalOrgans
-        The track of each segment of an interval's match.
-    tasks : tuple of tuple of Task
-        What was transported in each interval.
-    held_out : tuple of HeldOut
-        Scans left out for verification.
-    """
-
-    found: Series
-    series: Series
-    keyframes: tuple[Keyframe, ...]
-    alignment: Alignment
-    labels: str
+    found: Series  # all scans as they were read, those left out too
+    series: Series  # the scans that were baked
+    keyframes: tuple[Keyframe, ...]  # the same, aligned
+    alignment: Alignment  # of all scans found
+    labels: str  # how the labels were used, one sentence
+    # of each scan as it was segmented, before matching merged any segments
     hierarchies: tuple[Hierarchy, ...]
-    matches: tuple[Match, ...]
-    organs: tuple[IntervalOrgans, ...]
-    tasks: tuple[tuple[Task, ...], ...]
-    held_out: tuple[HeldOut, ...] = ()
+    matches: tuple[Match, ...]  # of each interval, with the reasons in their notes
+    organs: tuple[IntervalOrgans, ...]  # the track of each segment of an interval's match
+    tasks: tuple[tuple[Task, ...], ...]  # what was transported in each interval
+    held_out: tuple[HeldOut, ...] = ()  # left out for verification
 
 
 def bake(
@@ -128,34 +105,12 @@ def bake_recorded(
     register: Register = align,
     solve: IntervalSolver | None = None,
 ) -> tuple[Clip, BakeRecord]:
-    """Bake as `bake` does, and return what its stages found as well.
-
-    Parameters
-    ----------
-    paths, options, progress
-        As those of `bake`.
-    register, solve
-        As those of `bake_series`.
-    """
+    """Bake as `bake` does, and return what its stages found as well; see `bake_series`."""
     chosen, progress = options or Options(), progress or _silent
     with thread_map(worker_count(chosen.workers)) as map:
-        series = read_scans([Path(path) for path in paths], chosen, progress, map)
+        files = [Path(path) for path in paths]
+        series = read_series(files, chosen, partial(progress, "reading"), map)
         return bake_series(series, chosen, progress, map, register, solve)
-
-
-def read_scans(
-    paths: Sequence[Path], options: Options, progress: Progress, map: MapLike = map
-) -> Series:
-    """Read the scans of one plant as the options want it.
-
-    Parameters
-    ----------
-    paths, options, progress
-        As those of `bake`.
-    map : MapLike
-        Maps a function over scans.
-    """
-    return read_series(paths, options, partial(progress, "reading"), map)
 
 
 def bake_series(

@@ -44,32 +44,27 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     with closing(TraitsTable(outputs.traits)) if outputs.traits else nullcontext() as table:
         jobs = [_job(plant, options, outputs, table) for plant in plants]
         outcomes: dict[str, Outcome] = {}
-        with (
-            PlantProgress(len(jobs), outputs.quiet, outputs.verbose) as progress,
-            closing(_outcomes(jobs, options, outputs, progress)) as found,
-        ):
-            for outcome in found:
-                progress(outcome)
-                if table:
-                    table.add(outcome.name, outcome.traits)
-                outcomes[outcome.name] = replace(outcome, traits="", notes=())
+        with PlantProgress(len(jobs), outputs.quiet, outputs.verbose) as progress:
+            if outputs.cluster is None:
+                found = bake_here(jobs, worker_count(options.workers))
+            else:
+                found = bake_on_cluster(jobs, outputs.cluster, progress.say)
+            with closing(found):
+                for outcome in found:
+                    progress(outcome)
+                    if table:
+                        table.add(outcome.name, outcome.traits)
+                    outcomes[outcome.name] = replace(outcome, traits="", notes=())
         listed = [outcomes[plant.name] for plant in plants]
         if table:
             table.save(outcome.name for outcome in listed if outcome.state != "failed")
     lines = [] if outputs.quiet else _summary(listed, outputs, time.perf_counter() - began)
-    lines += _failures(listed)
+    if failed := [f"  {one.name}: {one.error}" for one in listed if one.state == "failed"]:
+        lines += ["", f"{len(failed)} of {len(listed)} plants failed:", *failed]
     if lines:
         Lossy(sys.stderr).write("\n".join([*map(printable, lines), ""]))
     codes = {outcome.code for outcome in listed}
     return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
-
-
-def _outcomes(
-    jobs: Sequence[PlantJob], options: Options, outputs: Outputs, progress: PlantProgress
-) -> Generator[Outcome]:
-    if outputs.cluster is None:
-        return bake_here(jobs, worker_count(options.workers))
-    return bake_on_cluster(jobs, outputs.cluster, progress.say)
 
 
 def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
@@ -78,7 +73,8 @@ def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
     Outcomes come as they are ready. Close the iterator to stop at once.
     """
     processes = max(1, min(workers, len(jobs)))
-    shared = [job.on_cores(workers // processes) for job in jobs]
+    cores = workers // processes
+    shared = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
     with ProcessExecutor(processes) as executor:
         for job, future in as_they_complete(executor, bake_plant, shared, lambda: 2 * processes):
             try:
@@ -128,12 +124,3 @@ def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> l
     lines.append(f"{plants}: {found}; {points:,} points in {seconds:.1f} s")
     places = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
     return lines + [f"{what}: {path}" for what, path in places if path is not None]
-
-
-def _failures(outcomes: Sequence[Outcome]) -> list[str]:
-    """What failed, each with its sentence."""
-    failed = [one for one in outcomes if one.state == "failed"]
-    if not failed:
-        return []
-    lines = ["", f"{len(failed)} of {len(outcomes)} plants failed:"]
-    return lines + [f"  {one.name}: {one.error}" for one in failed]

@@ -34,18 +34,8 @@ class Cache:
     """Keep results in `folder`; it may be deleted at any time.
 
     What is missing, damaged or another result's is worked out again and replaced. Where the folder
-    can't take a result, the bake goes on without.
-
-    Parameters
-    ----------
-    folder : path
-
-    Attributes
-    ----------
-    found, solved : int
-        Intervals that were taken from the folder, and that were not.
-    trouble : str
-        Why results could not be kept; empty where they all were.
+    can't take a result, the bake goes on without. `found` and `solved` count the intervals that
+    were taken from the folder, and that were not; `trouble` says why results could not be kept.
 
     Raises
     ------
@@ -60,13 +50,10 @@ class Cache:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(
-                f"{self.folder} can't be a cache: {error.strerror or error}."
-            ) from None
+            raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
     def kept(self, function: Callable[..., Result]) -> Callable[..., Result]:
-        """The function with its results kept, by its positional arguments; its return type is
-        annotated."""
+        """The function, its return type annotated, with results kept by its arguments."""
         kind = get_type_hints(function)["return"]
 
         def look_up(*arguments: Any, **named: Any) -> Result:
@@ -109,20 +96,15 @@ class Cache:
         import baker
         import gclip
 
-        digest = sha256(_encoded((software(), platform.machine())))
-        for package in (baker, gclip):
-            for path in sorted(Path(str(package.__file__)).parent.rglob("*.py")):
-                digest.update(sha256(path.read_bytes()).digest())
-        return digest.digest()
+        folders = [Path(str(package.__file__)).parent for package in (baker, gclip)]
+        code = [path.read_bytes() for folder in folders for path in sorted(folder.rglob("*.py"))]
+        return sha256(_encoded((software(), platform.machine(), code))).digest()
 
     def _key(self, name: str, arguments: Any) -> str:
         return sha256(_encoded((self._program, name, arguments))).hexdigest()
 
-    def _path(self, key: str) -> Path:
-        return self.folder / key[:2] / key
-
     def _read(self, key: str, kind: type[Result]) -> Result | None:
-        path = self._path(key)
+        path = self.folder / key[:2] / key
         try:
             if not path.is_file():
                 return None
@@ -134,7 +116,7 @@ class Cache:
             return None
 
     def _write(self, key: str, result: Any) -> None:
-        path, payload = self._path(key), _encoded(result)
+        path, payload = self.folder / key[:2] / key, _encoded(result)
         try:
             path.parent.mkdir(exist_ok=True)
             with atomic_file(path) as part:

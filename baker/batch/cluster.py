@@ -2,10 +2,9 @@
 
 Of many plants each is a task: workers read the scans and write the clips themselves, in folders
 that all machines share, and only names, numbers and rows of traits travel. A window of plants is
-under way at a time, so neither the scheduler nor this process ever holds much. A worker that dies
-costs nothing: the scheduler gives its plants to others (up to `distributed.scheduler.
-allowed-failures` times, 3 by default), and a clip is written whole or not at all. Of one plant each
-interval is a task, which needs no folders.
+under way at a time, so neither the scheduler nor this process ever holds much. The plants of a
+worker that dies are given to others (up to `distributed.scheduler.allowed-failures` times).
+Of one plant each interval is a task, which needs no folders.
 """
 
 from __future__ import annotations
@@ -61,19 +60,23 @@ def bake_on_cluster(
     Raises
     ------
     InputError
-        No dask.distributed, nobody there, or a worker that can't take part.
+        No dask.distributed, no scheduler, or a worker that can't take part.
     """
     need = Need(_versions(), _folders(jobs))
     with _connected(address, need) as client:
-        if not client.nthreads():
+
+        def cores() -> int:
+            return sum(client.nthreads().values())
+
+        def window() -> int:
+            return max(MIN_PLANTS_UNDER_WAY, 2 * cores())
+
+        if not cores():
             say(f"{address} has no workers yet; it is waited for them")
-        whole = [_absolute(job) for job in jobs]
-        bake = partial(_bake_there, need=need, split=len(jobs) < _cores(client))
-        executor = client.get_executor(pure=False)
+        bake = partial(_bake_there, need=need, split=len(jobs) < cores())
+        executor, whole = client.get_executor(pure=False), map(_absolute, jobs)
         try:
-            for job, future in as_they_complete(
-                executor, bake, whole, lambda: max(MIN_PLANTS_UNDER_WAY, 2 * _cores(client))
-            ):
+            for job, future in as_they_complete(executor, bake, whole, window):
                 yield _outcome(job, future.result, address)
         finally:
             executor.shutdown(wait=False)
@@ -171,7 +174,9 @@ def _connected(address: str, need: Need) -> Iterator[Client]:
             'pip install "plant-growth-clips[cluster]"'
         ) from None
     with ExitStack() as stack:
-        stack.enter_context(_quiet())
+        for log in map(logging.getLogger, LOGS):  # what goes wrong is reported in our own words
+            stack.callback(log.setLevel, log.level)
+            log.setLevel(logging.CRITICAL)
         stack.enter_context(dask.config.set(CONFIG))
         where: dict[str, Any] = {"address": address}
         if address.partition(":")[0] == "local":
@@ -205,10 +210,6 @@ def _connected(address: str, need: Need) -> Iterator[Client]:
         yield client
 
 
-def _cores(client: Client) -> int:
-    return sum(client.nthreads().values())
-
-
 def _local_workers(address: str) -> int:
     count = address.partition(":")[2]
     if count and not (count.isdecimal() and 0 < int(count[:9]) <= MAX_LOCAL_WORKERS):
@@ -220,9 +221,8 @@ def _local_workers(address: str) -> int:
 
 
 def _versions() -> dict[str, str]:
-    ours = software()
-    program = {ours["program"]["name"]: ours["program"]["version"]}
-    return {**program, **ours["packages"], "distributed": version("distributed")}
+    program, packages = software().values()
+    return {program["name"]: program["version"], **packages, "distributed": version("distributed")}
 
 
 def _folders(jobs: Sequence[PlantJob]) -> tuple[Path, ...]:
@@ -235,7 +235,7 @@ def _absolute(job: PlantJob) -> PlantJob:
     """The job on one core, under names that hold in other processes' working folders."""
     times = job.options.times
     return replace(
-        job.on_cores(1),
+        job,
         folder=_whole(job.folder),
         clip=_whole(job.clip),
         options=replace(job.options, workers=1, times=None if times is None else _whole(times)),
@@ -246,17 +246,3 @@ def _absolute(job: PlantJob) -> PlantJob:
 
 def _whole(path: Path) -> Path:
     return Path(os.path.abspath(path))
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep dask's logs off the terminal: what goes wrong is told in our own words."""
-    logs = [logging.getLogger(name) for name in LOGS]
-    levels = [log.level for log in logs]
-    for log in logs:
-        log.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        for log, level in zip(logs, levels, strict=True):
-            log.setLevel(level)

@@ -7,7 +7,7 @@ import json
 import os
 import time
 import traceback
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -35,86 +35,48 @@ TraitsSource = tuple[str, str]
 
 @dataclass(frozen=True)
 class PlantJob:
-    """One plant to bake.
-
-    Attributes
-    ----------
-    name : str
-    folder, clip : Path
-        Of its scans; the file to write.
-    options : Options
-    report : Path, optional
-        The file to write.
-    traits : bool
-        Whether to measure.
-    known : TraitsSource, optional
-        Of the traits there are already.
-    force : bool
-        Bake even where the clip is up to date.
-    cache : Path, optional
-        Folder of intervals from earlier bakes.
-    """
+    """One plant to bake."""
 
     name: str
-    folder: Path
-    clip: Path
+    folder: Path  # of its scans
+    clip: Path  # to write
     options: Options
-    report: Path | None = None
-    traits: bool = False
-    known: TraitsSource | None = None
-    force: bool = False
-    cache: Path | None = None
-
-    def on_cores(self, cores: int) -> PlantJob:
-        """The same, on so many cores."""
-        return replace(self, options=replace(self.options, workers=cores))
+    report: Path | None = None  # to write
+    traits: bool = False  # whether to measure
+    known: TraitsSource | None = None  # of the traits there are already
+    force: bool = False  # bake even where the clip is up to date
+    cache: Path | None = None  # folder of earlier results
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a plant's bake went.
-
-    Attributes
-    ----------
-    code : int
-        0, or the exit code of the failure that `error` tells in one sentence.
-    points : int
-        Of all scans.
-    seconds : float
-        Of wall clock, all in all.
-    traits : str
-        Rows of the table; empty where they were not wanted, or are known already.
-    notes : tuple of str
-        What was decided and found.
-    """
+    """How a plant's bake went."""
 
     name: str
     state: Literal["baked", "unchanged", "failed"]
     scans: int = 0
     tracks: int = 0
-    points: int = 0
-    seconds: float = 0.0
-    code: int = 0
+    points: int = 0  # of all scans
+    seconds: float = 0.0  # of wall clock, all in all
+    code: int = 0  # 0, or the exit code of the failure in `error`
     error: str = ""
-    traits: str = ""
-    notes: tuple[str, ...] = ()
+    traits: str = ""  # rows of the table; empty where not wanted, or known already
+    notes: tuple[str, ...] = ()  # what was decided and found
 
 
 def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
     """Bake one plant, or find that its clip is up to date. What goes wrong is in the outcome.
 
-    Parameters
-    ----------
-    job : PlantJob
-    solve : IntervalSolver, optional
-        By default threads of this process.
+    solve: how its intervals are solved, by default threads of this process.
     """
     began = time.perf_counter()
     try:
         clip = None if job.force else current_clip(job)
         state: Literal["baked", "unchanged"] = "unchanged" if clip else "baked"
         clip = clip or _bake(job, solve)
-        traits = _traits(clip, job) if job.traits else ""
+        table = io.StringIO()
+        if job.traits and provenance(clip) != job.known:
+            write_table(table, Namer(clip, job.name), measure_days(clip))
     except Exception as error:
         code, sentence = verdict(error)
         if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
@@ -128,7 +90,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         tracks=len(clip.track_table),
         points=sum(scan.points for scan in clip.scans),
         seconds=time.perf_counter() - began,
-        traits=traits,
+        traits=table.getvalue().partition("\n")[2],
         notes=tuple(clip.provenance["decisions"] + clip.provenance["notes"]),
     )
 
@@ -139,20 +101,12 @@ def _bake(job: PlantJob, solve: IntervalSolver | None) -> Clip:
     if job.cache is not None:
         cache = Cache(job.cache)
         register, solve = cache.kept(register), cache.kept_intervals(solve)
-    clip, record = bake_recorded([job.folder], job.options, _silent, register, solve)
+    clip, record = bake_recorded([job.folder], job.options, None, register, solve)
     if job.report is not None:
         # Before the clip: one that is up to date has its report.
-        errors = verify(clip, record, _silent)
-        write_report(
-            job.report,
-            clip,
-            record,
-            title=job.clip.name,
-            errors=errors,
-            seconds={},
-            workers=job.options.workers,
-            report_progress=_silent,
-        )
+        errors = verify(clip, record)
+        write = partial(write_report, title=job.clip.name, workers=job.options.workers)
+        write(job.report, clip, record, errors=errors, seconds={})
     clip.save(job.clip)
     return clip
 
@@ -181,10 +135,11 @@ def current_clip(job: PlantJob) -> Clip | None:
     resolved = job.options.for_series(series.fixed, series.length, series.root)
     made_by = software((entry.path for entry in entries), job.options.outliers)
     expected = {**made_by, "options": resolved.provenance()}
+    expected = json.loads(json.dumps(expected))  # as in the clip: tuples as lists
     moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
     made_of = clip.provenance.get("inputs")
     if (
-        any(clip.provenance.get(key) != _as_json(value) for key, value in expected.items())
+        any(clip.provenance.get(key) != value for key, value in expected.items())
         or any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans)
         or not isinstance(made_of, list)
         or len(made_of) != len(entries)
@@ -195,20 +150,3 @@ def current_clip(job: PlantJob) -> Clip | None:
         for scan, entry in zip(made_of, entries, strict=True)
     )
     return clip if all(same) else None
-
-
-def _as_json(value: object) -> object:
-    """As it reads once it has been written: tuples as lists."""
-    return json.loads(json.dumps(value))
-
-
-def _traits(clip: Clip, job: PlantJob) -> str:
-    if provenance(clip) == job.known:
-        return ""
-    table = io.StringIO()
-    write_table(table, Namer(clip, job.name), measure_days(clip))
-    return table.getvalue().partition("\n")[2]
-
-
-def _silent(stage: str, done: int, total: int) -> None:
-    """Nobody watches the stages of one of many plants."""

@@ -29,6 +29,8 @@ Result = TypeVar("Result")
 ATTEMPTS = 2  # at a task whose process dies
 PATIENCE = 5.0  # seconds that a task has to end before its process is killed
 PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
+# With a fork server, processes are forked from one that has our libraries and no threads.
+START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 NATIVE_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -71,19 +73,12 @@ def as_they_complete(
 
 
 class ProcessExecutor(Executor):
-    """Run functions in worker processes, each started when it is first needed.
+    """Run functions in at most `workers` processes, each started when it is first needed.
 
     Each process is a pool of its own, so that one that is killed takes only its own task with it;
     that is done once more in a new process. They are not forked from this process, whose threads
     may hold locks. They leave Ctrl-C to this process and end with it, however it ends. Leaving the
-    context by an exception ends them at once.
-
-    Functions, arguments and results have to be picklable.
-
-    Parameters
-    ----------
-    workers : int
-        Processes at most.
+    context by an exception ends them at once. What travels has to be picklable.
     """
 
     def __init__(self, workers: int) -> None:
@@ -149,8 +144,7 @@ class _Worker:
     def run(self, function: Callable[..., Result], *arguments: Any, **named: Any) -> Result:
         """The function's result. Raises BrokenProcessPool where the process dies."""
         if self._pool is None:
-            context = get_context("forkserver" if _has_fork_server() else "spawn")
-            self._pool = ProcessPoolExecutor(1, context, _follow_parent)
+            self._pool = ProcessPoolExecutor(1, get_context(START_METHOD), _follow_parent)
         try:
             return self._pool.submit(function, *arguments, **named).result()
         except BrokenProcessPool:
@@ -170,16 +164,11 @@ class _Worker:
             process.kill() if kill else process.terminate()
 
 
-def _has_fork_server() -> bool:
-    """Whether processes can be forked from one that has loaded our libraries and has no threads."""
-    return sys.platform == "linux"
-
-
 def _start_fork_server() -> None:
     """Start it before it is needed: it loads libraries meanwhile."""
     for name in NATIVE_THREADS:
         os.environ.setdefault(name, "1")  # read when numpy is loaded
-    if not _has_fork_server():
+    if START_METHOD != "forkserver":
         return
     from multiprocessing import forkserver, set_forkserver_preload
 
@@ -196,7 +185,7 @@ def _start_fork_server() -> None:
 
 
 def _follow_parent() -> None:
-    """In a worker: end with the parent, and when it says so."""
+    """In a worker: end with the parent, and when the parent terminates it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end_task)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from shutil import rmtree
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from baker.alignment import align
 from baker.batch.cache import Cache
@@ -20,47 +20,28 @@ from baker.errors import InputError
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.options import Options, Transport, worker_count
-from baker.pipeline import Register, bake_series, read_scans
+from baker.pipeline import Register, bake_series
 from baker.report import write_report
 from baker.report.summary import print_summary
 from baker.report.verification import print_errors, verify
+from baker.scans import read_series
 from baker.transport.compile import compile_kernels
 from gclip.terminal.text import Lossy
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from gclip.clip import Clip
 
 MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """What to write, and how.
+    """What to write, and how."""
 
-    Attributes
-    ----------
-    clip : Path
-        The file; of many plants the folder of their clips.
-    report, traits : Path, optional
-        The report, a folder where there are many plants; the table of traits.
-    cluster : str, optional
-        Address of a scheduler of dask.distributed. By default this machine works alone.
-    cache : Path, optional
-        Folder of intervals from earlier bakes. By default long bakes keep theirs beside the clip
-        until that is written.
-    force : bool
-        Of many plants, bake those again whose clips are up to date, too.
-    quiet, verbose : bool
-    """
-
-    clip: Path
-    report: Path | None = None
+    clip: Path  # the file; of many plants the folder of their clips
+    report: Path | None = None  # a folder where there are many plants
     traits: Path | None = None
-    cluster: str | None = None
+    cluster: str | None = None  # address of a dask scheduler; by default this machine works alone
+    # by default long bakes keep their intervals beside the clip until that is written
     cache: Path | None = None
-    force: bool = False
+    force: bool = False  # of many plants, bake those again whose clips are up to date, too
     quiet: bool = False
     verbose: bool = False
 
@@ -92,7 +73,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
             solve = stack.enter_context(interval_solver(outputs.cluster))
         if cache is not None:
             register, solve = cache.kept(register), cache.kept_intervals(solve)
-        scans = read_scans(inputs, options, progress, map)
+        scans = read_series(inputs, options, partial(progress, "reading"), map)
         not_kept = None
         if outputs.cluster is None and options.resolved().transport != Transport.sinkhorn:
             not_kept = compile_kernels(partial(progress, "compiling the solver, once"))
@@ -103,21 +84,23 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         rmtree(begun, ignore_errors=True)
         errors = verify(clip, record, progress)
         if outputs.report is not None:
-            write_report(
+            write = partial(write_report, title=outputs.clip.name, workers=options.workers)
+            seconds = progress.seconds
+            write(
                 outputs.report,
                 clip,
                 record,
-                title=outputs.clip.name,
                 errors=errors,
-                seconds=progress.seconds,
-                workers=options.workers,
+                seconds=seconds,
                 report_progress=progress,
             )
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
-    _print_notes(console, clip, outputs.verbose)
+    say = partial(console.print, markup=False, highlight=False)
+    for note in clip.provenance["decisions"] + clip.provenance["notes"] * outputs.verbose:
+        say(note)
     if not_kept:
-        console.print(not_kept, markup=False, highlight=False)
+        say(not_kept)
     kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
     print_summary(
         console, clip, outputs.clip, progress.seconds, cached=kept, verbose=outputs.verbose
@@ -126,7 +109,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         print_errors(console, errors)
     for what, path in (("report", outputs.report), ("traits", outputs.traits)):
         if path is not None:
-            console.print(f"{what}: {path}", markup=False, highlight=False)
+            say(f"{what}: {path}")
 
 
 def check_clip(path: Path) -> None:
@@ -158,9 +141,3 @@ def _size(inputs: Sequence[Path]) -> int:
             files = given.iterdir() if given.is_dir() else [given]
             size += sum(path.stat().st_size for path in files if path.is_file())
     return size
-
-
-def _print_notes(console: Console, clip: Clip, verbose: bool) -> None:
-    """What was decided; with -v also what was found in each scan."""
-    for note in clip.provenance["decisions"] + (clip.provenance["notes"] if verbose else []):
-        console.print(note, markup=False, highlight=False)

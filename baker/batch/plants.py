@@ -54,9 +54,11 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
     elif len(folders) == 1 and not names_folder(output):
         return ()
     _require_folder(output, len(many))
-    plants = [Plant(_name(path), path) for path in many if not _same(path, Path(output))]
+    clips = Path(output)
+    many = [path for path in many if not (clips.exists() and path.samefile(clips))]
+    plants = tuple(Plant(Path(os.path.abspath(path)).name, path) for path in many)
     _require_distinct(plants)
-    return tuple(plants)
+    return plants
 
 
 def names_folder(output: str) -> bool:
@@ -97,20 +99,11 @@ def _require_folder(output: str, plants: int) -> None:
     raise InputError(f"-o {output}: there is no such folder; {output}/ has it made.")
 
 
-def _name(folder: Path) -> str:
-    name = Path(os.path.abspath(folder)).name
-    if not name:
-        raise InputError(f"'{folder}' has no name that its clip could have.")
-    return name
-
-
-def _same(path: Path, output: Path) -> bool:
-    return output.exists() and path.samefile(output)
-
-
 def _require_distinct(plants: Sequence[Plant]) -> None:
     seen: dict[str, Plant] = {}
     for plant in plants:
+        if not plant.name:
+            raise InputError(f"'{plant.folder}' has no name that its clip could have.")
         earlier = seen.setdefault(plant.name, plant)
         if earlier is not plant:
             raise InputError(

@@ -1,10 +1,9 @@
-"""How a bake tells where it is."""
+"""How a bake reports its progress."""
 
 from __future__ import annotations
 
 import time
-from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gclip.terminal.progress import ProgressBars
 from gclip.terminal.text import printable
@@ -14,9 +13,9 @@ if TYPE_CHECKING:
 
 
 class StageProgress(ProgressBars):
-    """Shows the stages of a bake one after the other and keeps their durations.
+    """The `progress` callable of `bake`: shows its stages one after the other.
 
-    An instance is the `progress` callable of `bake`; `seconds` maps finished stages to durations.
+    `seconds` maps finished stages to durations.
     """
 
     def __init__(self, quiet: bool = False) -> None:
@@ -34,15 +33,10 @@ class StageProgress(ProgressBars):
         self._task: TaskID | None = None
         self._began = time.perf_counter()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        if kind is None:
+    def __exit__(self, *exception: Any) -> None:
+        if exception[0] is None:
             self._finish()
-        super().__exit__(kind, error, traceback)
+        super().__exit__(*exception)
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         if stage != self._stage:
@@ -64,33 +58,19 @@ class StageProgress(ProgressBars):
 
 
 class PlantProgress(ProgressBars):
-    """Shows how many of the plants are done; in a pipe a line a plant.
-
-    Parameters
-    ----------
-    plants : int
-    quiet : bool
-    verbose : bool
-        Say what was decided and found, too.
-    """
+    """Shows how many of the plants are done; in a pipe a line a plant."""
 
     def __init__(self, plants: int, quiet: bool, verbose: bool) -> None:
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
+        from rich import progress
 
         super().__init__(
             quiet,
             "plants",
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[latest]}", markup=False),
-            TimeRemainingColumn(),
+            progress.BarColumn(),
+            progress.MofNCompleteColumn(),
+            progress.TimeElapsedColumn(),
+            progress.TextColumn("{task.fields[latest]}", markup=False),
+            progress.TimeRemainingColumn(),
         )
         self._plants = plants
         self._verbose = verbose and not quiet

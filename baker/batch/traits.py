@@ -6,7 +6,8 @@ import csv
 import io
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
-from itertools import groupby
+from functools import partial
+from itertools import chain, groupby
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,19 +41,15 @@ def write_traits(
         Where the file can't be written.
     """
     table = io.StringIO()
-    days = measure_days(clip)
-    write_table(
-        table, Namer(clip, plant), days, lambda done, total: progress("measuring", done, total)
-    )
-    _write(path, [table.getvalue().encode()])
+    write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
+    _write(path, [table.getvalue()])
 
 
 class TraitsTable:
     """One table of many plants, in the making; `close` drops what was not saved.
 
     Rows of plants whose clips are up to date are taken from the table that was there before. Rows
-    wait in a temporary data base on the disk, so that memory stays small however many plants there
-    are.
+    wait in a temporary data base on the disk: memory stays small however many plants there are.
 
     Raises
     ------
@@ -89,18 +86,14 @@ class TraitsTable:
 
     def save(self, plants: Iterable[str]) -> None:
         """Write the rows of these plants in their order; whole or not at all."""
-        _write(self.path, self._chunks(plants))
-
-    def _chunks(self, plants: Iterable[str]) -> Iterator[bytes]:
-        yield (",".join(COLUMNS) + "\n").encode()
-        for plant in plants:
-            for (rows,) in self._rows.execute("SELECT rows FROM plants WHERE name = ?", (plant,)):
-                yield rows.encode()
+        query = "SELECT rows FROM plants WHERE name = ?"
+        found = (row for plant in plants for (row,) in self._rows.execute(query, (plant,)))
+        _write(self.path, chain([",".join(COLUMNS) + "\n"], found))
 
 
-def _write(path: Path, chunks: Iterable[bytes]) -> None:
+def _write(path: Path, chunks: Iterable[str]) -> None:
     with writing(path), atomic_file(path) as part, part.open("wb") as file:
-        file.writelines(chunks)
+        file.writelines(chunk.encode() for chunk in chunks)
 
 
 def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:

@@ -15,18 +15,7 @@ SAMPLE_SIZE = 50  # points of an organ that bound its distance from its parent
 
 
 def attachment_point(organ: NDArray[np.floating], parent: cKDTree) -> NDArray[np.float64]:
-    """The mean of the 2 % of an organ's points that are nearest to its parent.
-
-    Parameters
-    ----------
-    organ : (n, 3) float
-    parent : cKDTree
-        Of the parent's points.
-
-    Returns
-    -------
-    (3,) float64
-    """
+    """(3,) mean of the 2 % of an organ's points, (n, 3), that are nearest to its parent's."""
     distances = parent.query(organ)[0]
     count = max(1, round(SHARE_AT_ATTACHMENT * len(organ)))
     return organ[np.argsort(distances, kind="stable")[:count]].mean(axis=0, dtype=np.float64)
@@ -49,8 +38,7 @@ def points_near(
 
     Returns
     -------
-    indices : (k,) intp
-        Ascending.
+    indices : (k,) intp, ascending
     distances : (k,) float64
     """
     bound = parent.query(organ[:: max(1, len(organ) // SAMPLE_SIZE)])[0].min()

@@ -18,24 +18,12 @@ MIN_LENGTH = float(np.finfo(np.float64).tiny)  # sparse sums drop edges of weigh
 
 @dataclass(frozen=True)
 class RootedTree:
-    """A spanning tree of N points, its edges directed away from the root.
+    """A spanning tree of N points, its edges directed away from the root."""
 
-    Attributes
-    ----------
-    order : (N,) intp
-        Points from the root on, parents before their children (breadth first).
-    parent : (N,) intp
-        Each point's predecessor, -1 for the root.
-    bridges : int
-        How many gaps between parts of the cloud had to be bridged.
-    widest : float
-        The widest of them.
-    """
-
-    order: NDArray[np.intp]
-    parent: NDArray[np.intp]
-    bridges: int
-    widest: float
+    order: NDArray[np.intp]  # (N,), from the root on, parents before their children (breadth first)
+    parent: NDArray[np.intp]  # (N,), each point's predecessor, -1 for the root
+    bridges: int  # gaps between parts of the cloud that were bridged
+    widest: float  # length of the longest of them
 
 
 def spanning_tree(
@@ -54,12 +42,9 @@ def spanning_tree(
 
 
 def knn_graph(neighbors: Neighbors) -> csr_matrix:
-    """The kNN graph: an edge from each point to each of its neighbors, weighted by its length.
+    """The kNN graph, (N, N): an edge from each point to each neighbor, weighted by its length.
 
-    Returns
-    -------
-    (N, N) csr_matrix
-        Not symmetric; ``scipy.sparse.csgraph`` takes it as undirected with ``directed=False``.
+    It is not symmetric; ``scipy.sparse.csgraph`` takes it as undirected with ``directed=False``.
     """
     from scipy.sparse import csr_matrix
 
@@ -85,10 +70,8 @@ def connected_knn_graph(
     -------
     graph : (N, N) csr_matrix
         As of `knn_graph`.
-    bridges : int
-        Edges added.
-    widest : float
-        Length of the longest of these.
+    bridges, widest : int, float
+        Edges added, and the length of the longest of these.
     """
     from scipy.sparse.csgraph import connected_components
 
@@ -146,13 +129,17 @@ def _shortest_bridges(
     found with one pair of trees for every bit, however many components there are.
     """
     from scipy.sparse import coo_matrix
+    from scipy.spatial import KDTree
 
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
     for bit in range(int(components - 1).bit_length()):
         zero, one = (np.flatnonzero((component >> bit & 1) == value) for value in (0, 1))
         for source, target in ((zero, one), (one, zero)):
-            _keep_nearer(points, source, target, distance, foreign)
+            found, index = KDTree(points[target]).query(points[source])
+            nearer = found < distance[source]
+            distance[source[nearer]] = found[nearer]
+            foreign[source[nearer]] = target[index[nearer]]
     by_component = np.lexsort((distance, component))
     best = by_component[np.unique(component[by_component], return_index=True)[1]]
     # Two components may have chosen the same edge: it is entered once.
@@ -160,19 +147,3 @@ def _shortest_bridges(
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
     weights = np.maximum(lengths, MIN_LENGTH)
     return coo_matrix((weights, tuple(edges)), (count, count)).tocsr(), lengths
-
-
-def _keep_nearer(
-    points: NDArray[np.floating],
-    source: NDArray[np.intp],
-    target: NDArray[np.intp],
-    distance: NDArray[np.floating],
-    foreign: NDArray[np.intp],
-) -> None:
-    """Enter the nearest target of each source where it is nearer than what is known so far."""
-    from scipy.spatial import KDTree
-
-    found, index = KDTree(points[target]).query(points[source])
-    nearer = found < distance[source]
-    distance[source[nearer]] = found[nearer]
-    foreign[source[nearer]] = target[index[nearer]]

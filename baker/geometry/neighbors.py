@@ -23,17 +23,10 @@ POINTS_AT_ONCE = 50_000  # whose neighbourhoods are held in memory together
 
 @dataclass(frozen=True)
 class Neighbors:
-    """The nearest other points of each point of a cloud, nearest first.
+    """The nearest other points of each of N points, nearest first; k is at most N - 1."""
 
-    Attributes
-    ----------
-    indices : (N, k) int32
-        k is at most N - 1, so a cloud of one point has none.
-    distances : (N, k) float32
-    """
-
-    indices: NDArray[np.int32]
-    distances: NDArray[np.float32]
+    indices: NDArray[np.int32]  # (N, k)
+    distances: NDArray[np.float32]  # (N, k)
 
     @property
     def spacing(self) -> float:
@@ -60,19 +53,15 @@ class Neighbors:
 def nearest_neighbors(
     points: NDArray[np.floating], k: int = NEIGHBORS, workers: int = 1
 ) -> Neighbors:
-    """Query the k nearest other points of each point.
+    """Query the k nearest other points of each point, on `workers` threads.
+
+    Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
+    queried along a Morton curve: where a file has them in any order that takes a third of the time.
 
     Parameters
     ----------
     points : (N, 3) float, N > 0
-    k : int
-    workers : int
-        Threads.
-
-    Notes
-    -----
-    Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
-    queried along a Morton curve: where a file has them in any order that takes a third of the time.
+    k, workers : int
     """
     from scipy.spatial import KDTree
 
@@ -98,7 +87,7 @@ def point_spacing(points: NDArray[np.floating]) -> float:
 def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
     """Area of the surface that each point stands for, up to a common factor.
 
-    On a surface it is the squared reach. A twig thinner than its points are apart has far less: no
+    On a surface it is the squared reach. A twig thinner than its point spacing has far less: no
     more than the area of the disk on which the neighbourhood has the same covariance. Isolated
     points count no more than most others do.
 

@@ -33,16 +33,9 @@ def thread_map(workers: int) -> Iterator[MapLike]:
 
 
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
-    """A map that reports after each item how many of `total` are done.
+    """A map that reports after each item how many of `total` are done, and at once that none is.
 
-    Parameters
-    ----------
-    map : MapLike
-        What maps.
-    report_progress : callable
-        Called at once with none done.
-    total : int
-        Items of all calls of the map together; more than that are not reported.
+    total: items of all calls of the map together; more than that are not reported.
     """
     done = 0
     report_progress(0, total)

@@ -9,7 +9,7 @@ SIZE_TOLERANCE = 1.02  # of the size of voxels that is searched for
 
 
 def farthest_point_sample(
-    points: NDArray[np.float64], count: int
+    points: NDArray[np.float64], count: int, first: int | None = None
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Choose points one after another, each the farthest from those before it.
 
@@ -17,12 +17,13 @@ def farthest_point_sample(
     ----------
     points : (N, 3) float64, N > 0
     count : int
+    first : int, optional
+        By default the point farthest from the mean.
 
     Returns
     -------
     indices : (n,) intp
-        At most `count`, fewer where there are no more different points; the first is the one
-        farthest from the mean.
+        At most `count`, fewer where there are no more different points.
     radii : (n,) float64
         How far any point is from the first 1, 2, ... of these, at most.
 
@@ -31,7 +32,9 @@ def farthest_point_sample(
     Eldar et al.: The farthest point strategy for progressive image sampling (1997).
     """
     columns = np.ascontiguousarray(points.T)  # coordinate by coordinate is ten times as fast
-    chosen = [int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))]
+    if first is None:
+        first = int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))
+    chosen = [first]
     radii: list[float] = []
     squared = np.full(len(points), np.inf)
     while True:

@@ -1,8 +1,9 @@
 """Organs stay attached to their parents between two scans.
 
 Transport takes points near an organ's attachment point to points farther out, and the parent
-deforms in its own way, so on the way the organ may come off. Its control points are shifted by what
-keeps its attachment point, in the least-squares sense, as near to its parent as at the scans.
+deforms, too, so between the scans the organ may come off. Its control points are shifted by
+what keeps its attachment point, in the least-squares sense, as near to its parent as at the
+scans.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 INSTANTS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an interval, at which distances are compared
-MAX_WIDENING = 0.25  # point spacings by which a gap may widen on the way; less is not seen
+MAX_WIDENING = 0.25  # point spacings by which a gap may widen; less is not seen
 CONTACT_MARGIN = 2.0  # point spacings beyond the nearest point within which an organ is in contact
-FOLLOWING_RADIUS = 0.5  # of an organ's root mean square radius: what is nearer follows its base
+FOLLOWING_RADIUS = 0.5  # root mean square radii of an organ; nearer points follow its attachment
 
 
 def attached(
@@ -74,7 +75,7 @@ def attachment_finder(
 ) -> Callable[[Task], tuple[int, int] | None]:
     """A function that finds a task's points nearest to its parent, in both scans.
 
-    It returns their places within the task; None of roots, of what is not matched, and where a
+    It returns their indices within the task; None of roots, of what is not matched, and where a
     parent has no points.
     """
     from scipy.spatial import cKDTree
@@ -110,22 +111,19 @@ def _trees(moved: OrganMovers) -> tuple[cKDTree, ...]:
 
 
 def _attached(moved: OrganMovers, parent: tuple[cKDTree, ...], spacing: float) -> OrganMovers:
-    """An organ shifted on the way, as a whole the less the farther from its attachment point."""
+    """An organ shifted between the scans, less so farther from its attachment point."""
     places = np.stack([position_at(moved.movers.curve, u) for u in INSTANTS]).astype(float)
     # Only what is near its parent at the scans or half-way can tell how far the organ comes off.
     margin = CONTACT_MARGIN * spacing
-    near = np.unique(
-        np.concatenate(
-            [points_near(parent[k], places[k], margin)[0] for k in range(0, len(INSTANTS), 2)]
-        )
-    )
+    close = [points_near(parent[k], places[k], margin)[0] for k in range(0, len(INSTANTS), 2)]
+    near = np.unique(np.concatenate(close))
     found = [tree.query(points[near]) for tree, points in zip(parent, places, strict=True)]
     distances = np.stack([distance for distance, _ in found])
     gaps = distances.min(axis=1)
     allowed = max(gaps[0], gaps[-1])
     if gaps.max() <= allowed + MAX_WIDENING * spacing:
         return moved
-    nearest = int(np.argmin(distances.sum(axis=0)))  # near its parent all the way
+    nearest = int(np.argmin(distances.sum(axis=0)))  # to its parent at all instants
     base, distances = int(near[nearest]), distances[:, nearest]
     touched = np.stack(
         [tree.data[touching[nearest]] for tree, (_, touching) in zip(parent, found, strict=True)]

@@ -23,26 +23,16 @@ MIN_POINTS_SEEN = 10  # of an organ, from which on a scan shows it
 
 @dataclass(frozen=True)
 class Birth:
-    """How an organ unfolds from its bud.
+    """How an organ unfolds from its attachment point."""
 
-    Attributes
-    ----------
-    attachment : (3,) float64
-        Its attachment point at the end of the interval.
-    size : float
-        At mid-interval, as a share of its size at the end.
-    parent : Timing, optional
-        Of the organ that it grows on, where that doesn't move evenly.
-    """
-
-    attachment: NDArray[np.float64]
-    size: float
-    parent: Timing | None = None
+    attachment: NDArray[np.float64]  # (3,), at the end of the interval
+    size: float  # at mid-interval, as a share of that at the end
+    parent: Timing | None = None  # of the organ that it grows on, where that doesn't move evenly
 
     def control(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
     ) -> NDArray[np.float32]:
-        """(N, 3) control points of paths of degree 2 from the bud's points to the organ's.
+        """(N, 3) control points of degree 2, from points at the attachment point to the organ's.
 
         At mid-interval each mover is `size` of the distance from the attachment point to its end,
         and the attachment point where its parent is.
@@ -65,10 +55,8 @@ def births(
     ----------
     cloud : (N, 3) float
         The second scan's points.
-    match, organs
-        The interval's hierarchies, and which organ each segment is.
-    timings : mapping of organ to Timing
-        Of the interval.
+    match, organs, timings
+        The interval's hierarchies, which organ each segment is, and the organs' timings.
     """
     from scipy.spatial import cKDTree
 
@@ -84,18 +72,10 @@ def births(
         grown = segments[parent] if parent != NO_PARENT else ()
         tree = cKDTree(cloud[grown] if len(grown) else np.median(cloud, axis=0)[None])
         own = cloud.take(segments[segment], axis=0)
+        # It may have had any size at which it is not seen: half of that in the mean.
         found[organs.second[segment]] = Birth(
             attachment_point(own, tree),
-            _size_half_way(len(own)),
+            0.5 + min(1.0, (MIN_POINTS_SEEN / len(own)) ** 0.5) / 4,
             timings.get(organs.second[parent]) if parent != NO_PARENT else None,
         )
     return found
-
-
-def _size_half_way(points: int) -> float:
-    """An organ's expected size at mid-interval, as a share of that at the end.
-
-    It may have had any size at which it has fewer than ten points: half of that in the mean.
-    """
-    unseen = min(1.0, (MIN_POINTS_SEEN / points) ** 0.5)
-    return 0.5 + unseen / 4

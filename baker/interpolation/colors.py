@@ -7,7 +7,6 @@ from colorsys import hls_to_rgb
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.interpolation.keyframes import Keyframe
 from baker.scans import Scan
@@ -42,23 +41,17 @@ def painted(
     """The keyframes in the colours to carry: "scan", "segment" or "none".
 
     "segment" gives every scan's segments colours by their own numbers in that scan (its labels,
-    where it has some): matched segments blend from one to the other over time, which shows the
-    matching (the paper's Figure 8).
+    where it has some): matched segments blend over time, which shows the matching (the paper's
+    Figure 8).
     """
     if colors == "scan":
         return list(keyframes)
     if colors == "none":
         return [replace(frame, colors=None) for frame in keyframes]
-    return [
-        replace(
-            frame, colors=_by_number(hierarchy.numbers() if scan.labels is None else scan.labels)
-        )
-        for frame, scan, hierarchy in zip(keyframes, scans, hierarchies, strict=True)
-    ]
-
-
-def _by_number(numbers: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """(N, 4) sRGB and alpha, one colour for each of the numbers, in ascending order."""
-    values, rank = np.unique(numbers, return_inverse=True)
-    palette = np.array([(*color, 255) for color in organ_colors(len(values))], np.uint8)
-    return palette[rank]
+    found = []
+    for frame, scan, hierarchy in zip(keyframes, scans, hierarchies, strict=True):
+        numbers = hierarchy.numbers() if scan.labels is None else scan.labels
+        values, rank = np.unique(numbers, return_inverse=True)
+        palette = np.array([(*color, 255) for color in organ_colors(len(values))], np.uint8)
+        found.append(replace(frame, colors=palette[rank]))
+    return found

@@ -1,8 +1,8 @@
 """Deform an organ's points at the start of an interval onto its points at the end.
 
-First the organ is carried from one spine onto the other, then a non-rigid registration draws it
-onto the points of the end: iterated closest points, with affine maps blended by a kernel that
-narrows, so that the whole moves before its parts.
+First the organ is carried from one spine onto the other, then non-rigidly registered with the
+points of the end: iterated closest points, with affine maps blended by a kernel that narrows, so
+that the whole moves before its parts.
 """
 
 from __future__ import annotations
@@ -13,28 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
+from baker.geometry.sampling import farthest_point_sample
 from baker.interpolation.spine import Points, Spine, at_levels, levels
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-ROLLS = np.radians(np.arange(-90, 91, 30))  # of the organ's base about its spine
-TWISTS = np.radians(np.arange(-60, 61, 30))  # of its tip relative to its base
+ROLLS = np.radians(np.arange(-90, 91, 30))  # of the organ about its spine, at its attachment
+TWISTS = np.radians(np.arange(-60, 61, 30))  # of its tip relative to that
 ROLL_PENALTY = 0.05  # by how much a roll of 90 degrees must bring the clouds closer
 MAX_WIDENING = 3.0  # factor by which cross-sections may widen or narrow
 POINTS_COMPARED = 100  # of either cloud, by which rolls are compared
 
 CENTERS = 60  # of local affine maps
-KERNEL_WIDTHS = (
-    0.8,
-    0.6,
-    0.45,
-    0.35,
-    0.28,
-    0.22,
-    0.18,
-    0.15,
-)  # root mean square radii of the cloud
+KERNEL_WIDTHS = 0.8, 0.6, 0.45, 0.35, 0.28, 0.22, 0.18, 0.15  # root mean square radii of the cloud
 ITERATIONS_PER_WIDTH = 2
 STIFFNESS = 0.1  # of the maps against stretching, as a share of the kernel's width squared
 OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts half
@@ -44,8 +36,8 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
     """Carry points from one spine onto the other, each at its place along.
 
     Each level turns by the smallest rotation between its tangents and by a roll about the tangent,
-    which changes evenly from base to tip. Of 35 rolls that one is taken which brings the clouds
-    closest to each other, small ones first.
+    which changes evenly from attachment to tip. Of 35 rolls that one is taken which brings the
+    clouds closest to each other, small ones first.
 
     Parameters
     ----------
@@ -64,7 +56,8 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
 
     turns = rotations_between(before.tangents, after.tangents)
     offset = source - at_levels(before.nodes, before.along)
-    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, target - _on_spine(after))]
+    across = target - at_levels(after.nodes, after.along)
+    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, across)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
 
     def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
@@ -85,7 +78,7 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
 
 
 def register_nonrigid(moving: Points, target: Points) -> Points:
-    """Draw points onto a target, near points alike.
+    """Register points non-rigidly with a target.
 
     In every iteration each point is paired with the closest one on the other side, both ways.
     Around each of some centres an affine map is fitted to the pairs' shifts by weighted least
@@ -107,43 +100,38 @@ def register_nonrigid(moving: Points, target: Points) -> Points:
     size = float(np.sqrt(((moving - middle) ** 2).sum(axis=1).mean())) or 1.0
     source, target = (moving - middle) / size, (target - middle) / size
     tree = cKDTree(target)
-    squared = cdist(source[_farthest_points(source, CENTERS)], source, "sqeuclidean")
+    centers, _ = farthest_point_sample(source, CENTERS, first=0)
+    squared = cdist(source[centers], source, "sqeuclidean")
     homogeneous = np.c_[source, np.ones(len(source))]
     products = (homogeneous[:, :, None] * homogeneous[:, None]).reshape(-1, 16)
-    drawn = source
+    deformed = source
     for width in KERNEL_WIDTHS:
         weights = np.exp(-0.5 * squared / width**2) + 1e-12
         blend = weights / weights.sum(axis=0)
         ridge = STIFFNESS * width**2 * np.diag([1.0, 1.0, 1.0, 0.0])
         for _ in range(ITERATIONS_PER_WIDTH):
-            trust, shift = _closest_pairs(source, target, drawn, tree)
+            trust, shift = _closest_pairs(source, target, deformed, tree)
             sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
             moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
             maps = np.linalg.solve(
                 sums + ridge * sums[:, 3:, 3:], (weights @ moments).reshape(-1, 4, 3)
             )
             local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
-            drawn = source + np.einsum("ni,nij->nj", homogeneous, local)
-    return drawn * size + middle
-
-
-def _on_spine(spine: Spine) -> Points:
-    """(n, 3) the places on a spine of the points that it was fitted to."""
-    return at_levels(spine.nodes, spine.along)
+            deformed = source + np.einsum("ni,nij->nj", homogeneous, local)
+    return deformed * size + middle
 
 
 def _closest_pairs(
-    source: Points, target: Points, drawn: Points, tree: cKDTree
+    source: Points, target: Points, deformed: Points, tree: cKDTree
 ) -> tuple[NDArray[np.float64], Points]:
     """(n,) how much the pairs of each point count, and (n, 3) the weighted sum of their shifts.
 
-    Each drawn point is paired with its closest target, each target with its closest drawn point;
-    shifts are from where points are at the source.
+    Shifts are from where points are at the source.
     """
     from scipy.spatial import cKDTree
 
-    ahead, partners = tree.query(drawn)
-    back, points = cKDTree(drawn).query(target)
+    ahead, partners = tree.query(deformed)
+    back, points = cKDTree(deformed).query(target)
     distance = np.concatenate([ahead, back])
     first = np.concatenate([np.arange(len(source)), points])
     second = np.concatenate([partners, np.arange(len(target))])
@@ -154,15 +142,3 @@ def _closest_pairs(
     sums = [np.bincount(first, values, count) for values in (trust, *pull.T)]
     found = np.stack(sums, axis=1).astype(np.float64)
     return found[:, 0], found[:, 1:]
-
-
-def _farthest_points(points: Points, count: int) -> NDArray[np.intp]:
-    """Indices of up to `count` points, each the farthest from those before."""
-    chosen, squared = [0], np.full(len(points), np.inf)
-    while len(chosen) < min(count, len(points)):
-        squared = np.minimum(squared, ((points - points[chosen[-1]]) ** 2).sum(axis=1))
-        farthest = int(np.argmax(squared))
-        if squared[farthest] == 0:
-            break
-        chosen.append(farthest)
-    return np.array(chosen)

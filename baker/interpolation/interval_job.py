@@ -31,26 +31,12 @@ from gclip.pack import pack_interval
 
 @dataclass(frozen=True)
 class InterpolationOptions:
-    """What the options say about the movers of all intervals.
+    """What the options say about the movers of all intervals."""
 
-    Attributes
-    ----------
-    transport : TransportOptions
-        Its `workers` does not count.
-    leaflets : bool
-        Whether an organ's leaflets are matched and transported one by one.
-    decay : Motion
-        How lost organs leave.
-    curved : bool
-        Whether organs deform along curved paths and stay attached to their parents, or move in
-        straight lines.
-    even, precision
-        As in the options.
-    """
-
-    transport: TransportOptions
-    leaflets: bool
-    decay: Motion
+    transport: TransportOptions  # its `workers` does not count
+    leaflets: bool  # whether an organ's leaflets are matched and transported one by one
+    decay: Motion  # how lost organs leave
+    # organs deform along curved paths, attached to their parents, or go in straight lines
     curved: bool
     even: float
     precision: str
@@ -60,41 +46,20 @@ class InterpolationOptions:
 class IntervalJob:
     """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
 
-    What spans intervals is settled before: alignment, segments, which organ is which (`match`,
-    `organs`), how growth is timed, the series' `floor`.
-
-    Attributes
-    ----------
-    times : pair of float
-        Of the two scans.
-    start, end : Keyframe
-    match, organs
-        The scans' hierarchies and matched segments, and which organ each segment is.
-    bases : pair of (3,) float
-        Plant bases.
-    tasks : tuple of Task
-        What is transported, and what is lost.
-    timings : mapping of organ to Timing
-        Of those that don't move evenly.
-    vertical, floor
-        The up axis, and the height that lost organs fall to; 0 where none falls.
-    spacing : float
-        Mean point spacing of the two scans, relative to which gaps and deviations matter, and
-        positions are rounded.
-    options : InterpolationOptions
+    What spans intervals is settled before: alignment, segments, tracks, timings and the floor.
     """
 
-    times: tuple[float, float]
+    times: tuple[float, float]  # of the two scans
     start: Keyframe
     end: Keyframe
     match: Match
-    organs: IntervalOrgans
-    bases: tuple[NDArray[np.floating], NDArray[np.floating]]
-    tasks: tuple[Task, ...]
-    timings: Mapping[int, Timing]
+    organs: IntervalOrgans  # the organ of each segment of the match
+    bases: tuple[NDArray[np.floating], NDArray[np.floating]]  # (3,) plant bases
+    tasks: tuple[Task, ...]  # what is transported, and what is lost
+    timings: Mapping[int, Timing]  # by organ, of those that don't move evenly
     vertical: Vertical
-    floor: float
-    spacing: float
+    floor: float  # height that lost organs fall to; 0 where none falls
+    spacing: float  # mean point spacing of the two scans
     options: InterpolationOptions
 
 
@@ -111,10 +76,8 @@ def interval_jobs(
     Parameters
     ----------
     series : AlignedSeries
-    matches : sequence of Match
-    tracks : sequence of IntervalOrgans
-    tasks : sequence of tuple of Task
-        What is transported in each interval.
+    matches, tracks, tasks : sequence of Match, IntervalOrgans and tuple of Task
+        Of each interval.
     options : Options
         Resolved.
     found_organs : bool
@@ -130,10 +93,10 @@ def interval_jobs(
             replace(frame, area=point_area(frame.positions, near))
             for frame, near in zip(keyframes, series.neighbors, strict=True)
         ]
-    clouds = [frame.positions for frame in keyframes]
     curved, spacings = options.paths == Paths.curved, [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if curved:
+        clouds = [frame.positions for frame in keyframes]
         timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
     chosen = InterpolationOptions(
         transport=transport_options(options),
@@ -143,7 +106,7 @@ def interval_jobs(
         even=options.even or 0.0,
         precision=options.precision,
     )
-    bases = [frame.positions[k] for frame, k in zip(series.keyframes, series.bases, strict=True)]
+    bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
             times=(series.times[k], series.times[k + 1]),
@@ -183,14 +146,7 @@ def solve_intervals(
     """Solve intervals on threads of this process.
 
     The threads take an interval each; where there are fewer intervals, they share its organs.
-
-    Parameters
-    ----------
-    jobs : sequence of IntervalJob
-    report_progress : callable
-        Called with the number of organs solved, and of all.
-    workers : int
-        Threads.
+    report_progress: called with the number of organs solved, and of all.
     """
     with thread_map(workers) as map:
         if len(jobs) >= workers:
@@ -219,18 +175,14 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     ----------
     job : IntervalJob
     map : MapLike
-        Maps a function over organs, by threads.
+        Over organs, by threads.
     workers : int
         Threads for the transport of an organ that is more than a thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
     attachment = attachment_finder(clouds, job.match, job.organs)
     born = births(clouds[1], job.match, job.organs, job.timings) if options.curved else {}
-    paths = (
-        OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
-        if options.curved
-        else None
-    )
+    paths = OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
     def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
@@ -245,14 +197,15 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         birth = born.get(task.organ) if task.event == "birth" else None
         timing = job.timings.get(task.organ) if task.event == "match" else None
         moved = moving(task, plan, job.start, job.end, birth, timing)
-        return moved, paths.deviation(moved) if paths else None
+        return moved, paths.deviation(moved) if options.curved else None
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]
     found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
-    solved = paths.curved(moved, deviations) if paths else [*moved]
+    solved = [*moved]
     if options.curved:
+        solved = paths.curved(moved, deviations)
         solved = attached(solved, job.match, job.organs, job.spacing)
     return pack_interval(
         *job.times,

@@ -17,22 +17,11 @@ from baker.scans import Scan, Series
 
 @dataclass(frozen=True)
 class Keyframe:
-    """An aligned scan.
+    """An aligned scan."""
 
-    Attributes
-    ----------
-    positions : ndarray of shape (N, 3), float32
-        Relative to the clip's origin, in the scans' unit.
-    colors : ndarray of shape (N, 4), uint8, or None
-        sRGB and alpha.
-    area : ndarray of shape (N,), or None
-        Each point's area, in square units of length; None where the density of movers is left as it
-        is.
-    """
-
-    positions: NDArray[np.float32]
-    colors: NDArray[np.uint8] | None
-    area: NDArray[np.floating] | None = None
+    positions: NDArray[np.float32]  # (N, 3), relative to the clip's origin
+    colors: NDArray[np.uint8] | None  # (N, 4), sRGB and alpha
+    area: NDArray[np.floating] | None = None  # (N,); None where the density of movers stays
 
 
 @dataclass(frozen=True)
@@ -45,28 +34,16 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class AlignedSeries:
-    """The scans to bake, in one frame, with what was measured on each of them once.
-
-    Attributes
-    ----------
-    times : tuple of float
-    keyframes : tuple of Keyframe
-    neighbors : tuple of Neighbors
-        The kNN index of each scan; rigid motions do not change it.
-    bases : tuple of int
-        Index of the point at the plant base, in each scan.
-    vertical : Vertical
-    """
+    """The scans to bake, in one frame, with what was measured on each of them once."""
 
     times: tuple[float, ...]
     keyframes: tuple[Keyframe, ...]
-    neighbors: tuple[Neighbors, ...]
-    bases: tuple[int, ...]
+    neighbors: tuple[Neighbors, ...]  # rigid motions do not change them
+    bases: tuple[int, ...]  # index of the point at the plant base
     vertical: Vertical
 
     @property
     def clouds(self) -> list[NDArray[np.float32]]:
-        """Positions, (N, 3) of each scan."""
         return [frame.positions for frame in self.keyframes]
 
     @property

@@ -19,30 +19,15 @@ from gclip.pack import Movers
 
 @dataclass(frozen=True)
 class OrganMovers:
-    """The movers of one task, and what is said about them.
-
-    Attributes
-    ----------
-    movers : Movers
-    pair : SegmentPair
-        For the report.
-    area : (M,) float64, optional
-        Of each mover at mid-interval; None where density is left as it is.
-    start_points, end_points : (M,) int, optional
-        The points of both scans that movers go from and to; None of what is lost.
-    born : bool
-        Whether they unfold from a bud.
-    divided : bool
-        Whether the organ's leaflets are transported one by one.
-    """
+    """The movers of one task, and what is known of them."""
 
     movers: Movers
-    pair: SegmentPair
-    area: NDArray[np.floating] | None = None
-    start_points: NDArray[np.intp] | None = None
+    pair: SegmentPair  # for the report
+    area: NDArray[np.floating] | None = None  # (M,), at mid-interval; None where density stays
+    start_points: NDArray[np.intp] | None = None  # (M,), indices in the scans; None of what is lost
     end_points: NDArray[np.intp] | None = None
-    born: bool = False
-    divided: bool = False
+    born: bool = False  # they unfold from an attachment point
+    divided: bool = False  # the organ's leaflets are transported one by one
 
 
 def moving(
@@ -62,7 +47,7 @@ def moving(
         Between the task's points.
     start, end : Keyframe
     birth : Birth, optional
-        How a new organ unfolds; by default in straight lines from its bud.
+        How a new organ unfolds; by default in straight lines from its attachment point.
     timing : Timing, optional
         Of a matched organ that doesn't move evenly.
     """
@@ -75,13 +60,10 @@ def moving(
         # The control point of degree 2 counts half at mid-interval.
         control = (origin + target) / 2 + 2.0 * timing.shift(origin, target)
         curve = origin, control.astype(np.float32), target
-    movers = Movers(
-        Motion.MOVE,
-        curve,
-        np.full(len(a), task.organ),
-        None if start.colors is None or end.colors is None else start.colors.take(a, axis=0),
-        None if start.colors is None or end.colors is None else end.colors.take(b, axis=0),
-    )
+    colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
+    if start.colors is not None and end.colors is not None:
+        colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
+    movers = Movers(Motion.MOVE, curve, np.full(len(a), task.organ), *colors)
     born, area = task.event == "birth", None
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
@@ -113,16 +95,17 @@ def mid_area(
     b: NDArray[np.integer],
     born: bool = False,
 ) -> NDArray[np.float64]:
-    """Each mover's area at mid-interval.
+    """(M,) area of each mover at mid-interval.
 
-    Movers that share a point share its area; a bud has none. Lengths are averaged, not areas.
+    Movers that share a point share its area; what is born has none at first. Lengths are averaged,
+    not areas.
 
     Parameters
     ----------
     before, after : (M,) float
         Areas of the movers' start and end points.
     a, b : (M,) int
-        Numbers of these points within the organ.
+        Indices of these points within the organ.
     born : bool
     """
     start = np.sqrt(before / np.bincount(a)[a])
@@ -133,14 +116,5 @@ def mid_area(
 def _pair(
     task: Task, movers: int, solver: str, cost: float, error: float, notes: tuple[str, ...] = ()
 ) -> SegmentPair:
-    return SegmentPair(
-        track=task.organ,
-        event=task.event,
-        start_points=len(task.start),
-        end_points=len(task.end),
-        movers=movers,
-        solver=solver,
-        cost=cost,
-        marginal_error=error,
-        notes=notes,
-    )
+    points = len(task.start), len(task.end)
+    return SegmentPair(task.organ, task.event, *points, movers, solver, cost, error, notes)

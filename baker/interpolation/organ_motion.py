@@ -27,24 +27,12 @@ POINTS_COMPARED = 100
 
 @dataclass(frozen=True)
 class OrganMotion:
-    """The motion of an organ, known at a sample of its points and at the nodes of its spine.
+    """The motion of an organ, known at a sample of its points and at the nodes of its spine."""
 
-    Attributes
-    ----------
-    sample : (n, 3) float64
-        Points of the first scan.
-    along : (n,) float64
-        Their places along the spine, 0 to 1.
-    deformed : (n, 3) float64
-        Where they come to lie in the second scan.
-    start_nodes, mid_nodes, end_nodes : (LEVELS, 3) float64
-        The spine at both scans and at mid-interval.
-    """
-
-    sample: Points
-    along: NDArray[np.float64]
-    deformed: Points
-    start_nodes: Points
+    sample: Points  # (n, 3), of the first scan
+    along: NDArray[np.float64]  # (n,), their places along the spine, 0 to 1
+    deformed: Points  # (n, 3), where they come to lie in the second scan
+    start_nodes: Points  # (LEVELS, 3), the spine
     mid_nodes: Points
     end_nodes: Points
 
@@ -53,7 +41,7 @@ class OrganMotion:
         return points + self._interpolated(points, self.deformed - self.sample)
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) mid-interval deviation from their chords of movers that start at these points."""
+        """(n, 3) deviation at mid-interval of movers from these points from their chords."""
         return at_levels(self.deviations, self._interpolated(points, self.along))
 
     def position_at_middle(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Points:
@@ -62,7 +50,7 @@ class OrganMotion:
 
     @cached_property
     def deviations(self) -> Points:
-        """(LEVELS, 3) mid-interval deviation of the spine's nodes from their chords."""
+        """(LEVELS, 3) the same of the spine's nodes."""
         return self.mid_nodes - 0.5 * (self.start_nodes + self.end_nodes)
 
     @cached_property
@@ -96,8 +84,7 @@ def fit_motion(
 
     Returns
     -------
-    OrganMotion or None
-        None where paths may be straight, or the deformation is too uneven to be right.
+    OrganMotion, or None where paths may be straight or the deformation is too uneven to be right
     """
     before, after = source.spine.nodes, target.spine.nodes
     if max(_deviation(before, after, share) for share in (0.0, 1.0)) < min_deviation:
@@ -124,12 +111,8 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
     tissue grows by a factor while young and by an amount later on, so that at mid-interval it is
     the shorter the more it grows.
 
-    Parameters
-    ----------
-    start, end : (LEVELS, 3) float64
-    share : float
-        0 where a piece has made half of its turn; 1 where the longer of both pieces counts more, as
-        where tissue that is added lies in the new direction.
+    share: 0 where a piece has made half of its turn; 1 where the longer of both pieces counts more,
+    as where tissue that is added lies in the new direction.
     """
     pieces = np.diff(start, axis=0), np.diff(end, axis=0)
     lengths = [np.linalg.norm(piece, axis=1, keepdims=True) for piece in pieces]
@@ -137,7 +120,7 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
         length**share * unit(piece) for length, piece in zip(lengths, pieces, strict=True)
     )
     steps = (0.5 * (np.sqrt(lengths[0]) + np.sqrt(lengths[1]))) ** 2 * unit(np.asarray(direction))
-    # Where a piece turns right round no way is shorter than another: the chord's is as good.
+    # Where a piece turns right round no rotation is the smallest: the chord is as good.
     cosine = (unit(pieces[0]) * unit(pieces[1])).sum(axis=1, keepdims=True)
     steps = np.where(cosine < -0.9, 0.5 * (pieces[0] + pieces[1]), steps)
     first = 0.5 * (start[0] + end[0])
@@ -149,15 +132,9 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
 
     It turns evenly where its deformation is even and its attachment point stands still, for as much
     as it grows: what trebles is never stretched as evenly as what keeps its length.
-
-    Parameters
-    ----------
-    start, end : (LEVELS, 3) float64
-        Nodes of the spine.
-    uneven : float
-        The deformation's `unevenness`.
     """
-    before, after = max(_length(start), 1e-30), max(_length(end), 1e-30)
+    lengths = [np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum() for nodes in (start, end)]
+    before, after = np.maximum(lengths, 1e-30)
     growth = abs(float(np.log(after / before)))
     hinge = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
     return max(
@@ -167,10 +144,7 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
 
 
 def unevenness(sample: Points, deformed: Points) -> float:
-    """Standard deviation of the logarithm of a deformation's stretch between neighbouring points.
-
-    sample, deformed: (n, 3) points before and after.
-    """
+    """Standard deviation of the logarithm of the stretch between neighbouring points, (n, 3)."""
     from scipy.spatial import cKDTree
 
     some = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))
@@ -188,10 +162,6 @@ def _deviation(start: Points, end: Points, share: float) -> float:
     return float(np.linalg.norm(deviation, axis=1).max())
 
 
-def _length(nodes: Points) -> float:
-    return float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
-
-
 def _ramp(value: float, zero: float, one: float) -> float:
-    """0 up to the one, 1 from the other on."""
+    """Rise from 0 at `zero` to 1 at `one`."""
     return float(np.clip((value - zero) / (one - zero), 0.0, 1.0))

@@ -16,25 +16,17 @@ from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 from gclip.pack import raised
 
-MAX_DEVIATION = 0.25  # of the distance that movers go; turning by a right angle takes 0.21
+MAX_DEVIATION = 0.25  # of the movers' displacement; turning by a right angle takes 0.21
 MIN_DEVIATION = 0.25  # point spacings; less is below what a scan shows
 POINTS_COMPARED = 100  # of an organ that show where it touches its parent
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """Mid-interval deviations from straight paths.
+    """Deviations from straight paths at mid-interval."""
 
-    Attributes
-    ----------
-    movers : (M, 3) float64
-        Of an organ's movers.
-    children : dict
-        (3,) of where each child segment is attached.
-    """
-
-    movers: NDArray[np.float64]
-    children: dict[int, NDArray[np.float64]]
+    movers: NDArray[np.float64]  # (M, 3), of an organ's movers
+    children: dict[int, NDArray[np.float64]]  # (3,), of where each child segment is attached
 
 
 @dataclass(frozen=True)
@@ -44,7 +36,7 @@ class OrganPaths:
     Straight go the root, organs of few points, what hardly deforms, and organs with leaflets,
     through which no one spine runs.
 
-    Attributes
+    Parameters
     ----------
     clouds : pair of (N, 3) float
         Of the two scans.
@@ -69,20 +61,16 @@ class OrganPaths:
             return None
         if moved.start_points is None or moved.born or moved.divided:
             return None
-        source = self._shapes[0].of(self._partners[segment])
-        target = self._shapes[1].of(segment)
+        source, target = self._shapes[0].of(self._partners[segment]), self._shapes[1].of(segment)
         if source is None or target is None:
             return None
         motion = fit_motion(source, target, MIN_DEVIATION * self.spacing)
-        return None if motion is None else self._of_motion(motion, moved, segment)
+        return self._of_motion(motion, moved, segment) if motion else None
 
     def curved(
         self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
     ) -> list[OrganMovers]:
-        """The solved tasks, those that deviate on curves of degree 2.
-
-        deviations: of each task. An organ is carried along, as a whole, by its parents.
-        """
+        """The solved tasks, carried along by their parents; those that deviate, on curves."""
         segments = [self._segments.get(_track(moved)) for moved in solved]
         of = {s: d for s, d in zip(segments, deviations, strict=True) if d is not None}
         carried: dict[int, NDArray[np.float64]] = {NO_PARENT: np.zeros(3)}
@@ -92,17 +80,16 @@ class OrganPaths:
             carried[child] = carried[parent] + (0.0 if own is None else own)
         done = []
         for moved, segment, deviation in zip(solved, segments, deviations, strict=True):
-            if segment is None or moved.start_points is None:
-                done.append(moved)
-                continue
-            shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
-            if deviation is not None:
-                shift = shift + deviation.movers
-            done.append(_shifted(moved, shift) if shift.any() else moved)
+            if segment is not None and moved.start_points is not None:
+                shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
+                if deviation is not None:
+                    shift = shift + deviation.movers
+                moved = _shifted(moved, shift) if shift.any() else moved
+            done.append(moved)
         return done
 
     def _of_motion(self, motion: OrganMotion, moved: OrganMovers, segment: int) -> Deviation | None:
-        """None where movers don't go far enough for it: then the spine is wrong."""
+        """None where it is too large for the movers' displacement: then the spine is wrong."""
         from scipy.spatial import cKDTree
 
         assert moved.start_points is not None
@@ -112,9 +99,9 @@ class OrganPaths:
         if (shift**2).sum() > MAX_DEVIATION**2 * (distance**2).sum():
             return None
         tree, touched = cKDTree(motion.deformed), dict[int, int]()
-        for child in self._children.get(segment, ()):
-            members = self.match.second.segments[child]
-            if len(members):
+        scan = self.match.second
+        for child, members in enumerate(scan.segments):
+            if scan.parents[child] == segment and len(members):
                 some = members[:: max(1, len(members) // POINTS_COMPARED)]
                 distances, nearest = tree.query(self.clouds[1].take(some, axis=0))
                 touched[child] = int(nearest[np.argmin(distances)])
@@ -141,18 +128,9 @@ class OrganPaths:
 
     @cached_property
     def _shapes(self) -> tuple[OrganShapes, OrganShapes]:
-        first, second = self.match.first, self.match.second
-        return (
-            OrganShapes(self.clouds[0], first, self.bases[0]),
-            OrganShapes(self.clouds[1], second, self.bases[1]),
-        )
-
-    @cached_property
-    def _children(self) -> dict[int, list[int]]:
-        children: dict[int, list[int]] = {}
-        for child in self.match.second.from_the_root():
-            children.setdefault(self.match.second.parents[child], []).append(child)
-        return children
+        scans = self.match.first, self.match.second
+        first, second = map(OrganShapes, self.clouds, scans, self.bases)
+        return first, second
 
 
 def _track(moved: OrganMovers) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -24,23 +23,20 @@ def describe_tracks(
     scans: Sequence[Scan], organs: Sequence[Organ], labels: LabelUse
 ) -> tuple[Track, ...]:
     """The organs as tracks, called by their own labels only where these are the scans'."""
-    tracks = []
     own = labels.consistent and not labels.renamed
-    for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True)):
-        tracks.append(
-            Track(
-                id=index,
-                name=f"label {organ.label}"
-                if own and organ.label is not None
-                else f"organ {index}",
-                color=color,
-                parent=organ.parent,
-                born=scans[organ.first].time,
-                lost=scans[organ.last + 1].time if organ.last + 1 < len(scans) else None,
-                kind="root" if index == 0 else "organ",
-            )
+    times = [*(scan.time for scan in scans), None]
+    return tuple(
+        Track(
+            id=index,
+            name=f"label {organ.label}" if own and organ.label is not None else f"organ {index}",
+            color=color,
+            parent=organ.parent,
+            born=scans[organ.first].time,
+            lost=times[organ.last + 1],
+            kind="root" if index == 0 else "organ",
         )
-    return tuple(tracks)
+        for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True))
+    )
 
 
 def describe_provenance(
@@ -74,23 +70,13 @@ def software(
 ) -> dict[str, dict[str, str]]:
     """Versions of the program and of the packages that a clip's numbers come from.
 
-    Parameters
-    ----------
-    scans : iterable of path
-        Open3D is named where one of them is a mesh.
-    outliers : float, optional
-        As in the options. Open3D is named where it removes outliers, too.
+    Open3D is named where one of the scans is a mesh, or where it removes outliers.
     """
     packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
     if outliers is not None or any(READERS.get(suffix_of(path)) == "mesh" for path in scans):
-        packages["open3d"] = _version_of_open3d()
-    return {
-        "program": {"name": "plant-growth-clips", "version": __version__},
-        "packages": packages,
-    }
-
-
-def _version_of_open3d() -> str:
-    with suppress(PackageNotFoundError):
-        return version("open3d")
-    return version("open3d-cpu")
+        try:
+            packages["open3d"] = version("open3d")
+        except PackageNotFoundError:
+            packages["open3d"] = version("open3d-cpu")
+    program = {"name": "plant-growth-clips", "version": __version__}
+    return {"program": program, "packages": packages}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,27 +25,17 @@ if TYPE_CHECKING:
 MAX_OVERHANG = 0.35  # of the square root of a mover's area: how far it may be from its mean
 NEIGHBORS = 8  # towards which additions to a lonely mover are set apart in turn
 
-Added = tuple[NDArray[np.intp], NDArray[np.floating]]  # movers to repeat, and how far apart, (n, 3)
+Array = NDArray[Any]
 
 
 def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
-    Tasks without an area are left as they are.
-    growth: movers to add, as a share of those there are.
-
-    The added movers of a task follow its own. Deterministic.
+    Tasks without an area are left as they are. The added movers of a task follow its own.
     """
     known = [task.area for task in tasks if task.area is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
-    added = [
-        None if task.area is None else _added(task, np.maximum(density * task.area - 1, 0))
-        for task in tasks
-    ]
-    return [
-        task.movers if more is None else _filled(task.movers, *more)
-        for task, more in zip(tasks, added, strict=True)
-    ]
+    return [_filled(task, density) for task in tasks]
 
 
 def position_at(curve: Sequence[NDArray[np.floating]], u: float) -> NDArray[np.floating]:
@@ -70,43 +60,41 @@ def _density(areas: NDArray[np.floating], growth: float) -> float:
     return float(min(candidates[filled], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
 
 
-def _added(task: OrganMovers, wanted: NDArray[np.floating]) -> Added | None:
-    """About `wanted` movers more of each, a little apart from it in between; None for none."""
-    middle = position_at(task.movers.curve, 0.5)
-    own = _spread_out(middle, wanted)
-    if len(task.movers) <= NEIGHBORS or not len(own):
-        return None
+def _filled(task: OrganMovers, density: float) -> Movers:
+    """A task's movers, and some of them once more with their inner control points shifted."""
+    movers, degree = task.movers, max(2, len(task.movers.curve) - 1)
+    if task.area is None or len(movers) <= NEIGHBORS:
+        return movers
+    middle = position_at(movers.curve, 0.5)
+    own = _spread_out(middle, np.maximum(density * task.area - 1, 0))
+    if not len(own):
+        return movers
     # At mid-interval the ends keep a weight of 2 / 2 ** degree.
-    inner = max(2, len(task.movers.curve) - 1) - 1
-    return own, _aside(task, middle, own) / (1 - 2.0**-inner)
+    shift = _aside(task, middle, own) / (1 - 2.0 ** (1 - degree))
 
+    def extended(values: Array, shift: NDArray[np.floating] | int = 0) -> Array:
+        return np.concatenate([values, values.take(own, axis=0) + shift])
 
-def _filled(movers: Movers, own: NDArray[np.intp], shift: NDArray[np.floating]) -> Movers:
-    """The movers, and `own` of them once more with their inner control points shifted."""
-    start, *control, end = raised(movers.curve, max(2, len(movers.curve) - 1))
+    start, *control, end = raised(movers.curve, degree)
     colors, target = movers.start_colors, movers.end_colors
     return replace(
         movers,
-        curve=(
-            np.concatenate([start, start.take(own, axis=0)]),
-            *(np.concatenate([points, points.take(own, axis=0) + shift]) for points in control),
-            np.concatenate([end, end.take(own, axis=0)]),
-        ),
-        tracks=np.concatenate([movers.tracks, movers.tracks[own]]),
-        start_colors=None if colors is None else np.concatenate([colors, colors.take(own, axis=0)]),
-        end_colors=None if target is None else np.concatenate([target, target.take(own, axis=0)]),
+        curve=(extended(start), *(extended(points, shift) for points in control), extended(end)),
+        tracks=extended(movers.tracks),
+        start_colors=None if colors is None else extended(colors),
+        end_colors=None if target is None else extended(target),
     )
 
 
 def _aside(
     task: OrganMovers, middle: NDArray[np.floating], own: NDArray[np.intp]
 ) -> NDArray[np.floating]:
-    """(n, 3) how far the additions are from their movers at mid-interval.
+    """(n, 3) displacements of the additions from their movers at mid-interval.
 
     Movers from one point spread out, movers to one point draw together: an addition keeps that
     order where it goes on from the others through its mover, no farther than the gap to those from
-    the next point: beyond a tip there are none. A mover that shares no point has it on the way to a
-    neighbour.
+    the next point: beyond a tip there are none. A mover that shares no point has it between itself
+    and a neighbour.
     """
     from scipy.spatial import cKDTree
 

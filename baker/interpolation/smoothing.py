@@ -86,8 +86,8 @@ def local_regression(
     American Statistical Association 74, 1979.
     """
     lag = times - times[:, None]
-    reach = np.sort(np.abs(lag), axis=1)[:, min(WINDOW, len(times)) - 1] * 1.01 + 1e-12
-    tricube = np.maximum(1 - (np.abs(lag) / reach[:, None]) ** 3, 0) ** 3
+    radius = np.sort(np.abs(lag), axis=1)[:, min(WINDOW, len(times)) - 1] * 1.01 + 1e-12
+    tricube = np.maximum(1 - (np.abs(lag) / radius[:, None]) ** 3, 0) ** 3
     trust = np.ones(len(times))
     for _ in range(ROBUST_ITERATIONS):
         weights = tricube * trust

@@ -24,57 +24,27 @@ CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that stil
 
 @dataclass(frozen=True)
 class Spine:
-    """A curve from an organ's attachment (along = 0) to its tip (along = 1).
+    """A curve from an organ's attachment (along = 0) to its tip (along = 1)."""
 
-    Attributes
-    ----------
-    nodes : (LEVELS, 3) float64
-        At even steps along.
-    tangents : (LEVELS, 3) float64
-        Unit vectors towards the tip.
-    along : (n,) float64
-        Where each of the organ's points lies, from 0 to 1.
-    length : float
-        Of the geodesic from attachment to tip.
-    """
-
-    nodes: Points
-    tangents: Points
-    along: NDArray[np.float64]
-    length: float
+    nodes: Points  # (LEVELS, 3), at even steps along
+    tangents: Points  # (LEVELS, 3), unit vectors towards the tip
+    along: NDArray[np.float64]  # (n,), where each of the organ's points lies, 0 to 1
 
 
 @dataclass(frozen=True)
 class OrganShape:
-    """A segment of a scan: a sample of its points, and the spine through it.
+    """A segment of a scan: a sample of its points, and the spine through it."""
 
-    Attributes
-    ----------
-    points : (n, 3) float64
-        At most 750.
-    spine : Spine
-    lengths : (n,) float64
-        Geodesic distances from the plant base.
-    """
-
-    points: Points
+    points: Points  # (n, 3), at most MAX_SAMPLE
     spine: Spine
-    lengths: NDArray[np.float64]
+    lengths: NDArray[np.float64]  # (n,), geodesic distances from the plant base
 
 
 class OrganShapes:
-    """Finds the shapes of a scan's organs, each when it is first asked for, from any thread.
+    """Finds the shapes of a scan's organs, each when it is first needed, from any thread.
 
     Geodesics run through the parents: an organ that leaves its parent over a long contact, as a
     grass leaf does its whorl, is measured from where it leaves it first.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-        Of the scan.
-    hierarchy : Hierarchy
-    base : (3,) float
-        Plant base.
     """
 
     def __init__(
@@ -94,7 +64,10 @@ class OrganShapes:
         members = self._hierarchy.segments[segment]
         if len(members) < MIN_POINTS_FOR_SPINE:
             return None
-        sample = self._points[members[_sample(len(members))]].astype(np.float64)
+        chosen = np.arange(len(members))
+        if len(members) > MAX_SAMPLE:
+            chosen = np.sort(np.random.default_rng(0).permutation(len(members))[:MAX_SAMPLE])
+        sample = self._points[members[chosen]].astype(np.float64)
         neighbors = nearest_neighbors(sample, NEIGHBORS)
         parent = self._found[self._hierarchy.parents[segment]]
         seeds, offsets = _contact(sample, CONTACT_RADIUS * neighbors.spacing, parent, self._base)
@@ -108,20 +81,9 @@ def path_lengths(
     offsets: NDArray[np.float64],
     neighbors: Neighbors | None = None,
 ) -> NDArray[np.float64]:
-    """Geodesic distances from the seeds, above the smallest of their offsets.
+    """(n,) geodesic distances from the seeds, above the smallest of their offsets.
 
-    Parameters
-    ----------
-    points : (n, 3) float64
-    seeds : (s,) int
-    offsets : (s,) float64
-        Distances at the seeds.
-    neighbors : Neighbors, optional
-        The NEIGHBORS nearest ones of the points, where these are known.
-
-    Returns
-    -------
-    (n,) float64
+    offsets: distances at the seeds; neighbors: the NEIGHBORS nearest ones, where these are known.
     """
     graph, _, _ = connected_knn_graph(points, NEIGHBORS, neighbors)
     return geodesic_distances(graph, seeds, offsets - offsets.min())
@@ -137,6 +99,7 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     ----------
     points : (n, 3) float64
     lengths : (n,) float64
+        Geodesic distances from the attachment.
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
@@ -148,7 +111,7 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     centered = weight * (lag - mean_lag[:, None])
     spread = (centered * (lag - mean_lag[:, None])).sum(axis=1) / total
     slope = centered @ points / total[:, None] / (spread[:, None] + 1e-4 * KERNEL_WIDTH**2)
-    return Spine(mean_point - mean_lag[:, None] * slope, unit(slope), along, length)
+    return Spine(mean_point - mean_lag[:, None] * slope, unit(slope), along)
 
 
 def levels() -> NDArray[np.float64]:
@@ -170,19 +133,10 @@ def unit(vectors: Points) -> Points:
     return np.where(norm > 0, vectors / np.where(norm > 0, norm, 1.0), (0.0, 0.0, 1.0))
 
 
-def _sample(count: int) -> NDArray[np.intp]:
-    if count <= MAX_SAMPLE:
-        return np.arange(count)
-    return np.sort(np.random.default_rng(0).permutation(count)[:MAX_SAMPLE])
-
-
 def _contact(
     sample: Points, radius: float, parent: OrganShape | None, base: NDArray[np.floating]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """The points where an organ touches its parent, and their distances from the plant base.
-
-    radius: how far beyond the smallest gap points still touch.
-    """
+    """The points where an organ touches its parent, and their distances from the plant base."""
     from scipy.spatial import cKDTree
 
     if parent is None:

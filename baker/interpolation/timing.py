@@ -1,7 +1,7 @@
-"""Where an organ is at mid-interval, as the intervals before and after tell.
+"""Where an organ is at mid-interval, predicted from the intervals before and after.
 
 What grows comes to rest by and by: at mid-interval it is beyond the middle of its path. Two scans
-don't tell that, the next ones do, wherever an organ keeps its direction. What sways changes its
+don't show that, the next ones do, wherever an organ keeps its direction. What sways changes its
 direction from scan to scan, and moves evenly.
 """
 
@@ -25,7 +25,6 @@ MIN_MEDIAN_COSINE = 0.95
 MAX_OFFSET = 0.25  # of the displacement: beyond it a path of degree two would turn back
 MIN_DISPLACEMENT = 1.0  # point spacings; what moves less has no direction
 MIN_SHIFT = 0.1  # point spacings; less is below what a scan shows
-
 MIN_POINTS_FOR_RADIUS = 20
 
 Vector = NDArray[np.float64]
@@ -33,27 +32,17 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Timing:
-    """How far beyond the middle of its path an organ is at mid-interval; negative if it speeds up.
+    """How far beyond the middle of its path an organ is at mid-interval."""
 
-    Attributes
-    ----------
-    displacement : (3,) float64
-        Of the organ's middle.
-    offset : float
-        Of the middle, as a share of that.
-    radial_offset : float
-        Of an organ's growth about its middle, as a share of the rest of a point's displacement.
-    """
-
-    displacement: Vector
-    offset: float
+    displacement: Vector  # (3,) of the organ's middle
+    offset: float  # of the middle, as a share of that
+    # of growth about the middle, as a share of the rest of a point's displacement
     radial_offset: float
 
     def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Vector:
         """(N, 3) how far movers between these points are from the middle of their paths."""
         rest = np.asarray(end, float) - start - self.displacement
-        shift: Vector = self.offset * self.displacement + self.radial_offset * rest
-        return shift
+        return np.asarray(self.offset * self.displacement + self.radial_offset * rest)
 
 
 def organ_timings(
@@ -91,7 +80,7 @@ def organ_timings(
         _changes(clouds[k : k + 2], match, named)
         for k, (match, named) in enumerate(zip(matches, organs, strict=True))
     ]
-    moved, grown = [change[0] for change in changes], [change[1] for change in changes]
+    moved, grown = zip(*changes, strict=True)
     cosines = [
         _cosine(displacement, following[organ])
         for before, following in pairwise(moved)
@@ -109,11 +98,9 @@ def organ_timings(
         for organ, displacement in displacements.items():
             offset = _offset(moved, spans, k, organ)
             radial = _offset(grown, spans, k, organ, growth=True)
-            shifts = (
-                offset * np.linalg.norm(displacement),
-                radial * np.linalg.norm(grown[k].get(organ, 0)),
-            )
-            if np.abs(shifts).max() > MIN_SHIFT * spacing:
+            shift = abs(offset) * np.linalg.norm(displacement)
+            widening = abs(radial) * np.linalg.norm(grown[k].get(organ, 0))
+            if max(shift, widening) > MIN_SHIFT * spacing:
                 timings[k][organ] = Timing(displacement, offset, radial)
     return timings
 
@@ -156,25 +143,20 @@ def _offset(
     if first is None and last is None:
         return 0.0
     limit = 0.0 if growth else np.inf
-    first, last = (
-        min(-other, limit) if one is None and other is not None else one
-        for one, other in ((first, last), (last, first))
-    )
-    assert first is not None
-    assert last is not None
-    return float(np.clip((first - last) / 8, -MAX_OFFSET, MAX_OFFSET))
+    if first is None:
+        first = min(-(last or 0.0), limit)
+    elif last is None:
+        last = min(-first, limit)
+    return float(np.clip((first - (last or 0.0)) / 8, -MAX_OFFSET, MAX_OFFSET))
 
 
 def _acceleration(displacement: Vector, span: float, other: Vector, other_span: float) -> float:
     """By how much faster an organ is at a scan than in the interval before or after it, as a share.
 
-    displacement, span: in that interval, and the interval's length; other, other_span: those on the
-    scan's other side.
+    other, other_span: displacement and length of the interval on the scan's other side.
     """
-    speed, other_speed = (
-        float(np.linalg.norm(displacement)) / span,
-        float(np.linalg.norm(other)) / other_span,
-    )
+    speed = float(np.linalg.norm(displacement)) / span
+    other_speed = float(np.linalg.norm(other)) / other_span
     if speed == 0 or other_speed == 0:
         return 0.0
     weight, other_weight = 2 * other_span + span, other_span + 2 * span
@@ -183,7 +165,7 @@ def _acceleration(displacement: Vector, span: float, other: Vector, other_span: 
     return float(np.clip(trust, 0.0, 1.0)) * (mean / speed - 1)
 
 
-def _cosine(one: Vector, other: Vector) -> float:
+def _cosine(first: Vector, second: Vector) -> float:
     """0 where either has no length."""
-    lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(one @ other) / lengths if lengths > 0 else 0.0
+    lengths = float(np.linalg.norm(first) * np.linalg.norm(second))
+    return float(first @ second) / lengths if lengths > 0 else 0.0

@@ -16,6 +16,17 @@ def test_the_first_n_points_cover_the_cloud_within_their_radius():
     assert (np.diff(radii) <= 0).all()
 
 
+@pytest.mark.parametrize("first", [None, 7])
+def test_each_point_is_the_farthest_from_those_before(first):
+    points = POINTS[:30]
+    chosen, _ = farthest_point_sample(points, 100, first)
+    assert len(chosen) == 30
+    assert first in (None, chosen[0])
+    for k in range(1, len(chosen)):
+        distance = np.linalg.norm(points[:, None] - points[chosen[:k]], axis=2).min(axis=1)
+        assert chosen[k] == np.argmax(distance)
+
+
 def test_no_point_is_chosen_twice():
     points = np.repeat(POINTS[:40], 50, axis=0)
     indices, radii = farthest_point_sample(points, 1000)

@@ -7,7 +7,6 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker.interpolation.deformation import (
-    _farthest_points,
     register_nonrigid,
     spine_deformation,
 )
@@ -54,17 +53,3 @@ def test_registration_of_a_shifted_cloud_in_any_unit_is_the_same() -> None:
 def test_clouds_without_extent_are_drawn_onto_each_other() -> None:
     found = register_nonrigid(np.ones((50, 3)), np.full((30, 3), 2.0))
     np.testing.assert_allclose(found, 2.0, atol=1e-4)
-
-
-@pytest.mark.parametrize("count", [1, 5, 30, 100])
-def test_each_point_is_the_farthest_from_those_before(count: int) -> None:
-    points = np.random.default_rng(count).normal(size=(30, 3))
-    chosen = _farthest_points(points, count)
-    assert len(chosen) == min(count, 30)
-    for k in range(1, len(chosen)):
-        distance = np.linalg.norm(points[:, None] - points[chosen[:k]], axis=2).min(axis=1)
-        assert chosen[k] == np.argmax(distance)
-
-
-def test_of_points_in_one_place_one_is_enough() -> None:
-    assert _farthest_points(np.repeat(np.eye(3), 4, axis=0), 60).tolist() == [0, 4, 8]
