@@ -109,7 +109,7 @@ def grow_command(
     }
     _refuse(kind, for_scans if kind is Kind.komatsuna else for_images)
 
-    def tell(name: str, count: int) -> None:
+    def report_progress(name: str, count: int) -> None:
         if not quiet:
             what = "labelled pixels" if kind is Kind.komatsuna else "points"
             print(f"{name}  {count:,} {what}", flush=True)
@@ -121,7 +121,7 @@ def grow_command(
         faults = Faults(**_given(noise=noise, labels=label_shift))
         series = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
         images = ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **series)
-        write_images(images, folder, force, tell)
+        write_images(images, folder, force, report_progress)
         return
 
     from grow.series import Plan, write_series
@@ -140,7 +140,7 @@ def grow_command(
         shuffle=shuffle_labels,
         pose=pose,
     )
-    write_series(plan, folder, force, tell)
+    write_series(plan, folder, force, report_progress)
 
 
 def _refuse(kind: Kind, options: dict[str, object]) -> None:

@@ -42,7 +42,7 @@ class Cloud:
 class Organ:
     """One organ at one moment, mm and mm².
 
-    parent:    the label of the organ that bears it, -1 for the stem or trunk.
+    parent:    the label of the organ that it grows from, -1 for the stem or trunk.
     length:    along the main axis, from the base to the tip: of a leaf with a stalk along that and
                on through the blade at its end, the leaflets beside it left out.
     area:      of all surfaces, each counted once.

@@ -19,8 +19,8 @@ LEAF_YOUNG, LEAF = (0.66, 0.82, 0.30), (0.24, 0.52, 0.16)
 class Habit:
     """How a tree branches; lengths in mm, times in days.
 
-    branches:  how many each trunk, branch, twig ... bears.
-    ratio:     length of the longest branches relative to what bears them.
+    branches:  how many each trunk, branch, twig ... carries.
+    ratio:     length of the longest branches relative to what carries them.
     leaves:    on every branch.
     """
 
@@ -70,15 +70,15 @@ def _parts(rng: np.random.Generator, habit: Habit) -> tuple[Part, ...]:
         lag=1.3,
         wobble=crooked(rng, 0.07, 1.5),
     )
-    parts, bearers = [trunk], [0]
+    parts, parents = [trunk], [0]
     for order, number in enumerate(habit.branches):
         born: list[int] = []
-        for bearer in bearers:
-            branches = _branches(rng, parts[bearer], bearer, number, habit.ratio[order], order)
+        for parent in parents:
+            branches = _branches(rng, parts[parent], parent, number, habit.ratio[order], order)
             for branch in branches:
                 born.append(len(parts))
                 parts.append(replace(branch, label=len(parts)))
-        bearers = born
+        parents = born
     if habit.leaves:
         for index in range(1, len(parts)):
             parts += _leaves(rng, parts[index], index, habit.leaves)
@@ -86,9 +86,9 @@ def _parts(rng: np.random.Generator, habit: Habit) -> tuple[Part, ...]:
 
 
 def _branches(
-    rng: np.random.Generator, bearer: Part, index: int, number: int, ratio: float, order: int
+    rng: np.random.Generator, parent: Part, index: int, number: int, ratio: float, order: int
 ) -> list[Part]:
-    """Branches of one bearer, from its base to its tip; their labels are still to be given."""
+    """Branches of one parent, from its base to its tip; their labels are still to be given."""
     azimuth = rng.uniform(0, 2 * np.pi)
     branches = []
     for place in range(number):
@@ -96,10 +96,10 @@ def _branches(
         at = low + (0.93 - low) * (place + rng.uniform(-0.3, 0.3) + 0.3) / number
         azimuth += GOLDEN + rng.normal(0, 0.25)
         crown = np.interp(at, [0, 0.2, 0.45, 1.0], [0.7, 0.8, 1.0, 0.3])
-        length = bearer.length * ratio * crown * rng.uniform(0.75, 1.15)
-        thick = np.interp(at, np.linspace(0, 1, len(bearer.width)), bearer.width)
+        length = parent.length * ratio * crown * rng.uniform(0.75, 1.15)
+        thick = np.interp(at, np.linspace(0, 1, len(parent.width)), parent.width)
         radius = min(0.7 * thick, 0.0115 * length)
-        birth = bearer.birth + bearer.gradient * bearer.duration * at + rng.uniform(1.0, 4.0)
+        birth = parent.birth + parent.gradient * parent.duration * at + rng.uniform(1.0, 4.0)
         branches.append(
             Part(
                 label=-1,
