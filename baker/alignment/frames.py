@@ -23,10 +23,7 @@ MAX_MEDIAN_LOSS, MAX_LOSS = 0.08, 0.2
 
 
 def best_poses(
-    first: Pose,
-    samples: Sequence[EvenSample],
-    vertical: Vertical,
-    map: MapLike = map,
+    first: Pose, samples: Sequence[EvenSample], vertical: Vertical, map: MapLike = map
 ) -> tuple[list[Pose], list[list[YawFit]]]:
     """Each further scan in that of its possible bases which fits its predecessor, likely yaws.
 

@@ -19,16 +19,7 @@ def trimmed_icp(
 
     Every point of the earlier sample is paired with the nearest one of the later scan, which has
     grown since; the farthest fifth of the pairs is trimmed.
-
-    Parameters
-    ----------
-    earlier, later : EvenSample
-    start : (4, 4) float64
-        The transform to begin with.
-
-    Returns
-    -------
-    (4, 4) float64, rigid, from the later scan's coordinates to the earlier's.
+    Returns the (4, 4) rigid transform from the later scan's coordinates to the earlier's.
     """
     from scipy.spatial import KDTree
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,42 +22,23 @@ MIN_POINTS_OF_ORGAN = 4
 AXIS = -1
 
 
-@dataclass(frozen=True)
-class Organs:
+class Organs(NamedTuple):
     """What stands out of a plant, in coordinates with z up and the stem's base at the origin.
 
     Points turn, bend and multiply as an organ grows; the direction in which the organ as a whole
     points from the stem is steadier. No labels are needed, and no exact borders.
-
-    Attributes
-    ----------
-    numbers : (n,) intp
-        The organ of each of the sample's points, `AXIS` where it is on what bears the organs.
-    centers : (k, 3) float64
-        The middles of the organs that have four points or more.
     """
 
-    numbers: NDArray[np.intp]
-    centers: NDArray[np.float64]
+    numbers: NDArray[np.intp]  # (n,) organ of each sampled point; `AXIS` on what bears the organs
+    centers: NDArray[np.float64]  # (k, 3) middles of the organs that have four points or more
 
 
-@dataclass(frozen=True)
-class Pose:
-    """A scan set upright with its stem's base at the origin.
+class Pose(NamedTuple):
+    """A scan set upright with its stem's base at the origin."""
 
-    Attributes
-    ----------
-    frame : (4, 4) float64
-        From the scan's coordinates to these.
-    sample : EvenSample
-        In these.
-    organs : Organs
-        Of the sample.
-    """
-
-    frame: NDArray[np.float64]
-    sample: EvenSample
-    organs: Organs
+    frame: NDArray[np.float64]  # (4, 4) from the scan's coordinates to these
+    sample: EvenSample  # in these
+    organs: Organs  # of the sample
 
     @property
     def base(self) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from baker.alignment.pose import Pose, candidate_poses, transform_onto
 from baker.alignment.sample import EvenSample, even_sample, touching_pairs
 from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import find_up_of, upright
-from baker.alignment.yaw import YawFit, difference
+from baker.alignment.yaw import YawFit, wrapped
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
 
@@ -26,37 +26,22 @@ MIN_POINTS_FOR_YAW = 10  # different points of a scan's sample
 
 @dataclass(frozen=True)
 class PairFit:
-    """How a scan was moved onto its predecessor.
+    """How a scan was moved onto its predecessor."""
 
-    yaw:       degrees about the growing direction, right-handed.
-    tilt:      degrees between the two growing directions.
-    shift:     how far the stem's base was moved, in the scans' unit.
-    residual:  root mean square distance from the predecessor to the moved scan, of the nearest
-               four fifths of an even sample.
-    """
-
-    yaw: float
-    tilt: float
-    shift: float
-    residual: float
+    yaw: float  # degrees about the growing direction, right-handed
+    tilt: float  # degrees between the two growing directions
+    shift: float  # how far the stem's base was moved, in the scans' unit
+    residual: float  # root mean square distance from an even sample of the predecessor, best 4/5
 
 
 @dataclass(frozen=True)
 class Alignment:
-    """A series in one frame: the first scan's own.
+    """A series in one frame: the first scan's own."""
 
-    up:          the direction of growth in that frame: "x", "y", "z", "-x", "-y" or "-z".
-    transforms:  a (4, 4) float64 for each scan, from its coordinates to the first scan's; the
-                 first is the identity.
-    drift:       how each scan but the first was moved onto its predecessor; empty where nothing
-                 was looked for.
-    notes:       what a user should know, one sentence each.
-    """
-
-    up: str
-    transforms: tuple[NDArray[np.float64], ...]
-    drift: tuple[PairFit, ...]
-    notes: tuple[str, ...]
+    up: str  # the direction of growth there: "x", "y", "z", "-x", "-y" or "-z"
+    transforms: tuple[NDArray[np.float64], ...]  # (4, 4), from each scan's coordinates to that
+    drift: tuple[PairFit, ...]  # of each scan but the first; empty where nothing was looked for
+    notes: tuple[str, ...]  # what a user should know, one sentence each
 
 
 def align(
@@ -67,15 +52,28 @@ def align(
     progress: Progress | None = None,
     map: MapLike = map,
 ) -> Alignment:
-    """Bring a series of (N, 3) clouds of one plant into the frame of the first.
+    """Bring a series of clouds of one plant into the frame of the first.
 
-    method:  "auto" keeps the vertical, puts the stems' bases on one another and looks for the yaw
-             that leaves most of the plant in its direction; scans that already stand in one frame
-             stay there. "icp" is the paper's way, closest points from where the scans lie (it
-             often locks on a wrong yaw). "none" leaves everything where it is.
-    up:      the direction of growth, or "auto".
-    root:    (3,) base of the first scan's stem, where it is known.
-    map:     maps a function over scans.
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float32 ndarray
+    method : {"auto", "icp", "none"}
+        "auto" keeps the vertical, puts the stems' bases on one another and looks for the yaw that
+        leaves most of the plant in its direction; scans that already stand in one frame stay there.
+        "icp" is the paper's: closest points from where the scans lie (it often locks on a wrong
+        yaw). "none" leaves everything where it is.
+    up : str
+        The direction of growth, or "auto".
+    root : (3,) float ndarray, optional
+        Base of the first scan's stem, where it is known.
+    progress : callable, optional
+        Called with the stage, the steps done and all.
+    map : MapLike
+        Maps a function over scans.
+
+    References
+    ----------
+    Section 3.1 of the paper.
     """
     if method == "none" and up != "auto":
         return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
@@ -171,7 +169,7 @@ def _doubts(
         if min(len(sample.points) for sample in pair) < MIN_POINTS_FOR_YAW:
             doubts.append(f"scan {at + 2} or its predecessor has too few points to find its yaw")
         elif len(likely) > 1:
-            further = abs(difference(likely[1].yaw, likely[0].yaw))
+            further = abs(wrapped(likely[1].yaw - likely[0].yaw))
             doubts.append(
                 f"scan {at + 2} fits its predecessor nearly as well when turned by a further "
                 f"{further:.0f} degrees (so much of the plant keeps its direction: "

@@ -24,21 +24,11 @@ NEIGHBORS_ON_SURFACE = 6  # of a point of an even sample
 
 @dataclass(frozen=True)
 class EvenSample:
-    """Points of a cloud in farthest-point order: any first n of them cover the cloud evenly.
+    """Points of a cloud in farthest-point order: any first n of them cover the cloud evenly."""
 
-    Attributes
-    ----------
-    pool : (M, 3) float64
-        The cloud without outliers, thinned at random if it is large.
-    points : (n, 3) float64
-        The sample of it.
-    radii : (n,) float64
-        Never rising: how far any point of the pool is from the first 1, 2, ... of the sample.
-    """
-
-    pool: NDArray[np.float64]
-    points: NDArray[np.float64]
-    radii: NDArray[np.float64]
+    pool: NDArray[np.float64]  # (M, 3) without outliers, thinned at random if it is large
+    points: NDArray[np.float64]  # (n, 3) the sample of it
+    radii: NDArray[np.float64]  # (n,) distance of any point of the pool from the first 1, 2, ...
 
     def within(self, radius: float) -> NDArray[np.float64]:
         """As many points of the sample as it takes to come within `radius` of the whole pool."""
@@ -61,10 +51,7 @@ def touching_pairs(sample: EvenSample, k: int = 0) -> NDArray[np.intp]:
     Points touch when they lie within two of the sample's radii, or as near as a point's k-th
     neighbor usually is: where the sample is nearly all of a thin cloud its radius says little.
     Where that leaves gaps (a scan has shadows) the edges of the minimum spanning tree bridge them.
-
-    Returns
-    -------
-    (E, 2) intp, each edge both ways round.
+    (E, 2), each edge both ways round.
     """
     from scipy.spatial import KDTree
 

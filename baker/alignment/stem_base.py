@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from baker.alignment.sample import EvenSample, weighted_graph
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
-from gclip.pack import extent
 
 MAX_CANDIDATES = 3
 LOW_SHARE = 0.1  # of the height: the slab in which the stem's base is looked for
@@ -30,16 +29,7 @@ def base_candidates(
     come down from the leaf's own bend: low parts are ranked by the mean descent on the paths from
     them. That is not always decisive, so up to three stay in question.
 
-    Parameters
-    ----------
-    sample : EvenSample
-    vertical : Vertical
-    pairs : (E, 2) intp
-        Points of the sample that touch, see `touching_pairs`.
-
-    Returns
-    -------
-    list of (3,) float64, one to three of them.
+    pairs: (E, 2) points of the sample that touch, see `touching_pairs`.
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -117,14 +107,11 @@ def agreed_base_points(
     offsets = np.linalg.norm(found - median, axis=1)
     agreed = []
     for cloud, base, offset in zip(clouds, bases, offsets, strict=True):
-        low, high = extent(cloud)
-        allowed = max(
-            MAX_OFFSET_RATIO * float(np.median(offsets)), MIN_OFFSET * float((high - low).max())
-        )
+        size = float(np.ptp(cloud, axis=0).max())
+        allowed = max(MAX_OFFSET_RATIO * float(np.median(offsets)), MIN_OFFSET * size)
         if offset > allowed:
             aside = np.linalg.norm(vertical.at_height(cloud, 0.0) - median, axis=1)
             near = np.flatnonzero(aside <= allowed)
-            if len(near):
-                base = int(near[base_point(cloud[near], vertical)])
+            base = int(near[base_point(cloud[near], vertical)]) if len(near) else base
         agreed.append(base)
     return agreed

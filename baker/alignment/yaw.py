@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.correspondence import (
-    COARSE,
-    FINE,
+    COARSE_GROWTH,
+    COARSE_POINTS,
+    FINE_GROWTH,
+    FINE_POINTS,
     TURN_WIDTH,
     Cylindrical,
     at_one_spacing,
@@ -22,19 +24,16 @@ from baker.alignment.pose import AXIS, Pose, about_z
 # some are five degrees off and others hit upon.
 LIKELY_LOSS, CANDIDATE_LOSS = 0.1, 0.15
 COARSE_STEP, FINE_STEP, FINE_RANGE = 10.0, 2.0, 14.0  # degrees
-
 MAX_TURN = 45.0  # degrees; what turns by more is another organ
 # Distance of an organ's middle from the stem, over its points' mean one: an organ that points away.
 MIN_LEVER_RATIO = 0.5
 AVERAGED_TURN = 1.0  # degrees: turns that differ by much less are averaged
 MIN_MOMENT_SHARE = 0.6  # of the plant's moment: organs that speak for all of it
 MAX_ROUNDS, MIN_STEP = 4, 0.05
-
 MEDIAN_ITERATIONS = 50
 
 
-@dataclass(frozen=True)
-class YawFit:
+class YawFit(NamedTuple):
     """A yaw in degrees, later scan to earlier, right-handed about +z, and the overlap there."""
 
     yaw: float
@@ -52,13 +51,10 @@ def likely_yaws(earlier: Pose, later: Pose) -> list[YawFit]:
     peak = (overlaps >= np.roll(overlaps, 1)) & (overlaps > np.roll(overlaps, -1))
     peak &= overlaps >= overlaps.max() - CANDIDATE_LOSS
     exact = [exact_yaw(earlier, later, float(yaw)) for yaw in yaws[peak]] or [0.0]
-    fits = [
-        YawFit(yaw, float(overlap))
-        for yaw, overlap in zip(exact, _overlaps(earlier, later, np.array(exact)), strict=True)
-    ]
+    fits = map(YawFit, exact, _overlaps(earlier, later, np.array(exact)).tolist())
     best, *others = sorted(fits, key=lambda fit: -fit.overlap)
     likely = [fit for fit in others if fit.overlap >= best.overlap - LIKELY_LOSS]
-    return [best, *(f for f in likely if abs(difference(f.yaw, best.yaw)) > COARSE_STEP)]
+    return [best, *(f for f in likely if abs(wrapped(f.yaw - best.yaw)) > COARSE_STEP)]
 
 
 def overlap_near(earlier: Pose, later: Pose, yaw: float) -> float:
@@ -71,18 +67,17 @@ def exact_yaw(earlier: Pose, later: Pose, near: float) -> float:
 
     Of the points it is the top of a parabola through the best shares kept.
     """
-    found = organ_yaw(earlier, later, near)
-    if found is not None:
+    if (found := organ_yaw(earlier, later, near)) is not None:
         return found
-    points = at_one_spacing(earlier.sample, later.sample, FINE.points)
+    points = at_one_spacing(earlier.sample, later.sample, FINE_POINTS)
     before, after = (Cylindrical.about_stem(each) for each in points)
     yaws = near + np.arange(-FINE_RANGE, FINE_RANGE + FINE_STEP, FINE_STEP)
-    kept = np.array([direction_overlap(before, after, yaw, FINE.growth) for yaw in yaws])
+    kept = np.array([direction_overlap(before, after, yaw, FINE_GROWTH) for yaw in yaws])
     best = int(np.lexsort((np.abs(yaws - near), -kept.round(9)))[0])
     about = slice(max(best - 3, 0), best + 4)
     bend, slope, _ = np.polyfit(yaws[about] - yaws[best], kept[about], 2)
     top = float(np.clip(-slope / (2.0 * bend), -FINE_STEP, FINE_STEP)) if bend < 0 else 0.0
-    return float((yaws[best] + top + 180.0) % 360.0 - 180.0)
+    return wrapped(yaws[best] + top)
 
 
 def organ_overlap(earlier: Pose, later: Pose, yaw: float) -> float:
@@ -103,17 +98,17 @@ def organ_overlap(earlier: Pose, later: Pose, yaw: float) -> float:
     return float(kept[linear_sum_assignment(-kept)].sum() / total) if total > 0.0 else 1.0
 
 
-def difference(yaw: float, other: float) -> float:
-    """Degrees from `other` to `yaw`, the shorter way round."""
-    return (yaw - other + 180.0) % 360.0 - 180.0
+def wrapped(degrees: float) -> float:
+    """The same direction between -180 and 180 degrees."""
+    return float((degrees + 180.0) % 360.0 - 180.0)
 
 
 def _overlaps(earlier: Pose, later: Pose, yaws: NDArray[np.floating]) -> NDArray[np.float64]:
     """(n,) how much stays at each yaw: the mean share of the points and of the organs."""
-    points = at_one_spacing(earlier.sample, later.sample, COARSE.points)
+    points = at_one_spacing(earlier.sample, later.sample, COARSE_POINTS)
     before, after = (Cylindrical.about_stem(each) for each in points)
     overlaps = [
-        direction_overlap(before, after, yaw, COARSE.growth) + organ_overlap(earlier, later, yaw)
+        direction_overlap(before, after, yaw, COARSE_GROWTH) + organ_overlap(earlier, later, yaw)
         for yaw in yaws
     ]
     return np.array(overlaps) / 2.0
@@ -134,7 +129,7 @@ def organ_yaw(earlier: Pose, later: Pose, near: float) -> float | None:
         yaw -= turn
         if abs(turn) < MIN_STEP:
             break
-    return (yaw + 180.0) % 360.0 - 180.0
+    return wrapped(yaw)
 
 
 def organ_turns(
@@ -152,8 +147,7 @@ def organ_turns(
         theirs = after[np.isin(later.organs.numbers, new)]
         start, end = mine.mean(axis=0), theirs.mean(axis=0)
         lever = min(np.hypot(*start[:2]), np.hypot(*end[:2]))
-        turn = np.degrees(np.arctan2(end[1], end[0]) - np.arctan2(start[1], start[0]))
-        turn = (turn + 180.0) % 360.0 - 180.0
+        turn = wrapped(np.degrees(np.arctan2(end[1], end[0]) - np.arctan2(start[1], start[0])))
         reach = np.hypot(*mine[:, :2].T)
         if abs(turn) <= MAX_TURN and lever > MIN_LEVER_RATIO * reach.mean():
             turns.append(turn)
@@ -174,9 +168,9 @@ def _same_organs(
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    before, after = at_one_spacing(earlier.sample, later.sample, FINE.points)
+    before, after = at_one_spacing(earlier.sample, later.sample, FINE_POINTS)
     around = Cylindrical.about_stem(before), Cylindrical.about_stem(after @ turned.T)
-    pairs = pairs_of_least_cost(*around, 0.0, FINE.growth)
+    pairs = pairs_of_least_cost(*around, 0.0, FINE_GROWTH)
     old, new = earlier.organs.numbers[: len(before)], later.organs.numbers[: len(after)]
     count, more = old.max(initial=AXIS) + 1, new.max(initial=AXIS) + 1
     # The axis is counted as one further organ, and left out.

@@ -11,19 +11,8 @@ def assign_with_dummies(
 ) -> list[tuple[int, int]]:
     """Assign rows to columns at the least total cost, with a dummy partner for each of them.
 
-    Parameters
-    ----------
-    costs : (n, m) float ndarray
-        Cost of matching row ``i`` to column ``j``.
-    loss : (n,) float ndarray
-        Cost of leaving a row unmatched.
-    birth : (m,) float ndarray
-        Cost of leaving a column unmatched.
-
-    Returns
-    -------
-    list of (int, int)
-        The matched pairs, by row.
+    costs: (n, m) of matching a row to a column; loss, birth: (n,) and (m,) of leaving a row or a
+    column unmatched. Returns the matched pairs, by row.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -39,15 +28,7 @@ def assign_by_minima(costs: NDArray[np.floating]) -> list[tuple[int, int]]:
     """Assign as the paper does: the surplus of the larger side is left out first (section 3.3.1).
 
     Of the larger side, the ``|n - m|`` segments whose nearest partner is farthest stay unmatched.
-
-    Parameters
-    ----------
-    costs : (n, m) float ndarray
-
-    Returns
-    -------
-    list of (int, int)
-        ``min(n, m)`` pairs, by row.
+    Returns ``min(n, m)`` pairs, by row.
     """
     from scipy.optimize import linear_sum_assignment
 

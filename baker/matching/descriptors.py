@@ -37,21 +37,10 @@ class OrganDescriptors:
 def describe_organs(
     cloud: NDArray[np.floating], hierarchy: Hierarchy, root_point: int, stem: bool = False
 ) -> OrganDescriptors:
-    """Describe the organs of a scan.
+    """Describe the organs of a scan: the segments that have points, in their order.
 
-    Parameters
-    ----------
-    cloud : (N, 3) float ndarray
-    hierarchy : Hierarchy
-        The scan's segments that have points are its organs, in their order.
-    root_point : int
-        Index of the point at the base of the plant.
-    stem : bool
-        Whether the organ there is known to be the stem of all others, whatever the hierarchy says.
-
-    Returns
-    -------
-    OrganDescriptors
+    root_point: index of the point at the plant base; stem: whether the organ there is known to be
+    the stem of all others, whatever the hierarchy says.
     """
     members, root, parents = _organs(hierarchy, root_point)
     samples = [cloud[own[:: -(-len(own) // SAMPLE_SIZE)]].astype(np.float64) for own in members]

@@ -68,7 +68,7 @@ def match_hierarchies(
         Both scans, aligned.
     hierarchies : pair of Hierarchy
     distance : callable
-        Distance of two segments, (n, 3) and (m, 3), in length units: the Wasserstein distance.
+        Wasserstein distance of two segments, (n, 3) and (m, 3), in length units.
     rules : GreedyRules
     report_matched : callable
         Called before each distance with how many segments of the second scan are matched or merged.
@@ -76,11 +76,10 @@ def match_hierarchies(
     Returns
     -------
     first, second : Hierarchy
-        The hierarchies after merging.
+        After merging.
     pairs : list of (int, int)
         Matched segments of these; all others are born or lost.
     merges : tuple of Merge
-        What was merged, in order.
     """
 
     def measured(source: Points, target: Points) -> float:

@@ -36,15 +36,14 @@ def track_organs(
     hierarchies : sequence of Hierarchy
         The segments of each scan: its organs.
     root_points : sequence of int
-        Index of the point at the base of each scan's plant.
+        Point of each scan at the plant base.
     stem : bool
         Whether the organ there is known to be the stem of all others.
 
     Returns
     -------
     list of (N,) int64 ndarray
-        Each point's track number, from 0 in order of first appearance; each organ of a scan has its
-        own.
+        Each point's track number, from 0 by first appearance; each organ of a scan has its own.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
@@ -68,17 +67,8 @@ def follow(
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
-    Parameters
-    ----------
-    counts : sequence of int
-        Number of organs of each scan.
-    scores : mapping of (int, int) to (n, m) float64 ndarray
-        Of each pair of organs of an earlier and a later scan; chained only above 0.
-
-    Returns
-    -------
-    list of (n,) int64 ndarray
-        Each organ's track number, from 0 in order of first appearance.
+    counts: organs of each scan; scores: (n, m) of each pair of organs of an earlier and a later
+    scan, chained only above 0. Returns each organ's track number, from 0 by first appearance.
     """
     starts = np.concatenate([[0], np.cumsum(counts)])
     predecessors = _predecessors(starts, scores)

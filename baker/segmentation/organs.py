@@ -45,9 +45,7 @@ class _Plant:
 
 
 def segment_organs(
-    clouds: Sequence[NDArray[np.floating]],
-    bases: Sequence[int],
-    map: MapLike = map,
+    clouds: Sequence[NDArray[np.floating]], bases: Sequence[int], map: MapLike = map
 ) -> list[NDArray[np.int64]]:
     """Segment the scans of a plant into organs.
 

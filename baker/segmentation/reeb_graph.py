@@ -191,10 +191,7 @@ def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> Plan
 
 
 def _stem_diameter(
-    points: NDArray[np.float64],
-    graph: csr_matrix,
-    distance: NDArray[np.float64],
-    spacing: float,
+    points: NDArray[np.float64], graph: csr_matrix, distance: NDArray[np.float64], spacing: float
 ) -> float:
     """Median width of the sections up to six diameters above the base: a fixed point, found by
     iteration; 0 where there are none."""

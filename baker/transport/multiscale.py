@@ -20,14 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.parallel import thread_map
-from baker.transport.problem import (
-    Edges,
-    Indices,
-    Masses,
-    Points,
-    TransportOptions,
-    costs,
-)
+from baker.transport.problem import Edges, Indices, Masses, Points, TransportOptions, costs
 from baker.transport.space_partition import Blocks, bisection_order, cut, refine_plan
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
@@ -60,17 +53,9 @@ def couple(
     options: TransportOptions,
     slack: float = 0.0,
 ) -> Coupling:
-    """The plan of least cost between two clouds.
+    """The plan of least cost between two clouds, (n, 3) and (m, 3), of masses of equal sum.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-    supply, demand : (n,) and (m,) int64 ndarray
-        Of equal sum.
-    options : TransportOptions
-        Its power, seed and workers.
-    slack : float
-        Mean cost below which an improvement is not worth another sweep.
+    slack: mean cost below which an improvement is not worth another sweep.
     """
     n, m = len(start), len(end)
     if n < m:

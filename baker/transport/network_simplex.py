@@ -40,9 +40,7 @@ from baker.transport.compiled import compiled
 from baker.transport.problem import Edges, Masses
 
 NO_NODE: Any = np.uint32(0xFFFFFFFF)
-TOLERANCE = (
-    1e-12  # share of the largest cost in the tree above which a reduced cost is not negative
-)
+TOLERANCE = 1e-12  # of the largest cost in the tree: below it a reduced cost is not negative
 UNBOUNDED = 2**62
 BLOCK_SIZE: Any = np.uint32(16)  # columns that are priced together
 
@@ -84,13 +82,10 @@ def improve_cells(
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float64 ndarray
-        Length units.
     neighbors : pair of (n, k) and (m, k) int ndarray
         Neighbours of each point on its own side, whose partners are priced first.
-    edges : pair of (E,) int64 ndarray
-        Rows and columns of the plan, cell after cell; every row is in one cell only.
-    mass : (E,) int64 ndarray
-        Whole units.
+    edges, mass : pair of (E,) int64 ndarray, and (E,) int64 ndarray
+        The plan, cell after cell; every row is in one cell only.
     first : (cells + 1,) int ndarray
         Where in the plan each cell begins.
     power : {2, 1}
@@ -100,8 +95,7 @@ def improve_cells(
 
     Returns
     -------
-    edges : pair of (F,) int64 ndarray
-    mass : (F,) int64 ndarray
+    edges, mass
         The arcs of a spanning tree of each cell that carry flow.
     """
     local_rows = np.full(len(start), NO_NODE, np.uint32)

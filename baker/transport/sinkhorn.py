@@ -112,23 +112,9 @@ def scale(
     Costs may be of any size: every 50 iterations u and v are absorbed into potentials, with one
     iteration in the log domain; cheap iterations that would leave the range of floats are dropped.
 
-    Parameters
-    ----------
-    support : pair of (E,) int ndarray
-        Rows and columns of the pairs, ordered by row; every row and column is in a pair.
-    cost : (E,) float64 ndarray
-        In units of gamma.
-    n, m : int
-    tolerance : float
-        L1 error of the marginals at which iterations stop.
-    iterations : int
-        At most.
-    feasible : bool
-        Whether all mass can flow on the support; then iterations are over-relaxed.
-
-    Returns
-    -------
-    Scaling
+    support: rows and columns of the pairs, ordered by row; every row and column is in a pair. cost:
+    (E,) in units of gamma. Iterations stop at an L1 error of the marginals of `tolerance`, and are
+    over-relaxed if all mass can flow on the support.
 
     References
     ----------
@@ -190,11 +176,7 @@ def _log_sum_exp(
 
 
 def _usable(
-    support: Edges,
-    cost: NDArray[np.float64],
-    mass: NDArray[np.float64],
-    n: int,
-    m: int,
+    support: Edges, cost: NDArray[np.float64], mass: NDArray[np.float64], n: int, m: int
 ) -> tuple[Edges, NDArray[np.float64]]:
     """Drop pairs that carry next to nothing; a point left without any keeps its nearest pair."""
     kept = mass > MIN_MASS / max(n, m)

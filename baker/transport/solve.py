@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from baker.transport.masses import shared_masses
-from baker.transport.multiscale import (
-    MAX_POINTS_OF_ONE_CELL,
-    MAX_POINTS_PRICED_AT_ONCE,
-    couple,
-)
+from baker.transport.multiscale import MAX_POINTS_OF_ONE_CELL, MAX_POINTS_PRICED_AT_ONCE, couple
 from baker.transport.problem import (
     Method,
     Plan,

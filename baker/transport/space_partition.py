@@ -34,20 +34,9 @@ def bisection_order(
 
     Every part is cut across its longest extent, in a frame that is rotated at random.
 
-    Parameters
-    ----------
-    points : (n, 3) float ndarray
-    seed : int
-        Of the rotation.
-    axes : (k,) int64 ndarray, optional
-        Axes that another cloud of n points or more was cut along. Cut along the same ones: what is
-        at the same place of both orders then lies at about the same place.
-
-    Returns
-    -------
-    order : (n,) int64 ndarray
-    axes : (k,) int64 ndarray
-        Part p of a level of 2 ** level parts is cut along ``axes[2 ** level + p]``.
+    axes: those that another cloud of n points or more was cut along. Cut along the same ones, what
+    is at the same place of both orders lies at about the same place. Returns the order, and the
+    axes: part p of a level of 2 ** level parts is cut along ``axes[2 ** level + p]``.
     """
     n = len(points)
     depth = max(1, (n - 1).bit_length())
@@ -91,21 +80,8 @@ def refine_plan(
     equal sizes). Masses are whole, so the plan is feasible for any sizes; it has at most n + m
     pairs more than that of the blocks.
 
-    Parameters
-    ----------
-    rows, columns : Blocks
-        Of n and m points.
-    supply, demand : (n,) and (m,) int64 ndarray
-        Masses of the points.
-    edges : pair of (E,) int ndarray
-        Pairs of blocks.
-    mass : (E,) int64 ndarray
-
-    Returns
-    -------
-    edges : pair of (F,) int64 ndarray
-        Pairs of points, by row, then column, in the order of the blocks.
-    mass : (F,) int64 ndarray
+    supply, demand: masses of the n and the m points. edges, mass: (E,), of blocks. Returns those of
+    points, by row, then column, in the order of the blocks.
     """
     by_row = np.argsort(edges[0] * len(columns.first) + edges[1], kind="stable")
     block, mass = edges[1][by_row], mass[by_row]
