@@ -49,8 +49,7 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
 
 def require_size(cloud: Cloud, path: Path) -> None:
     """InputError for a scan that has a size, but one below `MIN_SCAN_SIZE`."""
-    low, high = extent(cloud.points)
-    size = float((high - low).max())
+    size = float(np.ptp(extent(cloud.points), axis=0).max())
     if 0.0 < size < MIN_SCAN_SIZE:
         raise InputError(
             f"'{path}' is only {size:.2g} in size, at least {MIN_SCAN_SIZE:g} is needed; write it "
@@ -182,8 +181,6 @@ def _groups(keys: Sequence[NDArray] | NDArray) -> NDArray[np.int64]:
 
 
 def _keep(cloud: Cloud, kept: np.ndarray, why: str) -> Cloud:
-    dropped = len(cloud) - len(kept)
-    if not dropped:
+    if not (dropped := len(cloud) - len(kept)):
         return cloud
-    points = "point" if dropped == 1 else "points"
-    return cloud.take(kept).noting(f"dropped {dropped} {points} {why}.")
+    return cloud.take(kept).noting(f"dropped {dropped} point{'s' * (dropped > 1)} {why}.")

@@ -45,12 +45,9 @@ class Cloud:
 
     def take(self, chosen: NDArray) -> Cloud:
         """The points at the indices (or where the mask) `chosen`, with their labels and colours."""
-        return replace(
-            self,
-            points=self.points[chosen],
-            labels=None if self.labels is None else self.labels[chosen],
-            colors=None if self.colors is None else self.colors[chosen],
-        )
+        labels = None if self.labels is None else self.labels[chosen]
+        colors = None if self.colors is None else self.colors[chosen]
+        return Cloud(self.points[chosen], labels, colors, self.notes)
 
     def noting(self, sentence: str) -> Cloud:
         return replace(self, notes=(*self.notes, sentence))

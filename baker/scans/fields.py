@@ -15,11 +15,9 @@ LABEL_NAMES = ("label", "class", "classification", "instance", "segment")
 """The names under which labels are looked for, the first one found counts; `scalar_` may precede
 them (CloudCompare writes so), and lower and upper case are the same, here and for all fields."""
 
-COLOR_NAMES = (
-    ("red", "green", "blue"),
-    ("diffuse_red", "diffuse_green", "diffuse_blue"),
-    ("r", "g", "b"),
-    ("rf", "gf", "bf"),
+COLOR_NAMES = tuple(
+    tuple(names.split())
+    for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
 
 
@@ -30,10 +28,8 @@ def choose_fields(
 
     Parameters
     ----------
-    columns : Columns
-        All fields of the file.
-    path : Path
-        The file, for messages.
+    columns, path : Columns, Path
+        All fields of the file, and its name for messages.
     label_field : str, optional
         The field to take as labels instead of the first of `LABEL_NAMES`.
     use_labels : bool

@@ -120,14 +120,15 @@ class Listing:
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""
-        images = self.images
+        images, schedule = self.images, self.schedule
+        has_virtual_root = images and images.has_labels and options.labels != "ignore"
         return Series(
             scans,
-            self.schedule.rule,
-            self.schedule.unit,
+            schedule.rule,
+            schedule.unit,
             fixed=images is not None,
+            root="virtual" if has_virtual_root else None,
             length="mm" if images else "",
-            root="virtual" if images and images.has_labels and options.labels != "ignore" else None,
         )
 
 
@@ -139,27 +140,19 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
             f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
             "--label-field."
         )
-    images = ImageSeries(camera, options.times) if camera else None
-    schedule = (
-        images.schedule
-        if images
-        else schedule_scans(find_scans(inputs, options.times), options.times)
-    )
-    return Listing(_every(schedule, options.every), images)
-
-
-def _every(schedule: Schedule, every: int) -> Schedule:
-    """The first scan and then each `every`-th."""
-    if every == 1:
-        return schedule
-    kept, count = schedule.entries[::every], len(schedule.entries)
+    times = options.times
+    images = ImageSeries(camera, times) if camera else None
+    schedule = images.schedule if images else schedule_scans(find_scans(inputs, times), times)
+    kept, count = schedule.entries[:: options.every], len(schedule.entries)
     if len(kept) < 2:
         raise InputError(
-            f"of {count} scans, --every {every} leaves only the first one; growth needs at least "
-            "two."
+            f"of {count} scans, --every {options.every} leaves only the first one; growth needs "
+            "at least two."
         )
-    rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {every}."
-    return replace(schedule, entries=kept, rule=rule)
+    if options.every > 1:
+        rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {options.every}."
+        schedule = replace(schedule, entries=kept, rule=rule)
+    return Listing(schedule, images)
 
 
 def _load(path: Path, options: Options) -> Cloud:

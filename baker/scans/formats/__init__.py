@@ -21,17 +21,13 @@ from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError
 
 READERS = {
-    suffix: module
-    for module, suffixes in {
-        "ply": ".ply",
-        "pcd": ".pcd",
-        "text": ".xyz .txt .csv .asc .pts",
-        "las": ".las .laz",
-        "e57": ".e57",
-        "arrays": ".npy .npz",
-        "mesh": ".obj .stl .off .glb .gltf",
-    }.items()
-    for suffix in suffixes.split()
+    ".ply": "ply",
+    ".pcd": "pcd",
+    **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), "text"),
+    **dict.fromkeys((".las", ".laz"), "las"),
+    ".e57": "e57",
+    **dict.fromkeys((".npy", ".npz"), "arrays"),
+    **dict.fromkeys((".obj", ".stl", ".off", ".glb", ".gltf"), "mesh"),
 }
 """Suffix in lower case -> module of this package."""
 

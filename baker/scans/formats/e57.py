@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -26,17 +27,12 @@ def read(path: Path) -> Columns:
             'can\'t be read without pye57: pip install "plant-growth-clips[e57]".'
         ) from None
 
-    with library_faults("E57"):
-        file = pye57.E57(str(path))
-        try:
-            count = sum(file.get_header(k).point_count for k in range(file.scan_count))
-            require_room(count, SMALLEST_POINT, path.stat().st_size)
-            scans = [
-                file.read_scan(k, colors=True, ignore_missing_fields=True, transform=True)
-                for k in range(file.scan_count)
-            ]
-        finally:
-            file.close()
+    with library_faults("E57"), closing(pye57.E57(str(path))) as file:
+        numbers = range(file.scan_count)
+        count = sum(file.get_header(k).point_count for k in numbers)
+        require_room(count, SMALLEST_POINT, path.stat().st_size)
+        wanted = {"colors": True, "ignore_missing_fields": True, "transform": True}
+        scans = [file.read_scan(k, **wanted) for k in numbers]
     have_colors = all(set(COLORS) <= set(scan) for scan in scans)
     names = PLACES | COLORS if have_colors else PLACES
     return Columns(

@@ -35,40 +35,30 @@ def read(path: Path) -> Columns:
 
     Raises FormatError where laspy can't read the file, or it ends before its points do.
     """
-    _check_beginning(path)
-    with library_faults("LAS"):
-        columns, extra = _read_dimensions(path)
-    unused = [["red", "green", "blue"]]  # room for colours that nobody filled in
-    if set(extra) & set(LABEL_NAMES):
-        unused.append(["classification"])
-    for names in unused:
-        if set(names) <= set(columns) and not any(columns[name].any() for name in names):
-            columns = {name: columns[name] for name in columns if name not in names}
-    return Columns(columns)
-
-
-def _read_dimensions(path: Path) -> tuple[dict[str, NDArray], list[str]]:
-    """The (N,) columns by name, and the names of the extra dimensions in lower case."""
     import laspy
 
-    with laspy.open(path, read_evlrs=False) as file:
-        header = file.header
-        room, size = path.stat().st_size - header.offset_to_point_data, header.point_format.size
-        require_room(header.point_count, 0 if header.are_points_compressed else size, room)
+    _check_beginning(path)
+    with library_faults("LAS"), laspy.open(path, read_evlrs=False) as file:
+        header, form = file.header, file.header.point_format
+        room = path.stat().st_size - header.offset_to_point_data
+        require_room(header.point_count, 0 if header.are_points_compressed else form.size, room)
         if header.are_points_compressed:
             _require_sound_chunks(path, header)
         # In chunks, so that memory is made only for points that are there.
-        chunks = list(file.chunk_iterator(max(1, CHUNK // size)))
-
-    require_count(header.point_count, sum(map(len, chunks)))
-    names = [name for name in header.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
-        columns = {
-            name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
-            for name in ("x", "y", "z", *names)
-        }
-    extra = [name.lower() for name in header.point_format.extra_dimension_names]
-    return {name: values for name, values in columns.items() if values.ndim == 1}, extra
+        chunks = list(file.chunk_iterator(max(1, CHUNK // form.size)))
+        require_count(header.point_count, sum(map(len, chunks)))
+        names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
+        columns: dict[str, NDArray] = {}
+        with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
+            for name in names:
+                columns[name] = np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
+    unused = {name for name, values in columns.items() if values.ndim > 1}
+    if set(LABEL_NAMES) & {name.lower() for name in form.extra_dimension_names}:
+        unused |= {"classification"} if not columns["classification"].any() else set()
+    colors = {"red", "green", "blue"}
+    if colors <= set(columns) and not any(columns[name].any() for name in colors):
+        unused |= colors  # room for colours that nobody filled in
+    return Columns({name: values for name, values in columns.items() if name not in unused})
 
 
 def _check_beginning(path: Path) -> None:

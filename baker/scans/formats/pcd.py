@@ -63,14 +63,13 @@ def _read_ascii(
         file.seek(start)
         rows = read_rows(Lines(file, lines), names)
     require_count(count, len(rows), "rows")
-    return {name: _as_type(record[name], rows[:, i]) for i, name in enumerate(names)}
-
-
-def _as_type(kind: np.dtype, values: NDArray[np.float64]) -> NDArray:
-    """`values` in the type the header gives them, where they fit it."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        typed = values.astype(kind)
-    return typed if kind.kind == "f" or (typed == values).all() else values
+    columns = {}
+    for name, values in zip(names, rows.T, strict=True):
+        with np.errstate(invalid="ignore", over="ignore"):
+            typed = values.astype(record[name])
+        fits = record[name].kind == "f" or (typed == values).all()
+        columns[name] = typed if fits else values  # in the header's type, where it can hold them
+    return columns
 
 
 def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:

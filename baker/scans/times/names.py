@@ -54,8 +54,8 @@ def read_times(texts: Sequence[str]) -> Reading | None:
     Returns
     -------
     Reading or None
-        The most likely reading in which all times differ; else one in which two scans have the
-        same time; None where there is neither.
+        The most likely reading in which all times differ, else one in which two scans have the
+        same time.
     """
     readings = [
         reading
