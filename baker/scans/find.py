@@ -139,19 +139,17 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
 
     Names without times that have nothing in common (seedling.ply, young.ply) are one series.
     """
+    suffixes = [suffix_of(scan) for scan in scans]
     names = names_without_times([scan.stem for scan in scans])
     have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
     patterns = [re.sub(r"\d+", "#", name) for name in names]
-    for kinds, may_all_differ in (
-        ([suffix_of(scan) for scan in scans], False),
-        (names, True),
-        (patterns, not have_times),
-    ):
+    tries = ((suffixes, False), (names, True), (patterns, not have_times))
+    for kinds, may_all_differ in tries:
         count = len(set(kinds))
         if count > 1 and not (may_all_differ and count == len(scans)):
             other = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
+            two = f"'{scans[0].name}' and '{scans[other].name}'"
             raise InputError(
-                f"'{folder}' seems to hold more than one series ('{scans[0].name}' and "
-                f"'{scans[other].name}'); give each its own folder, or name the files of one "
-                "series."
+                f"'{folder}' seems to hold more than one series ({two}); give each its own "
+                "folder, or name the files of one series."
             )

@@ -36,9 +36,8 @@ def read_unchanged(paths: Sequence[Path], read: Callable[[], Found]) -> tuple[Fo
             return read(), digest(paths)
     finally:  # also after a fault, which may be only that
         if _states(paths) != before:
-            raise InputError(
-                f"'{paths[0]}' changed while it was read; bake again when it is complete."
-            ) from None
+            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
+            raise InputError(changed) from None
 
 
 def _states(paths: Sequence[Path]) -> list[tuple[int, ...]]:

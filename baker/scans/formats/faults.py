@@ -31,7 +31,7 @@ def library_faults(kind: str) -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
-    except (OSError, FormatError, MemoryError, KeyboardInterrupt, SystemExit):
+    except (OSError, FormatError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # a panic of the LAZ decoder is no Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]

@@ -5,7 +5,7 @@ Open3D's reader of OFF ends the process at damaged files (docs/method.md).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +29,7 @@ def read(path: Path) -> Columns:
 
     Raises FormatError: not sound, or no faces to sample points on.
     """
-    read_mesh = _read_off if path.suffix.lower() == ".off" else _reader_of_open3d()
+    read_mesh = _read_off if path.suffix.lower() == ".off" else _read_by_open3d
     with library_faults(path.suffix[1:].upper()):
         vertices, colors, faces = read_mesh(path)
         if not len(vertices) or not len(faces):
@@ -43,21 +43,18 @@ def read(path: Path) -> Columns:
         return points_on_surface(columns, faces)
 
 
-def _reader_of_open3d() -> Callable[[Path], Mesh]:
+def _read_by_open3d(path: Path) -> Mesh:
     import open3d
 
-    def read_mesh(path: Path) -> Mesh:
-        if path.suffix.lower() == ".glb":  # room is made for as much as its first chunk announces
-            with path.open("rb") as file:
-                announced = int.from_bytes(file.read(16)[12:], "little")
-            if announced > path.stat().st_size:
-                raise FormatError(f"is cut short: its first chunk announces {announced} bytes.")
-        with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
-            mesh = open3d.io.read_triangle_mesh(path)
-        colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
-        return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
-
-    return read_mesh
+    if path.suffix.lower() == ".glb":  # room is made for as much as its first chunk announces
+        with path.open("rb") as file:
+            announced = int.from_bytes(file.read(16)[12:], "little")
+        if announced > path.stat().st_size:
+            raise FormatError(f"is cut short: its first chunk announces {announced} bytes.")
+    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+        mesh = open3d.io.read_triangle_mesh(path)
+    colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
+    return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
 
 
 def _read_off(path: Path) -> Mesh:
@@ -108,7 +105,11 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     FormatError
         A face has a corner that is not among the vertices.
     """
-    corners = _triangles(faces)
+    if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
+        corners = faces.astype(np.int64)
+    else:
+        fans = [(face[0], *face[k : k + 2]) for face in faces for k in range(1, len(face) - 1)]
+        corners = np.array(fans, np.int64).reshape(-1, 3)
     count = len(next(iter(vertices.values())))
     if corners.size and not (corners.min() >= 0 and corners.max() < count):
         raise FormatError(f"has faces with corners that are not among its {count} vertices.")
@@ -131,20 +132,9 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     root, along = np.sqrt(random.random(wanted)), random.random(wanted)
     weights = np.stack([1 - root, root * (1 - along), root * along], axis=1)
     nearest = chosen[np.arange(wanted), weights.argmax(axis=1)]
-    columns: dict[str, NDArray] = {}
-    for name, values in vertices.items():
-        if name.lower() not in INTERPOLATED:
-            columns[name] = values[nearest]
-            continue
-        mixed = (values[chosen] * weights).sum(axis=1)
-        is_integer = values.dtype.kind in "iu"
-        columns[name] = np.rint(mixed).astype(values.dtype) if is_integer else mixed
+    columns = {name: values[nearest] for name, values in vertices.items()}
+    for name in (name for name in columns if name.lower() in INTERPOLATED):
+        mixed, kind = (vertices[name][chosen] * weights).sum(axis=1), vertices[name].dtype
+        columns[name] = np.rint(mixed).astype(kind) if kind.kind in "iu" else mixed
     note = f"a mesh of {len(corners)} triangles: {wanted} points sampled evenly on its surface."
     return Columns(columns, (note,))
-
-
-def _triangles(faces: Faces) -> NDArray[np.int64]:
-    if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
-        return faces.astype(np.int64)
-    fans = [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
-    return np.array(fans, np.int64).reshape(-1, 3)
