@@ -34,12 +34,6 @@ class Merge:
     before: float  # distance of the matched segments, in length units
     after: float
 
-    def __str__(self) -> str:
-        return (
-            f"segment {self.child} of the {('first', 'second')[self.side]} scan merged into "
-            f"segment {self.head}: distance {self.before:.3g} to {self.after:.3g}"
-        )
-
 
 @dataclass(frozen=True)
 class GreedyRules:

@@ -22,7 +22,6 @@ class Match:
     pairs: tuple[tuple[int, int], ...]  # segment of the first scan, segment of the second
     births: tuple[int, ...]  # new segments of the second scan, parents before their children
     losses: tuple[int, ...]  # segments of the first scan that the second no longer has
-    notes: tuple[str, ...] = ()  # why they were matched as they were, a sentence each
     merges: tuple[Merge, ...] = ()  # in the order in which they were made
 
     def start_of(self, end: int) -> int | None:
@@ -44,7 +43,6 @@ def match_from_pairs(
         pairs=tuple(sorted(pairs)),
         births=tuple(segment for segment in second.from_the_root() if segment not in ends),
         losses=tuple(segment for segment in first.from_the_root() if segment not in starts),
-        notes=tuple(map(str, merges)),
         merges=merges,
     )
 

@@ -87,18 +87,8 @@ def coarse_hierarchies(
 ) -> list[Hierarchy]:
     """Hierarchies for following organs, by few points of each: a dense organ counts as a thin one.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-    labels : sequence of (N,) int ndarray
-        They need not be consistent.
-    bases : sequence of int
-        Index of the point at the base of each scan's plant.
-
-    Returns
-    -------
-    list of Hierarchy
-        Of all points; who grows from whom is found from `COARSE_POINTS` of each organ.
+    Labels need not be consistent. The hierarchies are of all points; who grows from whom is found
+    from `COARSE_POINTS` of each organ.
     """
     found = []
     for cloud, names, base in zip(clouds, labels, bases, strict=True):

@@ -36,13 +36,8 @@ PARTS_PER_WORKER = 4  # that a worker's cells are solved in
 MIN_GAIN = 3e-3  # share of the cost that a sweep has to gain
 
 
-class Coupling(NamedTuple):
-    """A feasible plan in whole masses."""
-
-    edges: Edges
-    mass: Masses
-    solver: str  # what found it
-    sweeps: int = 1  # of the last level
+Coupling = tuple[Edges, Masses, str]
+"""A feasible plan in whole masses, and what found it."""
 
 
 def couple(
@@ -59,18 +54,18 @@ def couple(
     """
     n, m = len(start), len(end)
     if n < m:
-        found = couple(end, start, demand, supply, options, slack)
-        return found._replace(edges=found.edges[::-1])
+        edges, mass, solver = couple(end, start, demand, supply, options, slack)
+        return (edges[1], edges[0]), mass, solver
     if m == 1:
-        return Coupling((np.arange(n), np.zeros(n, np.int64)), supply, "only choice")
+        return (np.arange(n), np.zeros(n, np.int64)), supply, "only choice"
     row_order, axes = bisection_order(start, options.seed)
     column_order, _ = bisection_order(end, options.seed, axes)
     row_levels, column_levels = (
         _levels(points[order], masses[order])
         for points, masses, order in ((start, supply, row_order), (end, demand, column_order))
     )
-    edges: Edges = (np.zeros(1, np.int64), np.zeros(1, np.int64))
-    mass, sweeps = np.array([supply.sum()]), 0
+    edges = np.zeros(1, np.int64), np.zeros(1, np.int64)
+    mass = np.array([supply.sum()])
     for index, rows in enumerate(row_levels):
         # A cloud that has fewer levels than the other waits at its points.
         columns = column_levels[min(index, len(column_levels) - 1)]
@@ -80,9 +75,8 @@ def couple(
             rows.blocks_above(), columns.blocks_above(), rows.masses, columns.masses, edges, mass
         )
         last = index == len(row_levels) - 1
-        edges, mass, sweeps = _improve(rows, columns, edges, mass, options, slack, last)
-    edges = row_order[edges[0]], column_order[edges[1]]
-    return Coupling(edges, mass, "network simplex", sweeps)
+        edges, mass = _improve(rows, columns, edges, mass, options, slack, last)
+    return (row_order[edges[0]], column_order[edges[1]]), mass, "network simplex"
 
 
 class _Level(NamedTuple):
@@ -122,11 +116,8 @@ def _improve(
     options: TransportOptions,
     slack: float,
     last: bool,
-) -> tuple[Edges, Masses, int]:
-    """Improve a feasible plan in one sweep; that of the last level until a sweep gains too little.
-
-    edges: by row. Returns the plan and the number of sweeps.
-    """
+) -> tuple[Edges, Masses]:
+    """Improve a feasible plan in one sweep; on the last level until a sweep gains too little."""
     from baker.transport.network_simplex import improve_cells
 
     start, end = rows.points, columns.points
@@ -144,8 +135,7 @@ def _improve(
     near = _neighbors(start, k, options.workers), _neighbors(end, k, options.workers)
     if one_cell:
         whole = np.array([0, len(mass)])
-        plan = improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
-        return (*plan, 1)
+        return improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
     size = POINTS_OF_CELL_IF_TIGHT if tight else POINTS_OF_CELL
     for sweep in range(MAX_SWEEPS if last else 1):
         late = sweep + 1 - SWEEPS_OF_SMALL_CELLS
@@ -157,7 +147,7 @@ def _improve(
         enough = max(slack, MIN_GAIN * now if late > 0 else 0.0)
         if cells == 1 or (late >= 0 and before - now <= enough):
             break
-    return edges, mass, sweep + 1
+    return edges, mass
 
 
 def _neighbors(points: NDArray[np.float64], k: int, workers: int) -> NDArray[np.integer]:

@@ -61,8 +61,6 @@ class Plan:
     distance: float  # cost ** (1 / power): the Wasserstein distance in the points' unit
     marginal_error: float  # L1 error of the row sums plus that of the column sums
     solver: str  # "network simplex", "sinkhorn", or "only choice"
-    feasible: bool = True  # all of the mass could flow on the support
-    iterations: int = 1  # sweeps of the exact solver, iterations of Sinkhorn's algorithm
     notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 
@@ -87,8 +85,6 @@ def make_plan(
     power: int,
     solver: str,
     *,
-    feasible: bool = True,
-    iterations: int = 1,
     notes: Sequence[str] = (),
     masses: tuple[Masses, Masses] | None = None,
 ) -> Plan:
@@ -109,8 +105,6 @@ def make_plan(
         cost ** (1.0 / power),
         _marginal_error(rows, flow, supply) + _marginal_error(columns, flow, demand),
         solver,
-        feasible,
-        iterations,
         tuple(notes),
     )
 

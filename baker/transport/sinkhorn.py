@@ -40,7 +40,7 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
     """Sinkhorn's plan between two segments; always a usable one.
 
     On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
-    plan is then where the iterations stall, `feasible` is False, and the notes say how much.
+    plan is then where the iterations stall, and the notes say how much.
     """
     n, m = len(start), len(end)
     source, target, support = _support(start, end, options)
@@ -61,10 +61,7 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
             f"stopped after {found.iterations} iterations at a marginal error of {found.error:.2g}"
         )
     kept, mass = _usable(support, cost, found.mass, n, m)
-    return make_plan(
-        start, end, kept, mass, options.power, "sinkhorn",
-        feasible=flowing == 1.0, iterations=found.iterations, notes=notes,
-    )  # fmt: skip
+    return make_plan(start, end, kept, mass, options.power, "sinkhorn", notes=notes)
 
 
 def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:

@@ -67,8 +67,5 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
         if not whole:
             slack = MAX_SLACK * explained_cost(start, end, source, target)
     masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
-    found = couple(source, target, *masses, options, slack)
-    return make_plan(
-        start, end, found.edges, found.mass / found.mass.sum(), options.power, found.solver,
-        iterations=found.sweeps, masses=masses,
-    )  # fmt: skip
+    edges, mass, solver = couple(source, target, *masses, options, slack)
+    return make_plan(start, end, edges, mass / mass.sum(), options.power, solver, masses=masses)

@@ -16,7 +16,6 @@ from baker.segmentation.hierarchy import NO_PARENT
 # docs/method.md, row 16: of the parent's points, from this many to that many.
 ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
 PAPER_MIN_ATTACHMENT_POINTS = 10
-SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far these are
 
 
 @dataclass(frozen=True)
@@ -124,10 +123,7 @@ def _attachment_points(
     count: int | None,
     min_count: int,
 ) -> NDArray[np.intp]:
-    """The ancestor's points nearest to the new segment `top`; ties go to the lowest index.
-
-    Equivalent to ``members[np.argsort(KDTree(grown).query(points[members])[0])[:count]]``.
-    """
+    """The ancestor's points nearest to the new segment `top`; ties go to the lowest index."""
     from scipy.spatial import KDTree
 
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
@@ -135,9 +131,5 @@ def _attachment_points(
         share = round(ATTACHMENT_SHARE * len(members))
         count = int(np.clip(share, min_count, MAX_ATTACHMENT_POINTS))
     tree = KDTree(points[1].take(match.second.segments[top], axis=0), balanced_tree=False)
-    # Most points are farther than what a sample shows, and are not searched for.
-    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
-    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
-    bound = 1.000001 * float(nearest[-1]) or np.inf
-    distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
+    distances, _ = tree.query(points[0].take(members, axis=0))
     return members[np.argsort(distances, kind="stable")[:count]]

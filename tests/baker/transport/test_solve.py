@@ -66,7 +66,6 @@ def test_cells_keep_the_masses_and_stay_near_the_optimum_of_the_whole(monkeypatc
     monkeypatch.setattr(multiscale, "MAX_POINTS_OF_ONE_CELL", 10_000)
     whole = solve(start, end)
     assert_coupling(cells, 3001, 4403)
-    assert cells.iterations > whole.iterations == 1
     assert whole.cost < cells.cost == pytest.approx(whole.cost, rel=5e-4)
 
 

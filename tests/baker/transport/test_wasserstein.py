@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
 from baker.transport.wasserstein import wasserstein
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
@@ -12,7 +11,6 @@ from tests.baker.transport.transport_clouds import grown_leaf, leaf
 def test_exact_for_small_segments():
     start, end = grown_leaf(120, 90)
     assert wasserstein(start, end) == solve(start, end).distance
-    assert wasserstein(start, end, power=1) == solve(start, end, TransportOptions(power=1)).distance
 
 
 @pytest.mark.parametrize(
@@ -32,9 +30,6 @@ def test_the_estimate_is_within_two_percent(start, end):
     exact = solve(start, end).distance
     for seed in range(3):
         assert wasserstein(start, end, seed=seed) == pytest.approx(exact, rel=0.02)
-    assert wasserstein(start, end, power=1) == pytest.approx(
-        solve(start, end, TransportOptions(power=1)).distance, rel=0.05
-    )
 
 
 def test_one_scan_twice_is_near_zero_and_translation_is_exact():
