@@ -131,7 +131,7 @@ def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
         errors=errors,
         seconds={},
         workers=1,
-        progress=lambda stage, done, total: None,
+        report_progress=lambda stage, done, total: None,
     )
     assert (tmp_path / "traits.csv").stat().st_size
     assert (tmp_path / "report.html").stat().st_size
