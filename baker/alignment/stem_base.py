@@ -70,11 +70,6 @@ def base_point(
     root : (3,) float, optional
         A position given by the user; then the point nearest to it.
     neighbors : Neighbors, optional
-        Of the points, where they are known.
-
-    Returns
-    -------
-    int, index of the point.
     """
     if root is not None:
         return int(np.argmin(((points - root) ** 2).sum(axis=1)))
@@ -96,10 +91,6 @@ def agreed_base_points(
     bases : sequence of int
         Each scan's `base_point`.
     vertical : Vertical
-
-    Returns
-    -------
-    list of int, indices of points.
     """
     found = np.array([cloud[base] for cloud, base in zip(clouds, bases, strict=True)])
     found = vertical.at_height(found, 0.0)

@@ -64,7 +64,7 @@ def label_policy(
     clouds : sequence of (N, 3) float ndarray
         The aligned scans.
     root_points : sequence of int
-        Index of the point at the base of each scan's plant.
+        Point of each scan at the plant base.
     requested : {"auto", "consistent", "independent", "ignore"}
         ``auto`` takes labels as consistent where most organs match, by what they cover, the organ
         of the same label in the next scan.
@@ -115,16 +115,13 @@ def follow_labels(
     ----------
     use : LabelUse
         What `label_policy` decided; its labels are None where the organs were found.
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-        Each scan's segments.
-    root_points : sequence of int
+    clouds, hierarchies, root_points
+        Of each scan, as in `baker.matching.tracking.track_organs`.
 
     Returns
     -------
     LabelUse
-        The track number of every point, from 0 in order of first appearance.
+        The track number of every point, from 0 by first appearance.
     """
     found = use.labels is None
     tracks = track_organs(clouds, hierarchies, root_points, stem=found)

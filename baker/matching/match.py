@@ -73,20 +73,13 @@ def match_series(
     clouds : sequence of (N, 3) float ndarray
         The aligned scans.
     hierarchies : sequence of Hierarchy
-        One for each scan.
     by_label : bool
         Labels are consistent: match by them. Else match down the hierarchies.
     distance : callable
-        Of two segments, (n, 3) and (m, 3), in length units; used where labels are not consistent.
+        Of two segments, (n, 3) and (m, 3), in length units; for matching down the hierarchies.
     rules : GreedyRules, optional
-        Of matching down the hierarchies.
     report_progress : callable
         Called with the number of segments matched and the number of all.
-
-    Returns
-    -------
-    list of Match
-        One for each interval.
 
     References
     ----------

@@ -18,16 +18,7 @@ Gaps = Mapping[tuple[int, int], float]
 def segment_adjacency(labels: NDArray[np.integer], neighbors: Neighbors) -> Gaps:
     """Find the segments that touch, and the smallest distance between points of theirs.
 
-    Parameters
-    ----------
-    labels : (N,) int
-    neighbors : Neighbors
-        Of the N points.
-
-    Returns
-    -------
-    dict
-        From a pair of labels, in either order, to the gap, of pairs nearer than 3 point spacings.
+    Returns it by pairs of the (N,) labels, in either order, of all nearer than 3 point spacings.
     """
     names, segment = np.unique(labels, return_inverse=True)
     touching = segment[neighbors.indices] != segment[:, None]
@@ -50,21 +41,9 @@ def agreed_gaps(
     In a dense crown leaves touch branches that they don't grow from, and in a single scan they may
     be nearer to those than a branch is to its parent. An organ's parent touches it in every scan.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        Of each scan; the same organ has the same label in all.
-    adjacency : sequence of Gaps
-        `segment_adjacency` of each scan.
-    spacings : sequence of float
-        Point spacing of each scan.
-
-    Returns
-    -------
-    dict
-        From (organ, possible parent) to the mean gap in point spacings, of all that touch in some
-        scan; where they don't, they are as far apart as what barely touches. Nothing grows from
-        what is younger.
+    labels, adjacency, spacings: of each scan; an organ has the same label in all. Returns, from
+    (organ, possible parent), the gap in point spacings of all that touch in some scan; where they
+    don't, they are as far apart as what barely touches. Nothing grows from what is younger.
     """
     shown = [set(np.unique(names).tolist()) for names in labels]
     first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}

@@ -16,6 +16,8 @@ from baker.geometry.neighbors import Neighbors, nearest_neighbors
 from baker.segmentation.adjacency import Gaps, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
+Indices = NDArray[np.intp]
+
 MAX_ROOT_GAP = 10.0  # in point spacings: the lowest segment, if farther, is no stem of the others
 
 
@@ -60,7 +62,7 @@ def hierarchy_from_labels(
 def _grow_from(
     first: int,
     points: NDArray[np.floating],
-    segments: Sequence[NDArray[np.intp]],
+    segments: Sequence[Indices],
     gaps: Gaps,
     names: Sequence[int],
 ) -> tuple[list[int], list[str]]:
@@ -89,21 +91,21 @@ def _grow_from(
 
 def _smallest_gap(
     points: NDArray[np.floating],
-    segments: Sequence[NDArray[np.intp]],
+    segments: Sequence[Indices],
     reached: set[int],
     unreached: set[int],
 ) -> tuple[float, int, int]:
     """The gap, the unreached segment and the reached segment that are nearest to each other."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    def gather(which: set[int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def gather(which: set[int]) -> tuple[Indices, Indices]:
         ids = sorted(which)
         owner = np.repeat(ids, [len(segments[i]) for i in ids])
         return np.concatenate([segments[i] for i in ids]), owner
 
     near, near_owner = gather(reached)
     far, far_owner = gather(unreached)
-    distances, neighbors = cKDTree(points[near]).query(points[far])
+    distances, neighbors = KDTree(points[near]).query(points[far])
     best = int(np.argmin(distances))
     return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])
 

@@ -36,7 +36,6 @@ def hierarchy_from_spanning_tree(
         The paper's c: branches whose longest path has more edges count. By default 18 % of the
         longest path from the root.
     neighbors : Neighbors, optional
-        Of the points, where they are known.
     """
     tree = spanning_tree(points, root, k, neighbors)
     longest = longest_paths(tree)

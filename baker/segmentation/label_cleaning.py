@@ -17,15 +17,7 @@ MAX_CHANGED_SHARE = 0.5  # of an organ; where more is in doubt, its label means 
 def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.int64]:
     """Give isolated points of a label the label of most of their neighbors.
 
-    Parameters
-    ----------
-    labels : (N,) int64
-    neighbors : Neighbors
-        Of the N points.
-
-    Returns
-    -------
-    (N,) int64, `labels` itself where nothing is changed. No label vanishes.
+    Returns `labels` itself where nothing is changed. No label vanishes.
     """
     names, organ = np.unique(labels, return_inverse=True)
     around = organ[neighbors.indices]

@@ -30,7 +30,7 @@ def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[n
     ----------
     points : (n, 3) float ndarray
     attachment : int
-        Index of the point where the organ is attached.
+        The point where the organ is attached.
 
     Returns
     -------

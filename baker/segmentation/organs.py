@@ -100,11 +100,7 @@ def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.int
     An organ touches its parent at its base, and others here and there. What touches one all along
     is a strip of it: sparse or patchy scans let a blade or stem look forked where it has a gap.
 
-    Parameters
-    ----------
-    sample : PlantSample
-    organ : (n,) intp
-        Numbers from 0, the stem, on.
+    organ: (n,) numbers from 0, the stem, on.
     """
     edges = sample.graph.tocoo()
     close = edges.data <= MAX_GAP * sample.spacing

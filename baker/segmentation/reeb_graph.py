@@ -155,16 +155,7 @@ def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) ->
 
 
 def sample_plant(points: NDArray[np.floating], base: int, k: int) -> PlantSample:
-    """Thin a cloud to voxels of a fifth of its stem's diameter.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    base : int
-        The point at the plant base.
-    k : int
-        Neighbors of a point in the graph.
-    """
+    """Thin a cloud to voxels of a fifth of its stem's diameter, k neighbors a point."""
     cloud = np.asarray(points, np.float64)
     coarse = _sampled(cloud, voxel_size_for(cloud, COARSE_SIZE), base, k)
     if coarse.diameter == 0.0:

@@ -17,16 +17,19 @@ from baker.segmentation.from_labels import hierarchy_from_labels, under_virtual_
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
+Points = NDArray[np.floating]
+Labels = NDArray[np.integer]
+
 COARSE_POINTS = 400  # of an organ, that its place in the coarse hierarchy is found by
 
 
-def whole_hierarchies(clouds: Sequence[NDArray[np.floating]]) -> list[Hierarchy]:
+def whole_hierarchies(clouds: Sequence[Points]) -> list[Hierarchy]:
     """No segments: each cloud is one (the paper's Figure 3)."""
     return [Hierarchy((np.arange(len(cloud)),), (0,), (NO_PARENT,), 0) for cloud in clouds]
 
 
 def thin_hierarchies(
-    clouds: Sequence[NDArray[np.floating]],
+    clouds: Sequence[Points],
     bases: Sequence[int],
     neighbors: Sequence[Neighbors],
     k: int,
@@ -39,8 +42,8 @@ def thin_hierarchies(
 
 
 def labelled_hierarchies(
-    clouds: Sequence[NDArray[np.floating]],
-    labels: Sequence[NDArray[np.integer]],
+    clouds: Sequence[Points],
+    labels: Sequence[Labels],
     bases: Sequence[int],
     neighbors: Sequence[Neighbors],
     *,
@@ -53,12 +56,8 @@ def labelled_hierarchies(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float
-    labels : sequence of (N,) int
-    bases : sequence of int
-        The point of each cloud at the plant base.
-    neighbors : sequence of Neighbors
-        Of each cloud.
+    clouds, labels, bases, neighbors : sequences
+        Of each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
     consistent : bool
         Labels name organs, so the scans elect one root between them.
     agreeing : bool
@@ -81,9 +80,7 @@ def labelled_hierarchies(
 
 
 def coarse_hierarchies(
-    clouds: Sequence[NDArray[np.floating]],
-    labels: Sequence[NDArray[np.integer]],
-    bases: Sequence[int],
+    clouds: Sequence[Points], labels: Sequence[Labels], bases: Sequence[int]
 ) -> list[Hierarchy]:
     """Hierarchies for following organs, by few points of each: a dense organ counts as a thin one.
 
@@ -100,7 +97,7 @@ def coarse_hierarchies(
     return found
 
 
-def _elected_roots(labels: Sequence[NDArray[np.integer]], at_base: Sequence[int]) -> list[int]:
+def _elected_roots(labels: Sequence[Labels], at_base: Sequence[int]) -> list[int]:
     """The label that most scans have at their base; of scans that lack it, their own.
 
     In a late scan a drooping leaf may hang lower than the stem's base.

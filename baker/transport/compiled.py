@@ -11,6 +11,7 @@ from typing import TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable)
 
+BESIDE = Path(__file__).parent / "__pycache__"
 ROOM = 2 * 2**20  # bytes: twice what the compiled code of all loops takes
 
 
@@ -24,7 +25,7 @@ def compiled(function: Function) -> Function:
     folder = code_folder()
     if folder is None:
         return cast(Function, njit(function, nogil=True))
-    if folder != _beside():
+    if folder != BESIDE:
         config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     return cast(Function, njit(function, nogil=True, cache=True))
 
@@ -39,19 +40,13 @@ def code_folder() -> Path | None:
     from platformdirs import user_cache_path
 
     named = os.environ.get("NUMBA_CACHE_DIR")
-    folders = [Path(named)] if named else [_beside(), user_cache_path("numba")]
-    return next((folder for folder in folders if _holds_code(folder) or _has_room(folder)), None)
+    folders = [Path(named)] if named else [BESIDE, user_cache_path("numba")]
+    return next((folder for folder in folders if _can_hold_code(folder)), None)
 
 
-def _beside() -> Path:
-    return Path(__file__).parent / "__pycache__"
-
-
-def _holds_code(folder: Path) -> bool:
-    return any(folder.rglob("network_simplex.*.nbi"))
-
-
-def _has_room(folder: Path) -> bool:
+def _can_hold_code(folder: Path) -> bool:
+    if any(folder.rglob("network_simplex.*.nbi")):
+        return True
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as file:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.matching.leaflets import LeafletPair
 from baker.transport.problem import Indices, Plan, Points, TransportOptions, costs
 from baker.transport.solve import solve
 from baker.transport.support import balance
@@ -28,19 +28,8 @@ class Correspondences:
     divided: bool = False  # the organ's leaflets were transported each on its own
 
 
-class Part(Protocol):
-    """A part of an organ that is transported on its own: `baker.matching.leaflets.LeafletPair`."""
-
-    @property
-    def start(self) -> Indices: ...
-    @property
-    def end(self) -> Indices: ...
-    @property
-    def registered(self) -> tuple[Points, Points] | None: ...
-
-
 def correspond(
-    start: Points, end: Points, options: TransportOptions, parts: Sequence[Part] = ()
+    start: Points, end: Points, options: TransportOptions, parts: Sequence[LeafletPair] = ()
 ) -> Correspondences:
     """Pair the points of an organ by optimal transport.
 
@@ -49,7 +38,7 @@ def correspond(
     start, end : (n, 3) and (m, 3) float ndarray
         The organ in two successive scans, in length units.
     options : TransportOptions
-    parts : sequence of Part, optional
+    parts : sequence of LeafletPair, optional
         Parts that are transported each on its own, by the mass that both scans have around each
         point: so leaves that are born beside a leaf take none of its points. Together they have
         every point of either scan exactly once.

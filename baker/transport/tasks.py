@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
+from baker.transport.problem import Points
 
 # docs/method.md, row 16: of the parent's points, from this many to that many.
 ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
@@ -29,7 +30,7 @@ class Task:
 
 
 def transport_tasks(
-    clouds: Sequence[NDArray[np.floating]],
+    clouds: Sequence[Points],
     matches: Sequence[Match],
     tracks: Sequence[IntervalOrgans],
     attachment_points: int | None = None,
@@ -42,7 +43,7 @@ def transport_tasks(
 
 
 def interval_tasks(
-    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    points: tuple[Points, Points],
     match: Match,
     organs: IntervalOrgans,
     attachment_points: int | None = None,
@@ -116,7 +117,7 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
 
 
 def _attachment_points(
-    points: tuple[NDArray[np.floating], NDArray[np.floating]],
+    points: tuple[Points, Points],
     match: Match,
     ancestor: int | None,
     top: int,
