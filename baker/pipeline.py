@@ -231,11 +231,7 @@ def _measure(
 
 
 def _segment(
-    series: Series,
-    aligned: AlignedSeries,
-    options: Options,
-    progress: Progress,
-    map: MapLike,
+    series: Series, aligned: AlignedSeries, options: Options, progress: Progress, map: MapLike
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy under labels that name the same organs."""
     clouds, bases = aligned.clouds, aligned.bases

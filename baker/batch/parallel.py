@@ -16,7 +16,6 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
 from itertools import islice
 from multiprocessing import get_context, parent_process
 from queue import SimpleQueue
@@ -84,10 +83,10 @@ class ProcessExecutor(Executor):
     def __init__(self, workers: int) -> None:
         _start_fork_server()
         self._threads = ThreadPoolExecutor(workers)  # each waits for the result of one process
-        self._workers = [_Worker() for _ in range(workers)]
-        self._idle: SimpleQueue[_Worker] = SimpleQueue()
-        for worker in self._workers:
-            self._idle.put(worker)
+        self._pools = [_process() for _ in range(workers)]
+        self._idle: SimpleQueue[int] = SimpleQueue()
+        for number in range(workers):
+            self._idle.put(number)
         self._under_way: set[Future[Any]] = set()
         self._stopped = False
 
@@ -103,8 +102,8 @@ class ProcessExecutor(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """See `concurrent.futures.Executor`."""
         self._threads.shutdown(wait=wait, cancel_futures=cancel_futures)
-        for worker in self._workers:
-            worker.stop()
+        for pool in self._pools:
+            pool.shutdown()
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         if kind is not None:
@@ -117,51 +116,34 @@ class ProcessExecutor(Executor):
         self._threads.shutdown(wait=False, cancel_futures=True)
         deadline = time.monotonic() + PATIENCE
         while self._under_way:  # repeated, as a process that is just starting is not there yet
-            for worker in self._workers:
-                worker.end(kill=time.monotonic() > deadline)
+            self._end_processes(kill=time.monotonic() > deadline)
             time.sleep(0.01)
-        for worker in self._workers:
-            worker.end(kill=True)  # threads of an ended task may go on
+        self._end_processes(kill=True)  # threads of an ended task may go on
+
+    def _end_processes(self, kill: bool) -> None:
+        # Public from Python 3.14 on, as `terminate_workers` and `kill_workers`.
+        for pool in self._pools:
+            for process in list((getattr(pool, "_processes", None) or {}).values()):
+                process.kill() if kill else process.terminate()
 
     def _run(self, function: Callable[..., Result], arguments: Any, named: Any) -> Result:
-        worker = self._idle.get()
+        number = self._idle.get()
         try:
             for _ in range(ATTEMPTS):
                 if not self._stopped:
-                    with suppress(BrokenProcessPool):
-                        return worker.run(function, *arguments, **named)
+                    try:
+                        return self._pools[number].submit(function, *arguments, **named).result()
+                    except BrokenProcessPool:
+                        self._pools[number].shutdown()
+                        self._pools[number] = _process()
             raise WorkerDied(ATTEMPTS)
         finally:
-            self._idle.put(worker)
+            self._idle.put(number)
 
 
-class _Worker:
-    """One process, replaced when it dies."""
-
-    def __init__(self) -> None:
-        self._pool: ProcessPoolExecutor | None = None
-
-    def run(self, function: Callable[..., Result], *arguments: Any, **named: Any) -> Result:
-        """The function's result. Raises BrokenProcessPool where the process dies."""
-        if self._pool is None:
-            self._pool = ProcessPoolExecutor(1, get_context(START_METHOD), _follow_parent)
-        try:
-            return self._pool.submit(function, *arguments, **named).result()
-        except BrokenProcessPool:
-            self.stop()
-            raise
-
-    def stop(self) -> None:
-        """End the process when it is idle."""
-        if self._pool is not None:
-            self._pool.shutdown()
-            self._pool = None
-
-    def end(self, kill: bool) -> None:
-        """Have the process end its task, or kill it."""
-        # Public from Python 3.14 on, as `terminate_workers` and `kill_workers`.
-        for process in list((getattr(self._pool, "_processes", None) or {}).values()):
-            process.kill() if kill else process.terminate()
+def _process() -> ProcessPoolExecutor:
+    """A pool of one process, started with its first task."""
+    return ProcessPoolExecutor(1, get_context(START_METHOD), _follow_parent)
 
 
 def _start_fork_server() -> None:

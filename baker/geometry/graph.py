@@ -89,9 +89,7 @@ def connected_knn_graph(
 
 
 def geodesic_distances(
-    graph: csr_matrix,
-    seeds: NDArray[np.integer],
-    offsets: NDArray[np.floating] | None = None,
+    graph: csr_matrix, seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
 ) -> NDArray[np.float64]:
     """Lengths of the shortest paths along an undirected graph from the nearest seed.
 

@@ -44,10 +44,7 @@ class Birth:
 
 
 def births(
-    cloud: NDArray[np.floating],
-    match: Match,
-    organs: IntervalOrgans,
-    timings: Mapping[int, Timing],
+    cloud: NDArray[np.floating], match: Match, organs: IntervalOrgans, timings: Mapping[int, Timing]
 ) -> dict[int, Birth]:
     """How each organ that is born in an interval unfolds; a whole new branch does so as one piece.
 

@@ -12,7 +12,7 @@ from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attachment import attached, attachment_finder
-from baker.interpolation.births import births
+from baker.interpolation.births import Birth, births
 from baker.interpolation.keyframes import AlignedSeries, Keyframe
 from baker.interpolation.movers import OrganMovers, leaving, moving
 from baker.interpolation.paths import Deviation, OrganPaths
@@ -181,8 +181,10 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
     attachment = attachment_finder(clouds, job.match, job.organs)
-    born = births(clouds[1], job.match, job.organs, job.timings) if options.curved else {}
-    paths = OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
+    born, paths = dict[int, Birth](), None
+    if options.curved:
+        born = births(clouds[1], job.match, job.organs, job.timings)
+        paths = OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
     def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
@@ -197,16 +199,15 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         birth = born.get(task.organ) if task.event == "birth" else None
         timing = job.timings.get(task.organ) if task.event == "match" else None
         moved = moving(task, plan, job.start, job.end, birth, timing)
-        return moved, paths.deviation(moved) if options.curved else None
+        return moved, paths.deviation(moved) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]
     found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
     solved = [*moved]
-    if options.curved:
-        solved = paths.curved(moved, deviations)
-        solved = attached(solved, job.match, job.organs, job.spacing)
+    if paths:
+        solved = attached(paths.curved(moved, deviations), job.match, job.organs, job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even),

@@ -3,7 +3,7 @@
 A scan's points follow its scanner, and an organ has as many movers as the larger of its two sides
 has points. So at mid-interval an organ that doubles is sparser than the stem beside it, and one
 that is being born is denser. Where movers are few for their area, more are added: with the ends of
-others, so that both scans show nothing but their own points, yet set apart in between.
+others, so that both scans show nothing but their own points, yet displaced in between.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from baker.interpolation.movers import OrganMovers
 
 MAX_OVERHANG = 0.35  # of the square root of a mover's area: how far it may be from its mean
-NEIGHBORS = 8  # towards which additions to a lonely mover are set apart in turn
+NEIGHBORS = 8  # towards which additions to a lonely mover are displaced in turn
 
 Array = NDArray[Any]
+Floats = NDArray[np.floating]
 
 
 def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
@@ -38,13 +39,13 @@ def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Mover
     return [_filled(task, density) for task in tasks]
 
 
-def position_at(curve: Sequence[NDArray[np.floating]], u: float) -> NDArray[np.floating]:
+def position_at(curve: Sequence[Floats], u: float) -> Floats:
     """(N, 3) positions on Bézier curves at the share `u` of the interval."""
     weights = bernstein(len(curve) - 1, u)
     return np.tensordot(weights, np.stack(curve), axes=1)
 
 
-def _density(areas: NDArray[np.floating], growth: float) -> float:
+def _density(areas: Floats, growth: float) -> float:
     """Movers per area at which filling up to it adds `growth` times as many.
 
     At most what the twentieth densest has: then all are even.
@@ -72,7 +73,7 @@ def _filled(task: OrganMovers, density: float) -> Movers:
     # At mid-interval the ends keep a weight of 2 / 2 ** degree.
     shift = _aside(task, middle, own) / (1 - 2.0 ** (1 - degree))
 
-    def extended(values: Array, shift: NDArray[np.floating] | int = 0) -> Array:
+    def extended(values: Array, shift: Floats | int = 0) -> Array:
         return np.concatenate([values, values.take(own, axis=0) + shift])
 
     start, *control, end = raised(movers.curve, degree)
@@ -86,9 +87,7 @@ def _filled(task: OrganMovers, density: float) -> Movers:
     )
 
 
-def _aside(
-    task: OrganMovers, middle: NDArray[np.floating], own: NDArray[np.intp]
-) -> NDArray[np.floating]:
+def _aside(task: OrganMovers, middle: Floats, own: NDArray[np.intp]) -> Floats:
     """(n, 3) displacements of the additions from their movers at mid-interval.
 
     Movers from one point spread out, movers to one point draw together: an addition keeps that
@@ -116,9 +115,7 @@ def _aside(
     return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
 
 
-def _mean_of_twins(
-    ends: NDArray[np.intp] | None, values: NDArray[np.floating]
-) -> NDArray[np.floating]:
+def _mean_of_twins(ends: NDArray[np.intp] | None, values: Floats) -> Floats:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
     assert ends is not None  # what has an area moves from points to points
     _, end, count = np.unique(ends, return_inverse=True, return_counts=True)
@@ -126,7 +123,7 @@ def _mean_of_twins(
     return (np.stack(sums, axis=1) / count[:, None])[end]
 
 
-def _spread_out(points: NDArray[np.floating], wanted: NDArray[np.floating]) -> NDArray[np.intp]:
+def _spread_out(points: Floats, wanted: Floats) -> NDArray[np.intp]:
     """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
     order = morton_order(points)
     reached = np.cumsum(wanted[order])

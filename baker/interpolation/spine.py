@@ -40,39 +40,36 @@ class OrganShape:
     lengths: NDArray[np.float64]  # (n,), geodesic distances from the plant base
 
 
-class OrganShapes:
-    """Finds the shapes of a scan's organs, each when it is first needed, from any thread.
+def organ_shapes(
+    points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
+) -> list[OrganShape | None]:
+    """The shape of each segment of a scan; None of those with too few points.
 
     Geodesics run through the parents: an organ that leaves its parent over a long contact, as a
     grass leaf does its whorl, is measured from where it leaves it first.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    hierarchy : Hierarchy
+    base : (3,) float
+        Plant base.
     """
-
-    def __init__(
-        self, points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
-    ) -> None:
-        self._points, self._hierarchy, self._base = points, hierarchy, base
-        self._found: dict[int, OrganShape | None] = {NO_PARENT: None}
-
-    def of(self, segment: int) -> OrganShape | None:
-        """The shape of a segment; None where it has too few points."""
-        for above in (*reversed(self._hierarchy.ancestors(segment)), segment):
-            if above not in self._found:
-                self._found[above] = self._shape(above)
-        return self._found[segment]
-
-    def _shape(self, segment: int) -> OrganShape | None:
-        members = self._hierarchy.segments[segment]
+    shapes: list[OrganShape | None] = [None] * len(hierarchy.segments)
+    for segment in hierarchy.from_the_root():
+        members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
         if len(members) < MIN_POINTS_FOR_SPINE:
-            return None
-        chosen = np.arange(len(members))
+            continue
         if len(members) > MAX_SAMPLE:
-            chosen = np.sort(np.random.default_rng(0).permutation(len(members))[:MAX_SAMPLE])
-        sample = self._points[members[chosen]].astype(np.float64)
+            chosen = np.random.default_rng(0).permutation(len(members))[:MAX_SAMPLE]
+            members = members[np.sort(chosen)]
+        sample = points[members].astype(np.float64)
         neighbors = nearest_neighbors(sample, NEIGHBORS)
-        parent = self._found[self._hierarchy.parents[segment]]
-        seeds, offsets = _contact(sample, CONTACT_RADIUS * neighbors.spacing, parent, self._base)
+        above = None if parent == NO_PARENT else shapes[parent]
+        seeds, offsets = _contact(sample, CONTACT_RADIUS * neighbors.spacing, above, base)
         lengths = path_lengths(sample, seeds, offsets, neighbors)
-        return OrganShape(sample, fit_spine(sample, lengths), lengths + offsets.min())
+        shapes[segment] = OrganShape(sample, fit_spine(sample, lengths), lengths + offsets.min())
+    return shapes
 
 
 def path_lengths(

@@ -76,11 +76,8 @@ def organ_timings(
     Interpolants, SIAM Journal on Scientific and Statistical Computing 5, 1984: an organ's speed at
     a scan is the weighted harmonic mean of those before and after.
     """
-    changes = [
-        _changes(clouds[k : k + 2], match, named)
-        for k, (match, named) in enumerate(zip(matches, organs, strict=True))
-    ]
-    moved, grown = zip(*changes, strict=True)
+    changes = list(map(_changes, clouds, clouds[1:], matches, organs))
+    moved, grown = [change[0] for change in changes], [change[1] for change in changes]
     cosines = [
         _cosine(displacement, following[organ])
         for before, following in pairwise(moved)
@@ -91,13 +88,12 @@ def organ_timings(
     ]
     if not cosines or np.median(cosines) < MIN_MEDIAN_COSINE:
         return [{} for _ in moved]
-    spans = [float(span) for span in np.diff(times)]
-    timings: list[dict[int, Timing]] = []
+    spans: list[float] = np.diff(times).tolist()
+    timings: list[dict[int, Timing]] = [{} for _ in moved]
     for k, displacements in enumerate(moved):
-        timings.append({})
         for organ, displacement in displacements.items():
-            offset = _offset(moved, spans, k, organ)
-            radial = _offset(grown, spans, k, organ, growth=True)
+            offset = _offset(moved, spans, k, organ, limit=np.inf)
+            radial = _offset(grown, spans, k, organ, limit=0.0)
             shift = abs(offset) * np.linalg.norm(displacement)
             widening = abs(radial) * np.linalg.norm(grown[k].get(organ, 0))
             if max(shift, widening) > MIN_SHIFT * spacing:
@@ -106,14 +102,14 @@ def organ_timings(
 
 
 def _changes(
-    clouds: Sequence[NDArray[np.floating]], match: Match, organs: IntervalOrgans
+    source: NDArray[np.floating], target: NDArray[np.floating], match: Match, organs: IntervalOrgans
 ) -> tuple[dict[int, Vector], dict[int, Vector]]:
     """By matched organ (3,) the displacement of its middle, and (1,) what its radius grows by."""
     moved, grown = {}, {}
     for a, b in match.pairs:
         before, after = match.first.segments[a], match.second.segments[b]
         if len(before) and len(after):
-            start, end = clouds[0][before].astype(float), clouds[1][after].astype(float)
+            start, end = source[before].astype(float), target[after].astype(float)
             moved[organs.second[b]] = end.mean(axis=0) - start.mean(axis=0)
             if min(len(start), len(end)) >= MIN_POINTS_FOR_RADIUS:
                 radii = [np.sqrt(points.var(axis=0).sum()) for points in (start, end)]
@@ -122,17 +118,13 @@ def _changes(
 
 
 def _offset(
-    changes: Sequence[dict[int, Vector]],
-    spans: Sequence[float],
-    k: int,
-    organ: int,
-    growth: bool = False,
+    changes: Sequence[dict[int, Vector]], spans: Sequence[float], k: int, organ: int, limit: float
 ) -> float:
     """How far beyond half of its change an organ is at mid-interval, as a share of the change.
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, v and w its speeds at the ends.
-    At the series' ends speeds go on to change as they do at the interval's other scan; but growth
-    is slow at first and at last.
+    At the series' ends speeds go on to change as they do at the interval's other scan, up to
+    `limit`: growth is slow at first and at last.
     """
     first, last = (
         _acceleration(changes[k][organ], spans[k], changes[n][organ], spans[n])
@@ -142,7 +134,6 @@ def _offset(
     )
     if first is None and last is None:
         return 0.0
-    limit = 0.0 if growth else np.inf
     if first is None:
         first = min(-(last or 0.0), limit)
     elif last is None:

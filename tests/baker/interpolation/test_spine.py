@@ -7,10 +7,10 @@ import pytest
 
 from baker.interpolation.spine import (
     LEVELS,
-    OrganShapes,
     at_levels,
     fit_spine,
     levels,
+    organ_shapes,
     path_lengths,
 )
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
@@ -61,8 +61,8 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
     hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
     lowest = stem[np.argmin(stem[:, 2])]
-    shapes = OrganShapes(np.concatenate([cloud, few]), hierarchy, lowest)
-    of_leaf, of_stem, of_few = (shapes.of(segment) for segment in (1, 0, 2))
+    shapes = organ_shapes(np.concatenate([cloud, few]), hierarchy, lowest)
+    of_leaf, of_stem, of_few = (shapes[segment] for segment in (1, 0, 2))
     assert of_few is None
     assert of_stem is not None
     assert of_leaf is not None
