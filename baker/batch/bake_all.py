@@ -27,15 +27,8 @@ from gclip.terminal.text import Lossy, printable
 def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int:
     """Bake each plant, report how it went, and go on whatever fails.
 
-    Returns
-    -------
-    int
-        The exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
-
-    Raises
-    ------
-    InputError
-        Where nothing can be begun with.
+    Returns the exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
+    Raises InputError where nothing can be begun with.
     """
     began = time.perf_counter()
     for folder in (outputs.clip, outputs.report):
@@ -84,17 +77,11 @@ def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
 
 
 def _job(plant: Plant, options: Options, outputs: Outputs, table: TraitsTable | None) -> PlantJob:
-    return PlantJob(
-        name=plant.name,
-        folder=plant.folder,
-        clip=outputs.clip / f"{plant.name}.gclip",
-        options=options,
-        report=outputs.report / f"{plant.name}.html" if outputs.report else None,
-        traits=table is not None,
-        known=table.known(plant.name) if table else None,
-        force=outputs.force,
-        cache=outputs.cache,
-    )
+    clip = outputs.clip / f"{plant.name}.gclip"
+    report = outputs.report / f"{plant.name}.html" if outputs.report else None
+    known = table.known(plant.name) if table else None
+    measured = PlantJob(plant.name, plant.folder, clip, options, report, table is not None, known)
+    return replace(measured, force=outputs.force, cache=outputs.cache)
 
 
 def _make_folder(folder: Path) -> None:

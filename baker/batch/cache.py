@@ -31,16 +31,11 @@ Result = TypeVar("Result")
 
 
 class Cache:
-    """Keep results in `folder`; it may be deleted at any time.
+    """Keep results in `folder`; it may be deleted at any time. InputError where it can't be made.
 
     What is missing, damaged or another result's is worked out again and replaced. Where the folder
     can't take a result, the bake goes on without. `found` and `solved` count the intervals that
     were taken from the folder, and that were not; `trouble` says why results could not be kept.
-
-    Raises
-    ------
-    InputError
-        Where the folder can't be made.
     """
 
     def __init__(self, folder: str | Path) -> None:

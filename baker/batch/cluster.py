@@ -14,7 +14,7 @@ import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -49,21 +49,12 @@ def bake_on_cluster(
 ) -> Generator[Outcome]:
     """Bake with all workers of a cluster; outcomes come as they are ready.
 
-    Parameters
-    ----------
-    jobs : sequence of PlantJob
-    address : str
-        Of the scheduler, or the name of its file; ``local`` or ``local:N`` starts workers here.
-    say : callable
-        Called with what the user should know meanwhile.
-
-    Raises
-    ------
-    InputError
-        No dask.distributed, no scheduler, or a worker that can't take part.
+    address: of the scheduler, or the name of its file; ``local`` or ``local:N`` starts workers.
+    say: called with what the user should know meanwhile. Raises InputError where there is no
+    dask.distributed, no scheduler, or a worker that can't take part.
     """
-    need = Need(_versions(), _folders(jobs))
-    with _connected(address, need) as client:
+    missing = partial(_missing, _versions(), _folders(jobs))
+    with _connected(address, missing) as client:
 
         def cores() -> int:
             return sum(client.nthreads().values())
@@ -73,7 +64,7 @@ def bake_on_cluster(
 
         if not cores():
             say(f"{address} has no workers yet; it is waited for them")
-        bake = partial(_bake_there, need=need, split=len(jobs) < cores())
+        bake = partial(_bake_there, missing=missing, split=len(jobs) < cores())
         executor, whole = client.get_executor(pure=False), map(_absolute, jobs)
         try:
             for job, future in as_they_complete(executor, bake, whole, window):
@@ -85,42 +76,34 @@ def bake_on_cluster(
 @contextmanager
 def interval_solver(address: str) -> Iterator[IntervalSolver]:
     """Have one plant's intervals solved by a cluster. Raises InputError as `bake_on_cluster`."""
-    with _connected(address, Need(_versions(), ())) as client:
+    with _connected(address, partial(_missing, _versions(), ())) as client:
         yield partial(_solve, client)
 
 
-@dataclass(frozen=True)
-class Need:
-    """What every worker must have: the same software, for the same bytes, and the folders."""
-
-    versions: dict[str, str]
-    folders: tuple[Path, ...]
-
-    def missing(self) -> str:
-        """What the worker that calls this lacks; empty where it fits."""
-        found = _versions()
-        for name, ours in self.versions.items():
-            if found[name] != ours:
-                return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
-        for folder in self.folders:
-            if not folder.is_dir():
-                return (
-                    f"does not see the folder '{folder}': scans and clips must lie where all "
-                    "machines find them under the same name"
-                )
-        return ""
+def _missing(versions: dict[str, str], folders: tuple[Path, ...]) -> str:
+    """What the worker that calls this lacks of the same software and folders; empty for nothing."""
+    found = _versions()
+    for name, ours in versions.items():
+        if found[name] != ours:
+            return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
+    for folder in folders:
+        if not folder.is_dir():
+            return (
+                f"does not see the folder '{folder}': scans and clips must lie where all "
+                "machines find them under the same name"
+            )
+    return ""
 
 
-def _bake_there(job: PlantJob, need: Need, split: bool) -> Outcome:
+def _bake_there(job: PlantJob, missing: Callable[[], str], split: bool) -> Outcome:
     """A task. Raises InputError where its worker can't take part.
 
     split: have the plant's intervals solved as tasks of their own.
     """
     from distributed import get_worker
 
-    missing = need.missing()  # workers may have come after `_connected` asked
-    if missing:
-        raise InputError(f"The cluster's worker {get_worker().address} {missing}.")
+    if lacks := missing():  # workers may have come after `_connected` checked them
+        raise InputError(f"The cluster's worker {get_worker().address} {lacks}.")
     return bake_plant(job, _solve_from_worker if split else None)
 
 
@@ -163,7 +146,7 @@ def _outcome(job: PlantJob, result: Callable[[], Outcome], address: str) -> Outc
 
 
 @contextmanager
-def _connected(address: str, need: Need) -> Iterator[Client]:
+def _connected(address: str, missing: Callable[[], str]) -> Iterator[Client]:
     """A client of the cluster, or of one started here, whose workers have what they need."""
     try:
         import dask
@@ -200,13 +183,13 @@ def _connected(address: str, need: Need) -> Iterator[Client]:
                 f"running, and is that its address? ({reason})"
             ) from None
         stack.enter_context(client)
-        for worker, missing in client.run(need.missing, on_error="return").items():
-            if isinstance(missing, Exception):
-                lacks = "ModuleNotFoundError" in repr(missing)
-                advice = "; install the program there, too" if lacks else ""
-                missing = f"can't take part ({missing}){advice}"
-            if missing:
-                raise InputError(f"The cluster's worker {worker} {missing}.")
+        for worker, lacks in client.run(missing, on_error="return").items():
+            if isinstance(lacks, Exception):
+                program = "ModuleNotFoundError" in repr(lacks)
+                advice = "; install the program there, too" if program else ""
+                lacks = f"can't take part ({lacks}){advice}"
+            if lacks:
+                raise InputError(f"The cluster's worker {worker} {lacks}.")
         yield client
 
 
@@ -226,22 +209,17 @@ def _versions() -> dict[str, str]:
 
 
 def _folders(jobs: Sequence[PlantJob]) -> tuple[Path, ...]:
-    folders = {job.clip.parent for job in jobs} | {job.folder.parent for job in jobs}
-    folders |= {job.report.parent for job in jobs if job.report is not None}
-    return tuple(sorted(map(_whole, folders)))
+    outputs = [path for job in jobs for path in (job.folder, job.clip, job.report) if path]
+    return tuple(sorted({_whole(path.parent) for path in outputs}))
 
 
 def _absolute(job: PlantJob) -> PlantJob:
     """The job on one core, under names that hold in other processes' working folders."""
-    times = job.options.times
-    return replace(
-        job,
-        folder=_whole(job.folder),
-        clip=_whole(job.clip),
-        options=replace(job.options, workers=1, times=None if times is None else _whole(times)),
-        report=None if job.report is None else _whole(job.report),
-        cache=None if job.cache is None else _whole(job.cache),
-    )
+    times = job.options.times and _whole(job.options.times)
+    options = replace(job.options, workers=1, times=times)
+    report, cache = job.report and _whole(job.report), job.cache and _whole(job.cache)
+    folder, clip = _whole(job.folder), _whole(job.clip)
+    return replace(job, folder=folder, clip=clip, options=options, report=report, cache=cache)
 
 
 def _whole(path: Path) -> Path:

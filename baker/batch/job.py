@@ -116,12 +116,7 @@ def current_clip(job: PlantJob) -> Clip | None:
 
     The clip itself says what it was made of. It is current if the program and its packages have the
     same versions, the options are the same, and so are the scans: their names, order, times and the
-    digests of their bytes.
-
-    Raises
-    ------
-    InputError
-        Where the folder holds no series of scans.
+    digests of their bytes. Raises InputError where the folder holds no series of scans.
     """
     if not job.clip.exists() or not (job.report is None or job.report.exists()):
         return None

@@ -52,13 +52,7 @@ def as_they_complete(
 ) -> Iterator[tuple[Item, Future[Result]]]:
     """Each item with its finished future, in any order; those that wait are not submitted yet.
 
-    Parameters
-    ----------
-    executor : concurrent.futures.Executor
-    function : callable
-    items : iterable
-    window : callable
-        How many items to have under way.
+    window: called for how many items to have under way.
     """
     waiting = iter(items)
     under_way: dict[Future[Result], Item] = {}

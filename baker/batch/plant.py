@@ -49,10 +49,8 @@ class Outputs:
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write what is wanted and print a summary.
 
-    Raises
-    ------
-    InputError
-        Before the work where an output can't be written; else what the scans or options lack.
+    Raises InputError before the work where an output can't be written; else where the scans or
+    options can't be baked.
     """
     from rich.console import Console
 
@@ -84,16 +82,9 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         rmtree(begun, ignore_errors=True)
         errors = verify(clip, record, progress)
         if outputs.report is not None:
-            write = partial(write_report, title=outputs.clip.name, workers=options.workers)
-            seconds = progress.seconds
-            write(
-                outputs.report,
-                clip,
-                record,
-                errors=errors,
-                seconds=seconds,
-                report_progress=progress,
-            )
+            about = partial(write_report, title=outputs.clip.name, workers=options.workers)
+            write = partial(about, seconds=progress.seconds, report_progress=progress)
+            write(outputs.report, clip, record, errors=errors)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     say = partial(console.print, markup=False, highlight=False)

@@ -26,19 +26,7 @@ def write_traits(
 ) -> None:
     """Measure one plant at the scans and half-way between, and write the table.
 
-    Parameters
-    ----------
-    path : Path
-    clip : Clip
-    plant : str
-        What the table calls it.
-    progress : callable
-        Called with the stage's name, the days measured and the days in all.
-
-    Raises
-    ------
-    InputError
-        Where the file can't be written.
+    plant: what the table calls it. Raises InputError where the file can't be written.
     """
     table = io.StringIO()
     write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
@@ -50,11 +38,7 @@ class TraitsTable:
 
     Rows of plants whose clips are up to date are taken from the table that was there before. Rows
     wait in a temporary data base on the disk: memory stays small however many plants there are.
-
-    Raises
-    ------
-    InputError
-        Where nothing can be written beside `path`, or it can't be read.
+    InputError where nothing can be written beside `path`, or it can't be read.
     """
 
     def __init__(self, path: Path) -> None:

@@ -24,22 +24,10 @@ def attachment_point(organ: NDArray[np.floating], parent: cKDTree) -> NDArray[np
 def points_near(
     parent: cKDTree, organ: NDArray[np.floating], margin: float = 0.0
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """The points of an organ that are nearest to its parent.
+    """Indices, ascending, and distances of an organ's points, (n, 3), nearest to its parent's.
 
-    Searches of a tree far from the points are slow, so a sample of them bounds the distance.
-
-    Parameters
-    ----------
-    parent : cKDTree
-        Of the parent's points.
-    organ : (n, 3) float
-    margin : float
-        How much farther than the nearest one a point may be.
-
-    Returns
-    -------
-    indices : (k,) intp, ascending
-    distances : (k,) float64
+    margin: how much farther than the nearest one a point may be. Searches of a tree far from the
+    points are slow, so a sample of them bounds the distance.
     """
     bound = parent.query(organ[:: max(1, len(organ) // SAMPLE_SIZE)])[0].min()
     bound = np.nextafter(bound + margin, np.inf)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,8 @@ from baker.geometry.neighbors import Neighbors, nearest_neighbors
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
+
+Points = NDArray[np.floating]
 
 MIN_LENGTH = float(np.finfo(np.float64).tiny)  # sparse sums drop edges of weight zero
 
@@ -27,7 +30,7 @@ class RootedTree:
 
 
 def spanning_tree(
-    points: NDArray[np.floating], root: int, k: int = 15, neighbors: Neighbors | None = None
+    points: Points, root: int, k: int = 15, neighbors: Neighbors | None = None
 ) -> RootedTree:
     """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2).
 
@@ -55,7 +58,7 @@ def knn_graph(neighbors: Neighbors) -> csr_matrix:
 
 
 def connected_knn_graph(
-    points: NDArray[np.floating], k: int, neighbors: Neighbors | None = None
+    points: Points, k: int, neighbors: Neighbors | None = None
 ) -> tuple[csr_matrix, int, float]:
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
@@ -119,7 +122,7 @@ def geodesic_distances(
 
 
 def _shortest_bridges(
-    points: NDArray[np.floating], components: int, component: NDArray[np.integer]
+    points: Points, components: int, component: NDArray[np.integer]
 ) -> tuple[csr_matrix, NDArray[np.floating]]:
     """The shortest edge out of each component, and the lengths of these edges.
 
@@ -132,8 +135,8 @@ def _shortest_bridges(
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
     for bit in range(int(components - 1).bit_length()):
-        zero, one = (np.flatnonzero((component >> bit & 1) == value) for value in (0, 1))
-        for source, target in ((zero, one), (one, zero)):
+        sides = [np.flatnonzero((component >> bit & 1) == value) for value in (0, 1)]
+        for source, target in permutations(sides):
             found, index = KDTree(points[target]).query(points[source])
             nearer = found < distance[source]
             distance[source[nearer]] = found[nearer]

@@ -39,16 +39,8 @@ def attached(
 ) -> list[OrganMovers]:
     """The solved tasks of an interval, with organs that keep their distance from their parents.
 
-    Parents come before their children, which follow them. Positions at the scans don't change.
-
-    Parameters
-    ----------
-    tasks : sequence of OrganMovers
-        What is lost is left alone.
-    match, organs
-        The interval's hierarchies, and which organ each segment is.
-    spacing : float
-        The point spacing of the scans, in their unit.
+    Parents come before their children, which follow them. Positions at the scans don't change; what
+    is lost is left alone. spacing: the point spacing of the scans, in their unit.
     """
     done = list(tasks)
     place = {

@@ -20,6 +20,8 @@ from baker.segmentation.hierarchy import NO_PARENT
 
 MIN_POINTS_SEEN = 10  # of an organ, from which on a scan shows it
 
+Points = NDArray[np.floating]
+
 
 @dataclass(frozen=True)
 class Birth:
@@ -29,9 +31,7 @@ class Birth:
     size: float  # at mid-interval, as a share of that at the end
     parent: Timing | None = None  # of the organ that it grows on, where that doesn't move evenly
 
-    def control(
-        self, start: NDArray[np.floating], end: NDArray[np.floating]
-    ) -> NDArray[np.float32]:
+    def control(self, start: Points, end: Points) -> NDArray[np.float32]:
         """(N, 3) control points of degree 2, from points at the attachment point to the organ's.
 
         At mid-interval each mover is `size` of the distance from the attachment point to its end,
@@ -48,12 +48,7 @@ def births(
 ) -> dict[int, Birth]:
     """How each organ that is born in an interval unfolds; a whole new branch does so as one piece.
 
-    Parameters
-    ----------
-    cloud : (N, 3) float
-        The second scan's points.
-    match, organs, timings
-        The interval's hierarchies, which organ each segment is, and the organs' timings.
+    cloud: (N, 3) points of the second scan; timings: of the interval's organs.
     """
     from scipy.spatial import cKDTree
 

@@ -45,10 +45,6 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
         The organ's points in both scans.
     before, after : Spine
         Through these points.
-
-    Returns
-    -------
-    (n, 3) float64
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist

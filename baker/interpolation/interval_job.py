@@ -73,33 +73,28 @@ def interval_jobs(
 ) -> list[IntervalJob]:
     """Gather what each interval is solved from, and settle what spans intervals.
 
-    Parameters
-    ----------
-    series : AlignedSeries
-    matches, tracks, tasks : sequence of Match, IntervalOrgans and tuple of Task
-        Of each interval.
-    options : Options
-        Resolved.
-    found_organs : bool
-        The organs were found without labels. Most of what is lost then is a bit of a leaf that the
-        next scan counts to that leaf: it fades instead of falling.
+    options: resolved. found_organs: the organs were found without labels. Most of what is lost then
+    is a bit of a leaf that the next scan counts to that leaf: it fades instead of falling.
     """
     decay = Motion.FADE if found_organs and options.decay == Decay.fall else Motion(options.decay)
     keyframes = list(series.keyframes)
     if options.smooth:
         keyframes = smooth_organs(keyframes, matches, tracks, series.times)
     if options.even:
-        keyframes = [
-            replace(frame, area=point_area(frame.positions, near))
-            for frame, near in zip(keyframes, series.neighbors, strict=True)
-        ]
+        pairs = zip(keyframes, series.neighbors, strict=True)
+        keyframes = [replace(k, area=point_area(k.positions, near)) for k, near in pairs]
     curved, spacings = options.paths == Paths.curved, [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if curved:
         clouds = [frame.positions for frame in keyframes]
         timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
     chosen = InterpolationOptions(
-        transport=transport_options(options),
+        transport=TransportOptions(  # the paper's cost is the distance, on a kNN support as it is
+            method=Method.AUTO if options.whole else options.transport,
+            power=1 if options.paper else 2,
+            neighbors=options.neighbors,
+            feasible=not options.paper,
+        ),
         leaflets=not options.paper and options.transport != Transport.sinkhorn,
         decay=decay,
         curved=curved,
@@ -124,16 +119,6 @@ def interval_jobs(
         )
         for k in range(len(matches))
     ]
-
-
-def transport_options(options: Options) -> TransportOptions:
-    """How organs are transported: the paper's cost is the distance, on a kNN support as it is."""
-    return TransportOptions(
-        method=Method.AUTO if options.whole else options.transport,
-        power=1 if options.paper else 2,
-        neighbors=options.neighbors,
-        feasible=not options.paper,
-    )
 
 
 IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
@@ -171,13 +156,8 @@ def solve_by(
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
     """Solve one interval; the same bytes whatever the map and the workers.
 
-    Parameters
-    ----------
-    job : IntervalJob
-    map : MapLike
-        Over organs, by threads.
-    workers : int
-        Threads for the transport of an organ that is more than a thread's share of all.
+    map: over organs, by threads. workers: threads for the transport of an organ that is more than a
+    thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
     attachment = attachment_finder(clouds, job.match, job.organs)

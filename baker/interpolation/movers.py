@@ -16,6 +16,9 @@ from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
 from gclip.pack import Movers
 
+Floats = NDArray[np.floating]
+Indices = NDArray[np.integer]
+
 
 @dataclass(frozen=True)
 class OrganMovers:
@@ -23,7 +26,7 @@ class OrganMovers:
 
     movers: Movers
     pair: SegmentPair  # for the report
-    area: NDArray[np.floating] | None = None  # (M,), at mid-interval; None where density stays
+    area: Floats | None = None  # (M,), at mid-interval; None where density stays
     start_points: NDArray[np.intp] | None = None  # (M,), indices in the scans; None of what is lost
     end_points: NDArray[np.intp] | None = None
     born: bool = False  # they unfold from an attachment point
@@ -38,18 +41,10 @@ def moving(
     birth: Birth | None = None,
     timing: Timing | None = None,
 ) -> OrganMovers:
-    """The movers of a matched or a new organ.
+    """The movers of a matched or a new organ, by the plan between its points.
 
-    Parameters
-    ----------
-    task : Task
-    plan : Correspondences
-        Between the task's points.
-    start, end : Keyframe
-    birth : Birth, optional
-        How a new organ unfolds; by default in straight lines from its attachment point.
-    timing : Timing, optional
-        Of a matched organ that doesn't move evenly.
+    birth: how a new organ unfolds; by default in straight lines from its attachment point.
+    timing: of a matched organ that doesn't move evenly.
     """
     a, b = task.start[plan.rows], task.end[plan.columns]
     origin, target = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
@@ -89,24 +84,12 @@ def leaving(
 
 
 def mid_area(
-    before: NDArray[np.floating],
-    a: NDArray[np.integer],
-    after: NDArray[np.floating],
-    b: NDArray[np.integer],
-    born: bool = False,
+    before: Floats, a: Indices, after: Floats, b: Indices, born: bool = False
 ) -> NDArray[np.float64]:
     """(M,) area of each mover at mid-interval.
 
     Movers that share a point share its area; what is born has none at first. Lengths are averaged,
-    not areas.
-
-    Parameters
-    ----------
-    before, after : (M,) float
-        Areas of the movers' start and end points.
-    a, b : (M,) int
-        Indices of these points within the organ.
-    born : bool
+    not areas. before, after: areas of the movers' start and end points; a, b: their indices.
     """
     start = np.sqrt(before / np.bincount(a)[a])
     end = np.sqrt(after / np.bincount(b)[b])

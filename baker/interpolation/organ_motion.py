@@ -44,10 +44,6 @@ class OrganMotion:
         """(n, 3) deviation at mid-interval of movers from these points from their chords."""
         return at_levels(self.deviations, self._interpolated(points, self.along))
 
-    def position_at_middle(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Points:
-        """(n, 3) where movers from `start` to `end` are at mid-interval."""
-        return 0.5 * (np.asarray(start, float) + end) + self.deviation(start)
-
     @cached_property
     def deviations(self) -> Points:
         """(LEVELS, 3) the same of the spine's nodes."""
@@ -75,16 +71,8 @@ def fit_motion(
 ) -> OrganMotion | None:
     """Deform an organ of the first scan onto that of the second, and place its spine in between.
 
-    Parameters
-    ----------
-    source, target : OrganShape
-        In both scans.
-    min_deviation : float
-        From their chords, up to which paths may as well be straight.
-
-    Returns
-    -------
-    OrganMotion, or None where paths may be straight or the deformation is too uneven to be right
+    None where paths may be straight, as they deviate from their chords by less than
+    `min_deviation`, or where the deformation is too uneven to be right.
     """
     before, after = source.spine.nodes, target.spine.nodes
     if max(_deviation(before, after, share) for share in (0.0, 1.0)) < min_deviation:

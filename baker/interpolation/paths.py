@@ -31,16 +31,8 @@ class OrganPaths:
     Straight go the root, organs of few points, what hardly deforms, and organs with leaflets,
     through which no one spine runs.
 
-    Parameters
-    ----------
-    clouds : pair of (N, 3) float
-        Of the two scans.
-    match, organs
-        The interval's hierarchies, and which organ each segment is.
-    bases : pair of (3,) float
-        Plant bases.
-    spacing : float
-        Point spacing, relative to which deviations matter.
+    clouds, bases: points, (N, 3), and plant base, (3,), of both scans; match, organs: the
+    hierarchies, and which organ each segment is; spacing: relative to which deviations matter.
     """
 
     def __init__(

@@ -55,9 +55,8 @@ def smooth_organs(
             when = np.asarray([times[k] for k in course])
             directions = _unit(np.array([*course.values()]))
             smooth = _unit(local_regression(when, directions))
-            turns |= zip(
-                ((organ, k) for k in course), rotations_between(directions, smooth), strict=True
-            )
+            rotations = rotations_between(directions, smooth)
+            turns |= {(organ, k): turn for k, turn in zip(course, rotations, strict=True)}
     found = []
     for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
         positions = frame.positions.astype(np.float64)
@@ -82,8 +81,7 @@ def local_regression(
 
     References
     ----------
-    W. S. Cleveland, Robust Locally Weighted Regression and Smoothing Scatterplots, Journal of the
-    American Statistical Association 74, 1979.
+    W. S. Cleveland (1979), Robust Locally Weighted Regression and Smoothing Scatterplots.
     """
     lag = times - times[:, None]
     radius = np.sort(np.abs(lag), axis=1)[:, min(WINDOW, len(times)) - 1] * 1.01 + 1e-12

@@ -43,17 +43,10 @@ class OrganShape:
 def organ_shapes(
     points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
 ) -> list[OrganShape | None]:
-    """The shape of each segment of a scan; None of those with too few points.
+    """The shape of each segment of a scan, (N, 3) points; None of those with too few.
 
-    Geodesics run through the parents: an organ that leaves its parent over a long contact, as a
-    grass leaf does its whorl, is measured from where it leaves it first.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    hierarchy : Hierarchy
-    base : (3,) float
-        Plant base.
+    Geodesics run through the parents, from the plant base, (3,): an organ that leaves its parent
+    over a long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
     """
     shapes: list[OrganShape | None] = [None] * len(hierarchy.segments)
     for segment in hierarchy.from_the_root():
@@ -87,16 +80,10 @@ def path_lengths(
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
-    """The spine through an organ's level sets of geodesic distance.
+    """The spine through an organ's level sets of geodesic distance, (n,), from its attachment.
 
     A node is the value at its level of a line fitted to the points around it, which is not biased
     at the ends; the line's slope is the tangent.
-
-    Parameters
-    ----------
-    points : (n, 3) float64
-    lengths : (n,) float64
-        Geodesic distances from the attachment.
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)

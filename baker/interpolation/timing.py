@@ -56,12 +56,10 @@ def organ_timings(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float
-        The scans' points.
-    matches, organs
+    clouds, times : sequence of (N, 3) float, sequence of float
+        The scans' points, and when they were taken.
+    matches, organs : sequence of Match and IntervalOrgans
         Of each interval.
-    times : sequence of float
-        Of the scans.
     spacing : float
         Point spacing of the scans, in their unit.
 
@@ -72,9 +70,8 @@ def organ_timings(
 
     References
     ----------
-    F. N. Fritsch and J. Butland, A Method for Constructing Local Monotone Piecewise Cubic
-    Interpolants, SIAM Journal on Scientific and Statistical Computing 5, 1984: an organ's speed at
-    a scan is the weighted harmonic mean of those before and after.
+    F. N. Fritsch and J. Butland (1984), A Method for Constructing Local Monotone Piecewise Cubic
+    Interpolants: the speed at a scan is the weighted harmonic mean of those before and after.
     """
     changes = list(map(_changes, clouds, clouds[1:], matches, organs))
     moved, grown = [change[0] for change in changes], [change[1] for change in changes]

@@ -173,9 +173,9 @@ def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monk
 
 
 def test_folders_that_a_worker_does_not_see_are_told(tmp_path):
-    need = cluster_module.Need(cluster_module._versions(), (tmp_path, tmp_path / "elsewhere"))
-    assert "elsewhere" in need.missing()
-    assert not cluster_module.Need(cluster_module._versions(), (tmp_path,)).missing()
+    versions = cluster_module._versions()
+    assert "elsewhere" in cluster_module._missing(versions, (tmp_path, tmp_path / "elsewhere"))
+    assert not cluster_module._missing(versions, (tmp_path,))
 
 
 def test_what_ends_a_task_is_told_in_a_sentence(tmp_path):

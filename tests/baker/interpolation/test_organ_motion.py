@@ -50,7 +50,7 @@ def errors(shape: Shape) -> tuple[float, float, float]:
     truth = sample(shape, 0.5, 20_000, 3)
     motion = motion_between(start, end)
     straight = (start[rows] + end[columns]) / 2
-    bent = straight if motion is None else motion.position_at_middle(start[rows], end[columns])
+    bent = straight if motion is None else straight + motion.deviation(start[rows])
     return (
         error(sample(shape, 0.5, POINTS, 4, 0.2), truth),
         error(straight, truth),
