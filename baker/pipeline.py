@@ -152,7 +152,7 @@ def bake_series(
     series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
 
-    # Segmentation (3.2), and organs followed through the series where labels do not tell them (3.3)
+    # Segmentation (3.2), with organs tracked through the series where labels do not name them (3.3)
     labels, hierarchies = _segment(series, aligned, choices, progress, map)
     keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
     aligned = replace(aligned, keyframes=tuple(keyframes))
@@ -235,8 +235,8 @@ def _segment(
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """How labels are used, and each scan's hierarchy under labels that name the same organs."""
     clouds, bases = aligned.clouds, aligned.bases
-    given = [scan.labels for scan in series.scans]
-    labels = label_policy(given, [s.name for s in series.scans], clouds, bases, options.labels)
+    read = [scan.labels for scan in series.scans]
+    labels = label_policy(read, [s.name for s in series.scans], clouds, bases, options.labels)
     if options.whole:
         return labels, whole_hierarchies(clouds)
     map = reporting(map, partial(progress, "segmentation"), len(clouds))

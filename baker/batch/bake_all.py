@@ -27,8 +27,15 @@ from gclip.terminal.text import Lossy, printable
 def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int:
     """Bake each plant, report how it went, and go on whatever fails.
 
-    Returns the exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
-    Raises InputError where nothing can be begun with.
+    Returns
+    -------
+    int
+        The exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
+
+    Raises
+    ------
+    InputError
+        Where nothing can be begun with.
     """
     began = time.perf_counter()
     for folder in (outputs.clip, outputs.report):

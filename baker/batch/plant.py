@@ -49,8 +49,10 @@ class Outputs:
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write what is wanted and print a summary.
 
-    Raises InputError before the work where an output can't be written; else where the scans or
-    options can't be baked.
+    Raises
+    ------
+    InputError
+        Before the work where an output can't be written; else what the scans or options lack.
     """
     from rich.console import Console
 

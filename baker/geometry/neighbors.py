@@ -53,10 +53,16 @@ class Neighbors:
 def nearest_neighbors(
     points: NDArray[np.floating], k: int = NEIGHBORS, workers: int = 1
 ) -> Neighbors:
-    """Query the k nearest other points of each of (N, 3) points, N > 0, on `workers` threads.
+    """Query the k nearest other points of each point.
 
     Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
     queried along a Morton curve: where a file has them in any order that takes a third of the time.
+
+    Parameters
+    ----------
+    points : (N, 3) float, N > 0
+    k, workers : int
+        Neighbours, at most N - 1, and threads.
     """
     from scipy.spatial import KDTree
 
@@ -80,11 +86,19 @@ def point_spacing(points: NDArray[np.floating]) -> float:
 
 
 def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
-    """(N,) area of the surface that each of (N, 3) points stands for, up to a common factor.
+    """Area of the surface that each point stands for, up to a common factor.
 
     On a surface it is the squared reach. A twig thinner than its point spacing has far less: no
     more than the area of the disk on which the neighbourhood has the same covariance. Isolated
-    points count no more than most others do. It is 1 where a cloud has but one point.
+    points count no more than most others do.
+
+    Parameters
+    ----------
+    points, neighbors : (N, 3) float, Neighbors
+
+    Returns
+    -------
+    (N,) float64, in squared units of the points; 1 where a cloud has but one point.
     """
     if not neighbors.indices.size:
         return np.ones(len(points))

@@ -36,9 +36,15 @@ def fit_rigid(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArr
 def rotations_between(
     origin: NDArray[np.float64], target: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(n, 3, 3) smallest rotations of unit vectors, (n, 3), onto others.
+    """Smallest rotations of directions onto others.
 
-    The identity where two of them are nearly opposite.
+    Parameters
+    ----------
+    origin, target : (n, 3) float64, unit vectors
+
+    Returns
+    -------
+    (n, 3, 3) float64, the identity where two directions are nearly opposite.
     """
     from scipy.spatial.transform import Rotation
 

@@ -22,14 +22,12 @@ def organ_colors(count: int) -> list[tuple[int, int, int]]:
 
     Hues go round by the golden angle; each round is a little lighter or darker than the last one.
     """
-    return [STEM_COLOR, *(_color(index) for index in range(count - 1))][:count]
-
-
-def _color(index: int) -> tuple[int, int, int]:
-    hue = (FIRST_HUE + GOLDEN_ANGLE * index) % 1.0
-    lightness = (0.56, 0.66, 0.46)[index // 8 % 3]
-    red, green, blue = (round(255 * value) for value in hls_to_rgb(hue, lightness, 0.72))
-    return red, green, blue
+    colors = [STEM_COLOR]
+    for index in range(count - 1):
+        lightness = (0.56, 0.66, 0.46)[index // 8 % 3]
+        rgb = hls_to_rgb((FIRST_HUE + GOLDEN_ANGLE * index) % 1.0, lightness, 0.72)
+        colors.append((round(255 * rgb[0]), round(255 * rgb[1]), round(255 * rgb[2])))
+    return colors[:count]
 
 
 def painted(

@@ -33,18 +33,11 @@ OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts
 
 
 def spine_deformation(source: Points, target: Points, before: Spine, after: Spine) -> Points:
-    """Carry points from one spine onto the other, each at its place along.
+    """Carry points, (n, 3), from one spine onto the other, each at its place along.
 
     Each level turns by the smallest rotation between its tangents and by a roll about the tangent,
     which changes evenly from attachment to tip. Of 35 rolls that one is taken which brings the
-    clouds closest to each other, small ones first.
-
-    Parameters
-    ----------
-    source, target : (n, 3) and (m, 3) float64
-        The organ's points in both scans.
-    before, after : Spine
-        Through these points.
+    clouds closest to each other, small ones first. target: the organ's points at the end, (m, 3).
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
@@ -74,20 +67,11 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
 
 
 def register_nonrigid(moving: Points, target: Points) -> Points:
-    """Register points non-rigidly with a target.
+    """(n, 3) where points come to lie that are registered non-rigidly with a target, (m, 3).
 
     In every iteration each point is paired with the closest one on the other side, both ways.
     Around each of some centres an affine map is fitted to the pairs' shifts by weighted least
     squares, and the maps are blended. The kernel that weighs narrows from iteration to iteration.
-
-    Parameters
-    ----------
-    moving, target : (n, 3) and (m, 3) float64
-
-    Returns
-    -------
-    (n, 3) float64
-        Where the moving points come to lie.
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
@@ -109,9 +93,8 @@ def register_nonrigid(moving: Points, target: Points) -> Points:
             trust, shift = _closest_pairs(source, target, deformed, tree)
             sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
             moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
-            maps = np.linalg.solve(
-                sums + ridge * sums[:, 3:, 3:], (weights @ moments).reshape(-1, 4, 3)
-            )
+            targets = (weights @ moments).reshape(-1, 4, 3)
+            maps = np.linalg.solve(sums + ridge * sums[:, 3:, 3:], targets)
             local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
             deformed = source + np.einsum("ni,nij->nj", homogeneous, local)
     return deformed * size + middle

@@ -73,8 +73,15 @@ def interval_jobs(
 ) -> list[IntervalJob]:
     """Gather what each interval is solved from, and settle what spans intervals.
 
-    options: resolved. found_organs: the organs were found without labels. Most of what is lost then
-    is a bit of a leaf that the next scan counts to that leaf: it fades instead of falling.
+    Parameters
+    ----------
+    series, options : AlignedSeries, Options
+        The options are resolved.
+    matches, tracks, tasks : sequence of Match, IntervalOrgans and tuple of Task
+        Of each interval.
+    found_organs : bool
+        The organs were found without labels. Most of what is lost then is a bit of a leaf that the
+        next scan counts to that leaf: it fades instead of falling.
     """
     decay = Motion.FADE if found_organs and options.decay == Decay.fall else Motion(options.decay)
     keyframes = list(series.keyframes)

@@ -77,7 +77,11 @@ def hold_out(
     """Divide an aligned series into the scans to bake and those left out for verification.
 
     every: of `--holdout N` (section 4 of the paper, Verification); None leaves no scan out.
-    Raises InputError where that leaves out no scan.
+
+    Raises
+    ------
+    InputError
+        Where that leaves out no scan.
     """
     if every is not None and every < 2:
         raise InputError(f"--holdout is {every}; 2 or more is needed: 2 leaves every second out.")
