@@ -55,9 +55,7 @@ def candidate_poses(
 ) -> list[Pose]:
     """The scan of which `sample` was taken, on each base it may have, or on its (3,) root."""
     pairs = touching_pairs(sample, NEIGHBORS_ON_SURFACE)
-    if root is not None:
-        return [_pose_at(sample, vertical, np.asarray(root, float), pairs)]
-    bases = base_candidates(sample, vertical, pairs)
+    bases = base_candidates(sample, vertical, pairs) if root is None else [np.asarray(root, float)]
     return [_pose_at(sample, vertical, base, pairs) for base in bases]
 
 

@@ -48,16 +48,9 @@ def agreed_gaps(
     shown = [set(np.unique(names).tolist()) for names in labels]
     first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}
     pairs = sorted({pair for gaps in adjacency for pair in gaps})
-    return {
-        pair: float(
-            np.mean(
-                [
-                    gaps.get(pair, MAX_GAP * spacing) / spacing
-                    for gaps, spacing, present in zip(adjacency, spacings, shown, strict=True)
-                    if present.issuperset(pair)
-                ]
-            )
-        )
-        for pair in pairs
-        if first[pair[1]] <= first[pair[0]]
-    }
+    agreed = {}
+    for pair in (pair for pair in pairs if first[pair[1]] <= first[pair[0]]):
+        seen = (k for k, present in enumerate(shown) if present.issuperset(pair))
+        gaps = [adjacency[k].get(pair, MAX_GAP * spacings[k]) / spacings[k] for k in seen]
+        agreed[pair] = float(np.mean(gaps))
+    return agreed

@@ -55,24 +55,12 @@ def hierarchy_from_labels(
         for (a, b), gap in (agreed or gaps).items()
         if a in number and b in number
     }
-    parents, notes = _grow_from(first, points, segments, numbered_gaps, names)
-    return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
-
-
-def _grow_from(
-    first: int,
-    points: NDArray[np.floating],
-    segments: Sequence[Indices],
-    gaps: Gaps,
-    names: Sequence[int],
-) -> tuple[list[int], list[str]]:
-    """Prim's algorithm over the gaps; whatever stays apart is bridged at its smallest gap."""
     parents, notes = [NO_PARENT] * len(segments), []
-    reached, unreached = {first}, set(range(len(segments))) - {first}
-    while unreached:
+    reached, unreached = {first}, others
+    while unreached:  # Prim's algorithm; whatever stays apart is bridged at its smallest gap
         touching = [
             (gap, child, parent)
-            for (child, parent), gap in gaps.items()
+            for (child, parent), gap in numbered_gaps.items()
             if parent in reached and child in unreached
         ]
         if touching:
@@ -86,7 +74,7 @@ def _grow_from(
         parents[child] = parent
         reached.add(child)
         unreached.remove(child)
-    return parents, notes
+    return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
 
 
 def _smallest_gap(

@@ -17,6 +17,7 @@ from baker.transport.problem import Points
 # docs/method.md, row 16: of the parent's points, from this many to that many.
 ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
 PAPER_MIN_ATTACHMENT_POINTS = 10
+SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far these are
 
 
 @dataclass(frozen=True)
@@ -132,5 +133,9 @@ def _attachment_points(
         share = round(ATTACHMENT_SHARE * len(members))
         count = int(np.clip(share, min_count, MAX_ATTACHMENT_POINTS))
     tree = KDTree(points[1].take(match.second.segments[top], axis=0), balanced_tree=False)
-    distances, _ = tree.query(points[0].take(members, axis=0))
+    # Most points are farther than what a sample shows, and are not searched for.
+    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
+    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
+    bound = 1.000001 * float(nearest[-1]) or np.inf
+    distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
     return members[np.argsort(distances, kind="stable")[:count]]
