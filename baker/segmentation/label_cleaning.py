@@ -10,19 +10,24 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import Neighbors
 from baker.scans.scan import Scan
 
-MAX_OWN_SHARE = 0.15  # of the neighbors of a point with a wrong label, that have the same one
+MAX_RADIUS_RATIO = 2.0  # of a point's neighborhood to the median point's; else it floats apart
 MAX_CHANGED_SHARE = 0.5  # of an organ; where more is in doubt, its label means something else
 
 
 def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.int64]:
-    """Give isolated points of a label the label of most of their neighbors.
+    """Give a point whose label none of its neighbors has the label of most of them.
+
+    Points that float apart keep their label: what is nearest to them says nothing of them.
 
     Returns `labels` itself where nothing is changed. No label vanishes.
     """
     names, organ = np.unique(labels, return_inverse=True)
     around = organ[neighbors.indices]
-    own_share = (around == organ[:, None]).mean(axis=1) if around.size else np.ones(len(labels))
-    noise = np.flatnonzero(own_share <= MAX_OWN_SHARE)
+    if not around.size:
+        return labels
+    radius = neighbors.distances[:, -1]
+    isolated = (around != organ[:, None]).all(axis=1)
+    noise = np.flatnonzero(isolated & (radius <= MAX_RADIUS_RATIO * np.median(radius)))
     size = np.bincount(organ)
     changed = np.bincount(organ[noise], minlength=len(size))
     noise = noise[(changed <= MAX_CHANGED_SHARE * size)[organ[noise]]]
