@@ -70,6 +70,8 @@ import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from baker.transport.compile import compile_kernels
+from baker.transport.problem import TransportOptions
+from baker.transport.solve import solve
 
 compile_kernels()
 random = np.random.default_rng(0)
