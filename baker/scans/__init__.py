@@ -7,7 +7,8 @@ way is an `InputError` with one sentence. One module a format (ply, pcd, table, 
 the registry in `baker.scans.formats`. Importing this package costs nothing heavy.
 """
 
+from baker.scans.finding import Finding
 from baker.scans.read import read_series
 from baker.scans.scan import Scan, Series
 
-__all__ = ["Scan", "Series", "read_series"]
+__all__ = ["Finding", "Scan", "Series", "read_series"]

@@ -1,0 +1,29 @@
+"""What a bake decided by itself, and how sure it is of that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One decision for a whole series, as `bake --list` and the first lines of a bake print it.
+
+    topic:  "order", "days", "points", "unit", "up", "ground", "labels", "frame" or "plant".
+    found:  what was decided and by which rule, in a botanist's words: "z, as scans usually have".
+    doubt:  what speaks against it, a clause without a full stop; "" where nothing does.
+    option: how to say it otherwise: "--up y". Named wherever there is a doubt.
+    """
+
+    topic: str
+    found: str
+    doubt: str = ""
+    option: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The finding as a line of text."""
+        if not self.doubt:
+            return f"{self.topic}: {self.found}."
+        say = f"; say it with {self.option}" if self.option else ""
+        return f"{self.topic}: {self.found}. Look at this: {self.doubt}{say}."
