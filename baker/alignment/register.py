@@ -18,6 +18,7 @@ from baker.alignment.up_axis_search import find_up_of, upright
 from baker.alignment.yaw import YawFit, wrapped
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
+from baker.scans.finding import Finding
 
 Progress = Callable[[str, int, int], None]
 
@@ -42,6 +43,7 @@ class Alignment:
     transforms: tuple[NDArray[np.float64], ...]  # (4, 4), from each scan's coordinates to that
     drift: tuple[PairFit, ...]  # of each scan but the first; empty where nothing was looked for
     notes: tuple[str, ...]  # what a user should know, one sentence each
+    findings: tuple[Finding, ...] = ()  # what was decided about the way up and the frame
 
 
 def align(

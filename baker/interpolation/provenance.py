@@ -55,12 +55,14 @@ def describe_provenance(
         notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
+    findings = (*series.findings, *alignment.findings, *labels.findings)
     return {
         **software((scan.path for scan in found.scans), options.outliers),
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
-        "decisions": [series.rule, *alignment.notes, labels.sentence],
+        "decisions": [series.rule, *alignment.notes, labels.sentence]
+        + [found.sentence for found in findings],
         "notes": notes,
     }
 

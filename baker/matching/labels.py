@@ -18,6 +18,7 @@ from baker.errors import InputError
 from baker.matching.assignment import assign_with_dummies
 from baker.matching.descriptors import size_from_parent
 from baker.matching.tracking import track_organs
+from baker.scans.finding import Finding
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class LabelUse:
     sentence: str  # how the labels came about, for the user
     renamed: bool = False  # they are track numbers, not the scans' own labels
     found: bool = False  # the organs themselves were found without labels
+    findings: tuple[Finding, ...] = ()  # what was decided about the labels
 
 
 def label_policy(

@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.scans.finding import Finding
+
 
 @dataclass(frozen=True)
 class Scan:
@@ -52,6 +54,7 @@ class Series:
            stays where it is. Aligning them could only do harm.
     root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
     length: the unit of lengths, "" where unknown.
+    findings: what reading decided by itself for the whole series.
     """
 
     scans: tuple[Scan, ...]
@@ -60,3 +63,4 @@ class Series:
     fixed: bool = False
     root: Literal["virtual"] | None = None
     length: str = ""
+    findings: tuple[Finding, ...] = ()
