@@ -55,6 +55,7 @@ class Series:
     root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
     length: the unit of lengths, "" where unknown.
     findings: what reading decided by itself for the whole series.
+    ground_up: unit vector away from the ground in the scans' coordinates, where one was found.
     """
 
     scans: tuple[Scan, ...]
@@ -64,3 +65,4 @@ class Series:
     root: Literal["virtual"] | None = None
     length: str = ""
     findings: tuple[Finding, ...] = ()
+    ground_up: tuple[float, float, float] | None = None
