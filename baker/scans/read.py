@@ -124,11 +124,11 @@ class Listing:
         has_virtual_root = images and images.has_labels and options.labels != "ignore"
         return Series(
             scans,
-            schedule.rule,
             schedule.unit,
             fixed=images is not None,
             root="virtual" if has_virtual_root else None,
             length="mm" if images else "",
+            findings=(schedule.finding,),
         )
 
 
@@ -150,8 +150,9 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
             "at least two."
         )
     if options.every > 1:
-        rule = f"{schedule.rule} Of {count} scans {len(kept)} are used, one in {options.every}."
-        schedule = replace(schedule, entries=kept, rule=rule)
+        found = f"{schedule.finding.found}; of {count} scans {len(kept)}, one in {options.every}"
+        finding = replace(schedule.finding, found=found)
+        schedule = replace(schedule, entries=kept, finding=finding)
     return Listing(schedule, images)
 
 

@@ -48,7 +48,6 @@ class Scan:
 class Series:
     """Scans of one plant in the order of time, at least two, all with the same `origin`.
 
-    rule:  how the times were found, one sentence for the user.
     unit:  "days" where times are real, "scans" where they are only an order.
     fixed: whether all scans share one frame with z up, above the ground: those of a camera that
            stays where it is. Aligning them could only do harm.
@@ -59,7 +58,6 @@ class Series:
     """
 
     scans: tuple[Scan, ...]
-    rule: str
     unit: str = "days"
     fixed: bool = False
     root: Literal["virtual"] | None = None

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.scans.finding import Finding
 from baker.scans.rgbd.camera import Camera, Patterns
 from baker.scans.times import Entry, FoundScans, Moment, Schedule, natural_key, schedule_scans
 
@@ -121,8 +122,8 @@ def schedule_frames(
                 "moment can have one image only."
             )
     first, last = entries[0].moment.date, entries[-1].moment.date
-    rule = f"times from day and number in the names, {per_day} images a day: {first} to {last}."
-    return Schedule(tuple(entries), rule, "days")
+    rule = f"{first} to {last}, from day and number in the names, {per_day} images a day"
+    return Schedule(tuple(entries), Finding("days", rule), "days")
 
 
 def read_color(path: Path) -> NDArray[np.uint8]:

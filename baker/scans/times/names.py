@@ -108,10 +108,10 @@ def _doubt(best: Reading, others: Sequence[Reading]) -> str:
         in_time = sorted(other.moments, key=lambda moment: moment.time)
         return (
             f"{best.convention.what} would also be {other.convention.what}, from "
-            f"{in_time[0].date} to {in_time[-1].date}; --times FILE says which"
+            f"{in_time[0].date} to {in_time[-1].date}"
         )
     if not best.convention.is_clear:
-        return f"the numbers were taken for {best.convention.what}; --times FILE says if not"
+        return f"the numbers were taken for {best.convention.what}"
     return ""
 
 

@@ -18,6 +18,7 @@ from itertools import islice, pairwise
 from pathlib import Path
 
 from baker.errors import InputError
+from baker.scans.finding import Finding
 from baker.scans.times.conventions import Moment
 from baker.scans.times.names import Reading, find_time, read_times
 from baker.scans.times.times_file import moments_from_file
@@ -47,10 +48,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Scans in the order of time; rule and unit as in `baker.scans.Series`."""
+    """Scans in the order of time, how that was found, and its unit as in `baker.scans.Series`."""
 
     entries: tuple[Entry, ...]
-    rule: str
+    finding: Finding
     unit: str
 
 
@@ -65,15 +66,15 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
         names = [f"{path.resolve().parent.name}/{path.name}" for path in found.paths]
     if times_file is not None:
         moments = moments_from_file(times_file, names)
-        return _in_time(found, names, moments, f"times from '{times_file.name}'")
+        return _in_time(found, names, moments, f"from '{times_file.name}'")
     reading, level = _times_in_names(found.paths)
     if reading is None:
         return _in_order(found, names)
     where = "folders' names" if level else "names"
-    rule = f"times from the {reading.convention.what} in the {where}"
+    rule = f"from the {reading.convention.what} in the {where}"
     schedule = _in_time(found, names, reading.moments, rule)
-    doubt = f" Look at this: {reading.doubt}." if reading.doubt else ""
-    return replace(schedule, rule=schedule.rule + doubt)
+    finding = replace(schedule.finding, doubt=reading.doubt, option="--times FILE")
+    return replace(schedule, finding=finding)
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
@@ -136,14 +137,14 @@ def _in_time(
                 else f"'{before.name}' and '{after.name}' have the same time, "
                 f"{after.moment.date} ({rule}); one moment can have one scan only."
             )
-    rule = f"{rule}: {in_time[0].moment.date} to {in_time[-1].moment.date}"
+    rule = f"{in_time[0].moment.date} to {in_time[-1].moment.date}, {rule}"
     if in_time != entries and not found.from_folder:
-        rule += " (in the order of time, not in the order given)"
+        rule += "; in the order of time, not in the order given"
     if all(moment.dated for moment in moments):  # days since the first scan: the plant's age
         first = in_time[0].moment.time
         ages = [replace(entry.moment, time=entry.moment.time - first) for entry in in_time]
         in_time = [replace(e, moment=age) for e, age in zip(in_time, ages, strict=True)]
-    return Schedule(tuple(in_time), rule + ".", "days")
+    return Schedule(tuple(in_time), Finding("days", rule), "days")
 
 
 def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
@@ -161,11 +162,13 @@ def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
     why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]]
     more = ", ..." if len(entries) > len(listed) else ""
-    rule = (
-        f"{why}: scans numbered 0 to {len(names) - 1} in {how}: {', '.join(listed)}{more}. "
-        "Growth rates will be per scan; --times FILE tells the days."
+    finding = Finding(
+        "order",
+        f"{how}: {', '.join(listed)}{more}",
+        f"{why}, so growth rates will be per scan and not per day",
+        "--times FILE",
     )
-    return Schedule(tuple(entries), rule, "scans")
+    return Schedule(tuple(entries), finding, "scans")
 
 
 def _require_clear_order(names: Sequence[str]) -> None:

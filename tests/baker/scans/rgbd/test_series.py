@@ -195,7 +195,7 @@ def test_only_each_nth_scan(make_images: FolderMaker) -> None:
     folder = make_images(names=tuple(f"000_{k:02}" for k in range(5)))
     series = read_series([folder], Options(every=2))
     assert [scan.name for scan in series.scans] == [f"rgb_000_{k:02}.png" for k in (0, 2, 4)]
-    assert series.rule.endswith("Of 5 scans 3 are used, one in 2.")
+    assert series.findings[0].found.endswith("of 5 scans 3, one in 2")
     with pytest.raises(InputError, match="of 5 scans, --every 5 leaves only the first one"):
         read_series([folder], Options(every=5))
     with pytest.raises(InputError, match="every is 0; at least 1 is needed"):
@@ -222,8 +222,8 @@ def test_times_from_names(
 
 
 def test_the_rule_names_the_first_and_the_last(make_images: FolderMaker) -> None:
-    rule = read_series([make_images(names=("000_00", "000_03", "002_03"))]).rule
-    assert rule == ("times from day and number in the names, 6 images a day: day 0.00 to day 2.50.")
+    rule = read_series([make_images(names=("000_00", "000_03", "002_03"))]).findings[0].found
+    assert rule == "day 0.00 to day 2.50, from day and number in the names, 6 images a day"
 
 
 def test_times_from_a_file(make_images: FolderMaker, tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ def test_times_from_names(names, expected, unit):
     assert [entry.path for entry in found.entries] == [Path(name) for name in names]
     assert gaps(*reversed(names)) == pytest.approx(expected)
     assert found.unit == unit
-    assert found.rule.endswith(".")
+    assert found.finding.topic == ("days" if unit == "days" else "order")
 
 
 @given(st.sets(st.dates(date(1900, 1, 1), date(2199, 12, 31)), min_size=2, max_size=8))
@@ -88,7 +88,7 @@ def test_dates_are_written_for_people():
 def test_a_rule_must_fit_every_scan():
     found = schedule("p_1.ply", "p_2020-03-08.ply")
     assert found.unit == "scans"
-    assert "no time in the name 'p_1.ply'" in found.rule
+    assert "no time in the name 'p_1.ply'" in found.finding.sentence
 
 
 def test_two_scans_at_one_time():
@@ -102,11 +102,11 @@ def test_files_in_order():
     given_order = ["seedling.ply", "young.ply", "adult.ply"]
     found = schedule(*given_order, from_folder=False)
     assert [entry.name for entry in found.entries] == given_order
-    assert "the order given" in found.rule
+    assert "the order given" in found.finding.sentence
 
     found = schedule("day2.ply", "day1.ply", from_folder=False)
     assert [entry.name for entry in found.entries] == ["day1.ply", "day2.ply"]
-    assert "not in the order given" in found.rule
+    assert "not in the order given" in found.finding.sentence
 
 
 def test_order_of_a_shell_pattern_is_put_right():
@@ -137,7 +137,7 @@ def test_times_file(tmp_path, lines):
     found = schedule("a.ply", "b.ply", times_file=path)
     assert [entry.name for entry in found.entries] == ["b.ply", "a.ply"]
     assert gaps("a.ply", "b.ply", times_file=path) == [0, 1.5]
-    assert "'times.csv'" in found.rule
+    assert "'times.csv'" in found.finding.sentence
     assert found.unit == "days"
 
 
