@@ -54,7 +54,11 @@ def bake_command(
             metavar="OUT",
             help="The clip to write, OUT.gclip; of many plants the folder of their clips, OUT/.",
         ),
-    ],
+    ] = "",
+    list_only: Annotated[
+        bool,
+        typer.Option("--list", help="Only say what would be baked, and what is not sure of it."),
+    ] = False,
     align: Annotated[
         Align, typer.Option(help="Bring the scans into one frame; auto searches the turn.")
     ] = Align.auto,
@@ -241,8 +245,10 @@ def bake_command(
         workers=workers,
     )
     from baker.batch.bake_all import bake_all
+    from baker.batch.listing import list_plants
     from baker.batch.plant import Outputs, bake_one, check_output
     from baker.batch.plants import find_plants
+    from baker.errors import InputError
 
     if traits is not None:
         check_output(traits, "a table of traits", (".csv",))
@@ -256,7 +262,12 @@ def bake_command(
         quiet=quiet,
         verbose=verbose,
     )
+    if not output and not list_only:
+        raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
     plants = find_plants(inputs, output)
+    if list_only:
+        list_plants(plants, inputs, options, quiet)
+        return 0
     if plants:
         return bake_all(plants, options, outputs)
     bake_one(inputs, options, outputs)

@@ -40,7 +40,7 @@ from baker.matching import (
     match_series,
 )
 from baker.options import Options, Segment, worker_count
-from baker.scans import Series, read_series
+from baker.scans import Finding, Series, read_series
 from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
@@ -58,6 +58,28 @@ Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
 
 Register = Callable[..., Alignment]
+
+
+@dataclass(frozen=True)
+class Survey:
+    """A series before segmentation: in one frame, with what was decided about it."""
+
+    found: Series  # all scans as they were read, those left out too
+    series: Series  # the scans to bake
+    options: Options  # as this series has them
+    alignment: Alignment  # of all scans found
+    aligned: AlignedSeries
+    held_out: tuple[HeldOut, ...]
+    labels: LabelUse
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What was decided, and how surely."""
+        sizes = sorted({len(scan) for scan in self.series.scans})
+        each = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
+        points = Finding("points", f"{len(self.series.scans)} scans of {each}")
+        stages = (self.found, self.alignment, self.labels)
+        return (points, *(finding for stage in stages for finding in stage.findings))
 
 
 @dataclass(frozen=True)
@@ -113,6 +135,27 @@ def bake_recorded(
         return bake_series(series, chosen, progress, map, register, solve)
 
 
+def survey_series(
+    found: Series, options: Options, progress: Progress, map: MapLike, register: Register = align
+) -> Survey:
+    """Align scans that have been read, and decide what their labels mean (section 3.1).
+
+    map: maps a function over scans. register: aligns them as `baker.alignment.align` does; a cache
+    may stand in for it.
+    """
+    options = options.for_series(found.fixed, found.length, found.root)
+    choices = options.resolved()
+    root = _local_root(found, options)
+    points = [scan.points for scan in found.scans]
+    alignment = register(points, choices.align, choices.up, root, progress=progress, map=map)
+    keyframes = aligned_keyframes(found, alignment)
+    series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
+    series, aligned = _measure(series, keyframes, alignment, root, choices, map)
+    read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
+    labels = label_policy(read, names, aligned.clouds, aligned.bases, choices.labels)
+    return Survey(found, series, options, alignment, aligned, tuple(held_out), labels)
+
+
 def bake_series(
     found: Series,
     options: Options,
@@ -120,40 +163,29 @@ def bake_series(
     map: MapLike = map,
     register: Register = align,
     solve: IntervalSolver | None = None,
+    announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, BakeRecord]:
     """Bake scans that have been read.
 
     Parameters
     ----------
-    found : Series
-    options : Options
-    progress : callable
-        As that of `bake`.
-    map : MapLike
-        Maps a function over scans.
-    register : callable
-        Aligns the scans as `baker.alignment.align` does; a cache may stand in for it.
+    found, options, progress, map, register
+        As those of `survey_series`.
     solve : IntervalSolver, optional
         Solves the intervals: a cache, or the workers of a cluster. By default threads.
-
-    Returns
-    -------
-    clip : Clip
-    record : BakeRecord
+    announce : callable, optional
+        Called with what was decided about the series, before the long stages begin.
     """
-    options = options.for_series(found.fixed, found.length, found.root)
-    choices = options.resolved()
-    root = _local_root(found, options)
-
     # Alignment (section 3.1)
-    points = [scan.points for scan in found.scans]
-    alignment = register(points, choices.align, choices.up, root, progress=progress, map=map)
-    keyframes = aligned_keyframes(found, alignment)
-    series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
-    series, aligned = _measure(series, keyframes, alignment, root, choices, map)
+    survey = survey_series(found, options, progress, map, register)
+    series, alignment, aligned = survey.series, survey.alignment, survey.aligned
+    options, held_out = survey.options, survey.held_out
+    choices = options.resolved()
+    if announce:
+        announce(survey.findings)
 
     # Segmentation (3.2), with organs tracked through the series where labels do not name them (3.3)
-    labels, hierarchies = _segment(series, aligned, choices, progress, map)
+    labels, hierarchies = _segment(survey.labels, aligned, choices, progress, map)
     keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
     aligned = replace(aligned, keyframes=tuple(keyframes))
 
@@ -231,12 +263,10 @@ def _measure(
 
 
 def _segment(
-    series: Series, aligned: AlignedSeries, options: Options, progress: Progress, map: MapLike
+    labels: LabelUse, aligned: AlignedSeries, options: Options, progress: Progress, map: MapLike
 ) -> tuple[LabelUse, list[Hierarchy]]:
-    """How labels are used, and each scan's hierarchy under labels that name the same organs."""
+    """Each scan's hierarchy, under labels that name the same organs in all scans."""
     clouds, bases = aligned.clouds, aligned.bases
-    read = [scan.labels for scan in series.scans]
-    labels = label_policy(read, [s.name for s in series.scans], clouds, bases, options.labels)
     if options.whole:
         return labels, whole_hierarchies(clouds)
     map = reporting(map, partial(progress, "segmentation"), len(clouds))

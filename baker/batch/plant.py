@@ -14,6 +14,7 @@ from typing import Any
 from baker.alignment import align
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
+from baker.batch.listing import finding_lines
 from baker.batch.progress import StageProgress
 from baker.batch.traits import write_traits
 from baker.errors import InputError
@@ -24,7 +25,7 @@ from baker.pipeline import Register, bake_series
 from baker.report import write_report
 from baker.report.summary import print_summary
 from baker.report.verification import print_errors, verify
-from baker.scans import read_series
+from baker.scans import Finding, read_series
 from baker.transport.compile import compile_kernels
 from gclip.terminal.text import Lossy
 
@@ -77,7 +78,8 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         not_kept = None
         if outputs.cluster is None and options.resolved().transport != Transport.sinkhorn:
             not_kept = compile_kernels(partial(progress, "compiling the solver, once"))
-        clip, record = bake_series(scans, options, progress, map, register, solve)
+        announce = partial(_announce, progress)
+        clip, record = bake_series(scans, options, progress, map, register, solve, announce)
         progress("writing", 0, 1)
         clip.save(outputs.clip)
         progress("writing", 1, 1)
@@ -90,7 +92,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     say = partial(console.print, markup=False, highlight=False)
-    for note in clip.provenance["decisions"] + clip.provenance["notes"] * outputs.verbose:
+    for note in clip.provenance["notes"] * outputs.verbose:
         say(note)
     if not_kept:
         say(not_kept)
@@ -103,6 +105,12 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     for what, path in (("report", outputs.report), ("traits", outputs.traits)):
         if path is not None:
             say(f"{what}: {path}")
+
+
+def _announce(progress: StageProgress, findings: Sequence[Finding]) -> None:
+    """Print what was decided, above the bars of the stages to come."""
+    for line in finding_lines(findings):
+        progress.say(line)
 
 
 def check_clip(path: Path) -> None:

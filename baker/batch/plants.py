@@ -26,7 +26,8 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
     the scans of one plant, to be baked into one clip.
 
     Several folders are a plant each; so are the folders in a folder that holds no scans itself.
-    The folder of the clips is no plant, though a pattern such as */ may name it.
+    The folder of the clips is no plant, though a pattern such as */ may name it. Without an output,
+    nothing is required of one.
 
     Raises InputError: files among folders, two plants of one name, or an output that doesn't fit.
     """
@@ -53,7 +54,8 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
             find_scans(folders)  # says what is missing
     elif len(folders) == 1 and not names_folder(output):
         return ()
-    _require_folder(output, len(many))
+    if output:
+        _require_folder(output, len(many))
     clips = Path(output)
     many = [path for path in many if not (clips.exists() and path.samefile(clips))]
     plants = tuple(Plant(Path(os.path.abspath(path)).name, path) for path in many)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "labels")
+
 
 @dataclass(frozen=True)
 class Finding:
     """One decision for a whole series, as `bake --list` and the first lines of a bake print it.
 
-    topic:  "order", "days", "points", "unit", "up", "ground", "labels", "frame" or "plant".
+    topic:  one of TOPICS, in whose order they are printed.
     found:  what was decided and by which rule, in a botanist's words: "z, as scans usually have".
     doubt:  what speaks against it, a clause without a full stop; "" where nothing does.
     option: how to say it otherwise: "--up y". Named wherever there is a doubt.
