@@ -1,30 +1,7 @@
 """The file beside the images: how the camera sees, what the images are called, how to repair them.
 
-`camera.toml` (or the same as `camera.json`); all but the first four lines may be left out:
-
-    fx = 610.0                 # focal lengths and principal point, in pixels of the depth image;
-    fy = 610.0                 # the centre of the upper left pixel is (0, 0)
-    cx = 239.5
-    cy = 179.5
-    width = 480                # only to check the images' size
-    height = 360
-    depth_unit = "mm"          # of one count: a number of mm, "m", "cm", "mm", "um", "0.125 mm"
-    crop = [80, 60]            # where colour and label images are cut out of the depth image:
-                               # the depth pixel that their upper left pixel shows
-    ground = 500.0             # distance from the camera to the ground, mm
-    background = 0             # the label (or "#rrggbb") of what is no plant
-    per_day = 6                # images a day, where names end in day and number: rgb_003_05.png
-
-    [images]                   # one * each; it stands for the frame's name
-    color = "rgb_*.png"
-    depth = "depth_*.png"
-    label = "label_*.png"      # optional, all frames or none
-    mask = "mask_*.png"        # optional, any frames: what is not 0 is marked unknown
-
-    [repair]                   # which depth is marked unknown: see RepairOptions
-    ring = 1
-    band = 6
-    jump = 2.0
+`camera.toml`, or the same as `camera.json`: docs/images.md says what each field means. The centre
+of the upper left pixel is (0, 0).
 """
 
 from __future__ import annotations
@@ -114,7 +91,7 @@ class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):
-    """A pinhole camera and its images; the module's text says what each field means."""
+    """A pinhole camera and its images, in pixels of the depth images, and mm."""
 
     fx: Positive
     fy: Positive

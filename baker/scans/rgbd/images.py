@@ -7,16 +7,21 @@ import struct
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.scans.finding import Finding
 from baker.scans.rgbd.camera import Camera, Patterns
-from baker.scans.times import Entry, FoundScans, Moment, Schedule, natural_key, schedule_scans
+from baker.scans.times import (
+    FoundScans,
+    Moment,
+    Schedule,
+    natural_key,
+    schedule_in_time,
+    schedule_scans,
+)
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -53,26 +58,23 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     InputError
         For fewer than two frames, a frame without depth, or labels for some frames only.
     """
-    colors, depths, labels, masks = (
-        _by_name(folder, pattern)
-        for pattern in (patterns.color, patterns.depth, patterns.label, patterns.mask)
-    )
-    if not colors:
-        raise InputError(f"'{folder}' holds no colour images '{patterns.color}'.")
-    if len(colors) == 1:
+    colors = _by_name(folder, patterns.color)
+    if len(colors) < 2:
         raise InputError(
-            f"'{folder}' holds only one colour image, '{patterns.color}'; growth needs two."
+            f"'{folder}' holds {len(colors) or 'no'} colour image{'s' * (len(colors) != 1)} "
+            f"'{patterns.color}'; growth needs two."
         )
+    depths, labels = _by_name(folder, patterns.depth), _by_name(folder, patterns.label)
+    masks = _by_name(folder, patterns.mask)
     names = sorted(colors, key=natural_key)
-    required = [("depth", depths, patterns.depth)]
-    required += [("label", labels, patterns.label)] if labels else []
     for name in names:
-        for kind, found, pattern in required:
+        for kind, found, pattern in (
+            ("depth", depths, patterns.depth),
+            ("label", labels or colors, patterns.label),
+        ):
             if name not in found:
-                raise InputError(
-                    f"'{colors[name]}' has no {kind} image; '{pattern.replace('*', name)}' is "
-                    "missing."
-                )
+                missing = pattern.replace("*", name)
+                raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
     return tuple(
         Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
     )
@@ -104,7 +106,7 @@ def schedule_frames(
             f'patterns such as color = "rgb_{plants[0]}_*.png" under [images] in the camera\'s '
             "file."
         )
-    entries = []
+    moments = []
     for frame, slot in zip(frames, known, strict=True):
         if int(slot["slot"]) >= per_day:
             raise InputError(
@@ -113,17 +115,9 @@ def schedule_frames(
                 "where the number is the hour)."
             )
         time = int(slot["day"]) + int(slot["slot"]) / per_day
-        entries.append(Entry(frame.color, frame.color.name, Moment(time, f"day {time:.2f}")))
-    entries.sort(key=lambda entry: entry.moment.time)
-    for before, after in pairwise(entries):
-        if before.moment.time == after.moment.time:
-            raise InputError(
-                f"'{before.name}' and '{after.name}' have the same time, {after.moment.date}; one "
-                "moment can have one image only."
-            )
-    first, last = entries[0].moment.date, entries[-1].moment.date
-    rule = f"{first} to {last}, from day and number in the names, {per_day} images a day"
-    return Schedule(tuple(entries), Finding("days", rule), "days")
+        moments.append(Moment(time, f"day {time:.2f}"))
+    rule = f"from day and number in the names, {per_day} images a day"
+    return schedule_in_time(found, [path.name for path in found.paths], moments, rule)
 
 
 def read_color(path: Path) -> NDArray[np.uint8]:
@@ -176,13 +170,10 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
 
 
 def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
+    """The files of a pattern, by what its star stands for."""
     before, _, after = Path(pattern).name.partition("*")
-    parent = folder / Path(pattern).parent
-    if not parent.is_dir():
-        return {}
-    fits = re.compile(f"{re.escape(before)}(?P<name>.+){re.escape(after)}")
-    found = ((fits.fullmatch(path.name), path) for path in parent.iterdir())
-    return {match["name"]: path for match, path in found if match and path.is_file()}
+    found = (path for path in folder.glob(pattern) if path.is_file())
+    return {path.name.removeprefix(before).removesuffix(after): path for path in found}
 
 
 def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -11,8 +10,8 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.cloud import Cloud
-from baker.scans.rgbd.camera import read_camera
-from baker.scans.rgbd.depth_repair import LabelRepair, repair
+from baker.scans.rgbd.camera import Camera, read_camera
+from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
 from baker.scans.rgbd.images import (
     Frame,
     find_frames,
@@ -22,7 +21,6 @@ from baker.scans.rgbd.images import (
     read_mask,
     schedule_frames,
 )
-from baker.scans.rgbd.unproject import unproject
 from baker.scans.times import Schedule
 
 
@@ -65,18 +63,18 @@ class ImageSeries:
         labels = read_labels(frame.label) if frame.label else None
         notes: tuple[str, ...] = ()
         if labels is None:
-            chosen = (depth > 0) & ~painted
+            depth = np.where(painted, 0.0, depth)
         else:
             _require_size(frame, frame.label, labels, colors)
             repaired = repair(depth, labels, self.camera.background, painted, self.camera.repair)
-            depth, chosen = repaired.depth, repaired.depth > 0
-            notes = _notes(repaired.labels)
+            depth, notes = repaired.depth, _notes(repaired, labels, self.camera.background)
+        chosen = depth > 0
         if not chosen.any():
             raise InputError(
                 f"'{frame.label or frame.depth}' shows no plant: no "
                 f"{'labelled ' if frame.label else ''}pixel has a depth."
             )
-        points = unproject(depth, chosen, self.camera, self._ground)
+        points = unproject(depth, self.camera, self._ground)
         named = labels[chosen] if labels is not None and use_labels else None
         return Cloud(points, named, colors[chosen], notes)
 
@@ -129,30 +127,52 @@ def _require_size(frame: Frame, path: Path | None, image: NDArray, color: NDArra
         )
 
 
-def _notes(labels: Sequence[LabelRepair]) -> tuple[str, ...]:
-    """One sentence on the repair, one on what could not be repaired."""
-    names = ("pixels", "missing", "painted", "jumps", "ring", "filled", "dropped")
-    total = {name: sum(getattr(label, name) for label in labels) for name in names}
-    unknown = total["filled"] + total["dropped"]
-    if not unknown:
-        return (f"depth is valid at all {total['pixels']} labelled pixels.",)
-    reasons = {
-        "not measured": total["missing"],
-        "painted": total["painted"],
-        "off their surface": total["jumps"],
-        "on a border": total["ring"],
-    }
-    why = ", ".join(f"{count} {reason}" for reason, count in reasons.items() if count)
-    each = ", ".join(f"{label.label}: {label.filled}" for label in labels if label.filled)
-    notes = [
-        f"depth unknown at {unknown} of {total['pixels']} labelled pixels ({why}); "
-        f"{total['filled']} filled by diffusion (label: pixels {each or 'none'})."
-    ]
-    whole = [label for label in labels if label.dropped == label.pixels]
-    if whole:
-        listed = ", ".join(f"{label.label} ({label.pixels})" for label in whole)
-        notes.append(f"left out, without any valid depth: label (pixels) {listed}.")
-    parts = total["dropped"] - sum(label.dropped for label in whole)
-    if parts:
-        notes.append(f"left out {parts} pixels in parts of labels without any valid depth.")
-    return tuple(notes)
+def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
+    """The points that the pixels of a depth image show, in mm, row by row.
+
+    x points to the picture's right, y to its top, z from the ground to the camera; the origin lies
+    on the ground, on the camera's axis. (Of the usual camera axes, right, down and forward, the
+    last two are turned over: a half turn about x.)
+
+    Parameters
+    ----------
+    depth : (H, W) float64
+        mm along the camera's axis; pixels of 0 give no point.
+    camera : Camera
+    ground : float
+        Distance from the camera to the ground, mm.
+
+    Returns
+    -------
+    (N, 3) float64
+    """
+    v, u = np.nonzero(depth)
+    left, top = camera.crop or (0, 0)
+    z = depth[v, u]
+    x = (u + left - camera.cx) / camera.fx * z
+    y = (v + top - camera.cy) / camera.fy * z
+    return np.stack([x, -y, ground - z], axis=1)
+
+
+def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tuple[str, ...]:
+    """A sentence on what was repaired, and one on what could not be."""
+    plant, unknown = labels != background, repaired.reason > VALID
+    if not unknown.any():
+        return (f"depth is valid at all {plant.sum()} labelled pixels.",)
+    counts = np.bincount(repaired.reason[unknown], minlength=len(REASONS)).tolist()
+    why = ", ".join(f"{count} {what}" for count, what in zip(counts, REASONS, strict=True) if count)
+    is_filled = repaired.depth > 0
+    filled, lost = labels[unknown & is_filled], labels[unknown & ~is_filled]
+    note = (
+        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({why}); {len(filled)} "
+        f"filled by diffusion (label: pixels {_by_label(filled)})."
+    )
+    if not len(lost):
+        return (note,)
+    each = f"label: pixels {_by_label(lost)}"
+    return (note, f"left out {len(lost)} pixels without any valid depth in reach ({each}).")
+
+
+def _by_label(labels: NDArray[np.int64]) -> str:
+    counts = zip(*np.unique(labels, return_counts=True), strict=True)
+    return ", ".join(f"{label}: {count}" for label, count in counts) or "none"

@@ -7,8 +7,9 @@ from baker.scans.times.schedule import (
     Schedule,
     names_without_times,
     natural_key,
+    schedule_in_time,
     schedule_scans,
 )
 
-__all__ = ["Entry", "FoundScans", "Moment", "Schedule"]
+__all__ = ["Entry", "FoundScans", "Moment", "Schedule", "schedule_in_time"]
 __all__ += ["names_without_times", "natural_key", "schedule_scans"]

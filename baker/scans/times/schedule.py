@@ -66,13 +66,13 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
         names = [f"{path.resolve().parent.name}/{path.name}" for path in found.paths]
     if times_file is not None:
         moments = moments_from_file(times_file, names)
-        return _in_time(found, names, moments, f"from '{times_file.name}'")
+        return schedule_in_time(found, names, moments, f"from '{times_file.name}'")
     reading, level = _times_in_names(found.paths)
     if reading is None:
         return _in_order(found, names)
     where = "folders' names" if level else "names"
     rule = f"from the {reading.convention.what} in the {where}"
-    schedule = _in_time(found, names, reading.moments, rule)
+    schedule = schedule_in_time(found, names, reading.moments, rule)
     finding = replace(schedule.finding, doubt=reading.doubt, option="--times FILE")
     return replace(schedule, finding=finding)
 
@@ -116,9 +116,13 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
     return ["".join(part) for part in parts]
 
 
-def _in_time(
+def schedule_in_time(
     found: FoundScans, names: Sequence[str], moments: Sequence[Moment], rule: str
 ) -> Schedule:
+    """The scans at these moments. Raises InputError where two have the same.
+
+    rule: how the moments were found; the first and the last are added.
+    """
     entries = list(map(Entry, found.paths, names, moments))
     for entry in entries:
         if not abs(entry.moment.time) <= MAX_ABS_TIME:
@@ -126,8 +130,8 @@ def _in_time(
                 f"'{entry.name}' has the time {entry.moment.date} ({rule}); days from "
                 f"{-MAX_ABS_TIME:g} to {MAX_ABS_TIME:g} are possible."
             )
-    in_time = sorted(entries, key=lambda entry: entry.moment.time)
-    for before, after in pairwise(in_time):
+    ordered = sorted(entries, key=lambda entry: entry.moment.time)
+    for before, after in pairwise(ordered):
         step = after.moment.time - before.moment.time
         if step < MIN_TIME_STEP:
             raise InputError(
@@ -137,14 +141,14 @@ def _in_time(
                 else f"'{before.name}' and '{after.name}' have the same time, "
                 f"{after.moment.date} ({rule}); one moment can have one scan only."
             )
-    rule = f"{in_time[0].moment.date} to {in_time[-1].moment.date}, {rule}"
-    if in_time != entries and not found.from_folder:
+    rule = f"{ordered[0].moment.date} to {ordered[-1].moment.date}, {rule}"
+    if ordered != entries and not found.from_folder:
         rule += "; in the order of time, not in the order given"
     if all(moment.dated for moment in moments):  # days since the first scan: the plant's age
-        first = in_time[0].moment.time
-        ages = [replace(entry.moment, time=entry.moment.time - first) for entry in in_time]
-        in_time = [replace(e, moment=age) for e, age in zip(in_time, ages, strict=True)]
-    return Schedule(tuple(in_time), Finding("days", rule), "days")
+        first = ordered[0].moment.time
+        ages = [replace(entry.moment, time=entry.moment.time - first) for entry in ordered]
+        ordered = [replace(e, moment=age) for e, age in zip(ordered, ages, strict=True)]
+    return Schedule(tuple(ordered), Finding("days", rule), "days")
 
 
 def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:

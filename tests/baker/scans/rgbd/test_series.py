@@ -150,7 +150,9 @@ def test_a_label_without_depth_is_left_out_and_said(make_images: FolderMaker) ->
     scan = read_series([folder]).scans[0]
     assert scan.labels is not None
     assert set(scan.labels.tolist()) == {3}
-    assert "left out, without any valid depth: label (pixels) 7 (18)." in scan.notes
+    assert (
+        "left out 18 pixels without any valid depth in reach (label: pixels 7: 18)." in scan.notes
+    )
 
 
 def test_without_label_images_all_depth_becomes_points(make_images: FolderMaker) -> None:
@@ -246,7 +248,7 @@ SMOOTH = np.random.default_rng(0).integers(0, 256, (*SIZE, 3)).astype(np.uint8)
     ("how", "said"),
     [
         ({"camera": None}, "holds images, but no camera.toml .* needs at least fx, fy, cx and cy"),
-        ({"names": ("000_00",)}, "holds only one colour image"),
+        ({"names": ("000_00",)}, "holds 1 colour image "),
         ({"without": "rgb_*.png"}, r"holds no colour images 'rgb_\*.png'"),
         ({"without": "depth_000_03.png"}, "no depth image; 'depth_000_03.png' is missing"),
         ({"without": "depth_*.png"}, "no depth image; 'depth_000_00.png' is missing"),
