@@ -86,6 +86,11 @@ def _day_of_year(match: re.Match[str]) -> Moment | None:
     return _dated("%Y-%m-%d", (number - 1) * 86400, year=int(match["year"]), month=1, day=1)
 
 
+def _week_and_day(match: re.Match[str]) -> Moment:
+    week, day = int(match["week"]), int(match["day"])
+    return Moment(7.0 * week + day, f"week {week} day {day}")
+
+
 def _unix(match: re.Match[str]) -> Moment | None:
     return _dated("%Y-%m-%d %H:%M:%S", int(match[0][:10]), year=1970, month=1, day=1)
 
@@ -140,8 +145,13 @@ def _numbers(unit: str, days: float, prefixes: str, suffixes: str) -> list[Conve
 
 # Days after sowing, planting, transplanting, germination, emergence, inoculation, infection.
 _DAYS_AFTER = "da[sptgeif]|dp[iagsp]"
+_DAYS = "days?|d|tage?|jours?|d[ií]as?"
 _HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"
 _ORDINAL = re.compile(rf"(?<!\d)(?P<year>{_YEAR})[-_. ]?(?P<number>\d\d\d)(?!\d)")
+_WEEK_AND_DAY = re.compile(
+    r"(?<![a-z0-9])w(?:eeks?|k)?[ _-]?(?P<week>\d+)[ _-]?d(?:ays?)?[ _-]?(?P<day>\d+)",
+    re.IGNORECASE,
+)
 _UNIX = re.compile(r"(?<!\d)1\d{9}(?:\d{3})?(?!\d)")
 CONVENTIONS: tuple[Convention, ...] = (
     Convention("dates", _ISO, _iso, 0, "iso"),
@@ -151,13 +161,17 @@ CONVENTIONS: tuple[Convention, ...] = (
     *_dates("named", 1, "ymd", rf"(?P<a>{_YEAR})[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>\d\d?)"),
     *_dates("year", 1, "dmy mdy", rf"(?P<a>\d\d?)(?P<s>[-_. ])(?P<b>\d\d?)(?P=s)(?P<c>{_YEAR})"),
     *_dates("eight digits", 1, "dmy mdy", rf"(?P<a>\d\d)(?P<b>\d\d)(?P<c>{_YEAR})"),
-    *_numbers("day", 1.0, f"days?|d|tage?|dag|{_DAYS_AFTER}", f"days?|d|tage?|{_DAYS_AFTER}"),
+    *_numbers("day", 1.0, f"{_DAYS}|dag|doy|{_DAYS_AFTER}", f"{_DAYS}|{_DAYS_AFTER}"),
     *_numbers("week", 7.0, "weeks?|wk|w|wochen?|kw", "weeks?|wk|w|wochen?"),
     *_numbers("hour", 1 / 24, _HOURS, _HOURS),
+    *_numbers("minute", 1 / 1440, "minutes?|mins?", "minutes?|mins?"),
+    Convention("weeks and days", _WEEK_AND_DAY, _week_and_day, 1, "weeks and days"),
     *_dates("short", 3, "dmy ymd mdy", r"(?P<a>\d\d?)(?P<s>[-.])(?P<b>\d\d?)(?P=s)(?P<c>\d\d)"),
     Convention("unix times", _UNIX, _unix, 3, "unix times"),
     Convention("years and days of the year", _ORDINAL, _day_of_year, WEAK_RANK, "ordinal"),
     *_dates("six digits", WEAK_RANK, "ymd dmy mdy", r"(?P<a>\d\d)(?P<b>\d\d)(?P<c>\d\d)"),
-    *_dates(NO_YEAR, WEAK_RANK, "dm", rf"(?P<a>\d\d?)[-_. ]?(?P<b>{_MONTH})(?![a-z])"),
+    *_dates(NO_YEAR, WEAK_RANK, "dm", rf"(?P<a>\d\d?)[-_. ]*(?P<b>{_MONTH})(?![a-z])"),
+    *_dates(NO_YEAR, WEAK_RANK, "md", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?)"),
     *_dates(NO_YEAR, WEAK_RANK + 1, "md dm", r"(?P<a>\d\d)-?(?P<b>\d\d)"),
+    *_dates(NO_YEAR, WEAK_RANK + 1, "dm", r"(?P<a>\d\d?)\.(?P<b>\d\d)\.?(?!\.?\d)"),
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from baker.errors import InputError
 from baker.scans.times.conventions import Moment, parse_date
+from baker.scans.times.names import read_times
 
 MAX_TIME_CHARACTERS = 100
 MAX_FILE_BYTES = 1 << 24
@@ -15,7 +16,7 @@ MAX_FILE_BYTES = 1 << 24
 
 def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
     """The time of each of `names`, looked up by the name with or without folder and suffix."""
-    listed = _read_times(path)
+    listed = _moments(path, _read_times(path))
     moments = []
     for name in names:
         plain = name.rpartition("/")[2]
@@ -29,8 +30,24 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
     return moments
 
 
-def _read_times(path: Path) -> dict[str, Moment]:
-    listed: dict[str, Moment] = {}
+def _moments(path: Path, listed: dict[str, tuple[int, str]]) -> dict[str, Moment]:
+    """Days and ISO dates as they stand; else the times as they are read from names."""
+    texts = [text for _, text in listed.values()]
+    moments = [_parse_time(text) for text in texts]
+    if None in moments and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
+        moments = list(reading.moments)
+    for (number, text), moment in zip(listed.values(), moments, strict=True):
+        if moment is None:
+            raise InputError(
+                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
+                f"such as 2020-03-08), found the time '{text[:60]}'."
+            )
+    return {name: moment for name, moment in zip(listed, moments, strict=True) if moment}
+
+
+def _read_times(path: Path) -> dict[str, tuple[int, str]]:
+    """The line and the text of each name's time."""
+    listed: dict[str, tuple[int, str]] = {}
     lines = [(number, line.strip()) for number, line in enumerate(_read_lines(path), 1)]
     rows = [(n, line) for n, line in lines if line and not line.startswith(("#", "//"))]
     for number, line in rows:
@@ -39,15 +56,13 @@ def _read_times(path: Path) -> dict[str, Moment]:
         name, time = (part.strip().strip("\"' ") for part in parts[:2])
         if number == rows[0][0] and time and not re.search(r"\d", time):
             continue  # a header
-        moment = _parse_time(time)
-        if moment is None or not name:
+        if not time or not name:
             raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
-                f"such as 2020-03-08), found '{line[:60]}'."
+                f"'{path}', line {number}: expected a scan's name and a time, found '{line[:60]}'."
             )
         if name in listed:
             raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
-        listed[name] = moment
+        listed[name] = number, time
     return listed
 
 

@@ -141,6 +141,12 @@ def test_times_file(tmp_path, lines):
     assert found.unit == "days"
 
 
+def test_times_file_may_hold_dates_as_people_write_them(tmp_path):
+    path = tmp_path / "times.csv"
+    path.write_text("name;date\na.ply;27.02.2023\nb.ply;01.03.2023\n")
+    assert gaps("a.ply", "b.ply", times_file=path) == [0, 2]
+
+
 def test_times_file_comes_before_names(tmp_path):
     path = tmp_path / "times.txt"
     path.write_text("day1.ply 20\nday2.ply 10\n")
@@ -152,7 +158,7 @@ def test_times_file_comes_before_names(tmp_path):
     [
         ("a.ply 1\n", r"no line for the scan 'b\.ply'"),
         ("a.ply 1\nb.ply 1\n", r"'a\.ply' and 'b\.ply' have the same time, day 1"),
-        ("a.ply 1\nb.ply soon\n", r"line 2: expected .* found 'b\.ply soon'"),
+        ("a.ply 1\nb.ply soon\n", r"line 2: expected .* found the time 'soon'"),
         ("a.ply 1\nb.ply\n", r"line 2: expected"),
         ("a.ply 1\nb.ply 2020-02-30\n", r"line 2: expected"),
         ("a.ply 1\nb.ply nan\n", r"line 2: expected"),
