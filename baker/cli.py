@@ -180,7 +180,7 @@ def bake_command(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Bake on the workers of this dask scheduler; local:N starts N here.",
+            help="Bake on the workers of this dask scheduler.",
         ),
     ] = None,
     force: Annotated[

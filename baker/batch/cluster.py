@@ -13,12 +13,11 @@ import logging
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from baker.batch.job import Outcome, PlantJob, bake_plant
@@ -27,21 +26,16 @@ from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
 from baker.interpolation.provenance import software
-from baker.options import worker_count
 from gclip.clip import Interval
 from gclip.terminal.command import OUR_FAULT
 
 if TYPE_CHECKING:
     from distributed import Client
 
-LOGS = ("distributed", "distributed.client", "distributed.nanny", "distributed.worker", "asyncio")
-MAX_LOCAL_WORKERS = 256
+LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
 PATIENCE = 5  # seconds that a scheduler has to answer
 MIN_PLANTS_UNDER_WAY = 64  # so that a cluster that grows with its load does grow
-CONFIG = {
-    "distributed.worker.profile.enabled": False,  # its records grow for an hour
-    "distributed.admin.large-graph-warning-threshold": "1TB",  # scans are large, and meant to go
-}
+CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # scans are meant to travel
 
 
 def bake_on_cluster(
@@ -49,26 +43,31 @@ def bake_on_cluster(
 ) -> Generator[Outcome]:
     """Bake with all workers of a cluster; outcomes come as they are ready.
 
-    address: of the scheduler, or the name of its file; ``local`` or ``local:N`` starts workers.
-    say: called with what the user should know meanwhile. Raises InputError where there is no
-    dask.distributed, no scheduler, or a worker that can't take part.
+    address: of the scheduler, or the name of its file. say: called with what the user should know
+    meanwhile. Raises InputError where there is no dask.distributed, no scheduler, or a worker that
+    can't take part.
     """
-    missing = partial(_missing, _versions(), _folders(jobs))
-    with _connected(address, missing) as client:
+    with _connected(address) as client:
 
         def cores() -> int:
             return sum(client.nthreads().values())
 
-        def window() -> int:
-            return max(MIN_PLANTS_UNDER_WAY, 2 * cores())
-
         if not cores():
             say(f"{address} has no workers yet; it is waited for them")
-        bake = partial(_bake_there, missing=missing, split=len(jobs) < cores())
-        executor, whole = client.get_executor(pure=False), map(_absolute, jobs)
+        # Where there are fewer plants than cores, a plant's intervals are tasks of their own.
+        solve = _solve_from_worker if len(jobs) < cores() else None
+        bake = Checked(partial(bake_plant, solve=solve), _versions(), _folders(jobs))
+        executor = client.get_executor(pure=False)
+        under_way = as_they_complete(
+            executor, bake, map(_absolute, jobs), lambda: max(MIN_PLANTS_UNDER_WAY, 2 * cores())
+        )
         try:
-            for job, future in as_they_complete(executor, bake, whole, window):
-                yield _outcome(job, future.result, address)
+            for job, future in under_way:
+                try:
+                    with _task_faults():
+                        yield future.result()
+                except WorkerDied as died:
+                    yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
         finally:
             executor.shutdown(wait=False)
 
@@ -76,46 +75,53 @@ def bake_on_cluster(
 @contextmanager
 def interval_solver(address: str) -> Iterator[IntervalSolver]:
     """Have one plant's intervals solved by a cluster. Raises InputError as `bake_on_cluster`."""
-    with _connected(address, partial(_missing, _versions(), ())) as client:
+    with _connected(address) as client:
         yield partial(_solve, client)
 
 
-def _missing(versions: dict[str, str], folders: tuple[Path, ...]) -> str:
-    """What the worker that calls this lacks of the same software and folders; empty for nothing."""
-    found = _versions()
-    for name, ours in versions.items():
-        if found[name] != ours:
-            return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
-    for folder in folders:
-        if not folder.is_dir():
-            return (
-                f"does not see the folder '{folder}': scans and clips must lie where all "
-                "machines find them under the same name"
-            )
-    return ""
+@dataclass(frozen=True)
+class Checked:
+    """A task, done by workers that have the same software and see the folders.
 
-
-def _bake_there(job: PlantJob, missing: Callable[[], str], split: bool) -> Outcome:
-    """A task. Raises InputError where its worker can't take part.
-
-    split: have the plant's intervals solved as tasks of their own.
+    Each task checks it, as workers come and go. Raises InputError where the worker can't take part.
     """
-    from distributed import get_worker
 
-    if lacks := missing():  # workers may have come after `_connected` checked them
-        raise InputError(f"The cluster's worker {get_worker().address} {lacks}.")
-    return bake_plant(job, _solve_from_worker if split else None)
+    function: Callable[[Any], Any]
+    versions: dict[str, str]
+    folders: tuple[Path, ...] = ()
+
+    def __call__(self, job: Any) -> Any:
+        from distributed import get_worker
+
+        if lacks := self.lacks():
+            raise InputError(f"The cluster's worker {get_worker().address} {lacks}.")
+        return self.function(job)
+
+    def lacks(self) -> str:
+        """What there is not where this is called; empty for nothing."""
+        found = _versions()
+        for name, ours in self.versions.items():
+            if found[name] != ours:
+                return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
+        for folder in self.folders:
+            if not folder.is_dir():
+                return (
+                    f"does not see the folder '{folder}': scans and clips must lie where all "
+                    "machines find them under the same name"
+                )
+        return ""
 
 
 def _solve(
     client: Client, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    from distributed import KilledWorker
+    executor, versions = client.get_executor(pure=False), _versions()
 
-    try:
-        yield from solve_by(client.get_executor(pure=False).map, jobs, report_progress)
-    except KilledWorker as error:
-        raise WorkerDied(error.allowed_failures + 1) from None
+    def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
+        return executor.map(Checked(function, versions), jobs)
+
+    with _task_faults():
+        yield from solve_by(map_on_cluster, jobs, report_progress)
 
 
 def _solve_from_worker(
@@ -128,26 +134,28 @@ def _solve_from_worker(
         yield from _solve(client, jobs, report_progress)
 
 
-def _outcome(job: PlantJob, result: Callable[[], Outcome], address: str) -> Outcome:
+@contextmanager
+def _task_faults() -> Iterator[None]:
+    """What dask raises about a task, in a sentence."""
     from distributed import KilledWorker
 
     try:
-        return result()
+        yield
     except KilledWorker as error:
-        died = WorkerDied(error.allowed_failures + 1)
-        return Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+        raise WorkerDied(error.allowed_failures + 1) from None
     except CancelledError:
         raise InputError(
-            f"--cluster {address}: the scheduler is gone; the plants that are done stay done, and "
-            "the same command does the others."
+            "The cluster's scheduler is gone; the plants that are done stay done, and the same "
+            "command does the others."
         ) from None
     except ImportError as error:
-        raise InputError(f"A worker of the cluster lacks the program: {error}.") from None
+        raise InputError(
+            f"A worker of the cluster lacks the program ({error}); install it there, too."
+        ) from None
 
 
 @contextmanager
-def _connected(address: str, missing: Callable[[], str]) -> Iterator[Client]:
-    """A client of the cluster, or of one started here, whose workers have what they need."""
+def _connected(address: str) -> Iterator[Client]:
     try:
         import dask
         import distributed
@@ -156,51 +164,20 @@ def _connected(address: str, missing: Callable[[], str]) -> Iterator[Client]:
             "--cluster needs dask.distributed, which is not installed: "
             'pip install "plant-growth-clips[cluster]"'
         ) from None
-    with ExitStack() as stack:
-        for log in map(logging.getLogger, LOGS):  # what goes wrong is reported in our own words
-            stack.callback(log.setLevel, log.level)
-            log.setLevel(logging.CRITICAL)
-        stack.enter_context(dask.config.set(CONFIG))
-        where: dict[str, Any] = {"address": address}
-        if address.partition(":")[0] == "local":
-            where["address"] = stack.enter_context(
-                distributed.LocalCluster(
-                    n_workers=_local_workers(address),
-                    threads_per_worker=1,
-                    dashboard_address=":0",
-                    local_directory=stack.enter_context(TemporaryDirectory()),
-                    silence_logs=logging.CRITICAL,
-                )
-            )
-        elif Path(address).is_file():
-            where = {"scheduler_file": address}
+    for log in LOGS:  # what goes wrong is reported in our own words
+        logging.getLogger(log).setLevel(logging.CRITICAL)
+    place = {"scheduler_file" if Path(address).is_file() else "address": address}
+    with dask.config.set(CONFIG):
         try:
-            client = distributed.Client(**where, timeout=PATIENCE, set_as_default=False)
+            client = distributed.Client(**place, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
             reason = str(error).strip().partition("\n")[0] or type(error).__name__
             raise InputError(
                 f"--cluster {address}: no scheduler answers there within {PATIENCE} s; is it "
                 f"running, and is that its address? ({reason})"
             ) from None
-        stack.enter_context(client)
-        for worker, lacks in client.run(missing, on_error="return").items():
-            if isinstance(lacks, Exception):
-                program = "ModuleNotFoundError" in repr(lacks)
-                advice = "; install the program there, too" if program else ""
-                lacks = f"can't take part ({lacks}){advice}"
-            if lacks:
-                raise InputError(f"The cluster's worker {worker} {lacks}.")
-        yield client
-
-
-def _local_workers(address: str) -> int:
-    count = address.partition(":")[2]
-    if count and not (count.isdecimal() and 0 < int(count[:9]) <= MAX_LOCAL_WORKERS):
-        raise InputError(
-            f"--cluster {address}: local:N starts N workers, from 1 to {MAX_LOCAL_WORKERS}, such "
-            "as local:2."
-        )
-    return worker_count(int(count or 0))
+        with client:
+            yield client
 
 
 def _versions() -> dict[str, str]:
@@ -210,17 +187,16 @@ def _versions() -> dict[str, str]:
 
 def _folders(jobs: Sequence[PlantJob]) -> tuple[Path, ...]:
     outputs = [path for job in jobs for path in (job.folder, job.clip, job.report) if path]
-    return tuple(sorted({_whole(path.parent) for path in outputs}))
+    return tuple(sorted({Path(os.path.abspath(path.parent)) for path in outputs}))
 
 
 def _absolute(job: PlantJob) -> PlantJob:
     """The job on one core, under names that hold in other processes' working folders."""
-    times = job.options.times and _whole(job.options.times)
-    options = replace(job.options, workers=1, times=times)
-    report, cache = job.report and _whole(job.report), job.cache and _whole(job.cache)
-    folder, clip = _whole(job.folder), _whole(job.clip)
-    return replace(job, folder=folder, clip=clip, options=options, report=report, cache=cache)
 
+    def whole(path: Path | None) -> Path | None:
+        return path and Path(os.path.abspath(path))
 
-def _whole(path: Path) -> Path:
-    return Path(os.path.abspath(path))
+    options = replace(job.options, workers=1, times=whole(job.options.times))
+    names = ("folder", "clip", "report", "cache")
+    paths: dict[str, Any] = {name: whole(getattr(job, name)) for name in names}
+    return replace(job, options=options, **paths)

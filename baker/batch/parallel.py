@@ -18,8 +18,7 @@ from concurrent.futures import (
 from concurrent.futures.process import BrokenProcessPool
 from itertools import islice
 from multiprocessing import get_context, parent_process
-from queue import SimpleQueue
-from threading import Thread, current_thread, main_thread
+from threading import Thread, current_thread, get_ident, main_thread
 from typing import Any, TypeVar
 
 Item = TypeVar("Item")
@@ -30,7 +29,6 @@ PATIENCE = 5.0  # seconds that a task has to end before its process is killed
 PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
 # With a fork server, processes are forked from one that has our libraries and no threads.
 START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
-NATIVE_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class WorkerDied(RuntimeError):
@@ -76,11 +74,8 @@ class ProcessExecutor(Executor):
 
     def __init__(self, workers: int) -> None:
         _start_fork_server()
-        self._threads = ThreadPoolExecutor(workers)  # each waits for the result of one process
-        self._pools = [_process() for _ in range(workers)]
-        self._idle: SimpleQueue[int] = SimpleQueue()
-        for number in range(workers):
-            self._idle.put(number)
+        self._threads = ThreadPoolExecutor(workers)
+        self._pools: dict[int, ProcessPoolExecutor] = {}  # by the thread that waits for its process
         self._under_way: set[Future[Any]] = set()
         self._stopped = False
 
@@ -96,7 +91,7 @@ class ProcessExecutor(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """See `concurrent.futures.Executor`."""
         self._threads.shutdown(wait=wait, cancel_futures=cancel_futures)
-        for pool in self._pools:
+        for pool in self._pools.values():
             pool.shutdown()
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
@@ -116,34 +111,28 @@ class ProcessExecutor(Executor):
 
     def _end_processes(self, kill: bool) -> None:
         # Public from Python 3.14 on, as `terminate_workers` and `kill_workers`.
-        for pool in self._pools:
+        for pool in list(self._pools.values()):
             for process in list((getattr(pool, "_processes", None) or {}).values()):
                 process.kill() if kill else process.terminate()
 
     def _run(self, function: Callable[..., Result], arguments: Any, named: Any) -> Result:
-        number = self._idle.get()
-        try:
-            for _ in range(ATTEMPTS):
-                if not self._stopped:
-                    try:
-                        return self._pools[number].submit(function, *arguments, **named).result()
-                    except BrokenProcessPool:
-                        self._pools[number].shutdown()
-                        self._pools[number] = _process()
-            raise WorkerDied(ATTEMPTS)
-        finally:
-            self._idle.put(number)
+        for _ in range(ATTEMPTS):
+            if not self._stopped:
+                pool = self._pools.get(get_ident()) or self._new_process()
+                try:
+                    return pool.submit(function, *arguments, **named).result()
+                except BrokenProcessPool:
+                    self._pools.pop(get_ident()).shutdown()
+        raise WorkerDied(ATTEMPTS)
 
-
-def _process() -> ProcessPoolExecutor:
-    """A pool of one process, started with its first task."""
-    return ProcessPoolExecutor(1, get_context(START_METHOD), _follow_parent)
+    def _new_process(self) -> ProcessPoolExecutor:
+        """A pool of one process for the calling thread, started with its first task."""
+        pool = ProcessPoolExecutor(1, get_context(START_METHOD), _follow_parent)
+        return self._pools.setdefault(get_ident(), pool)
 
 
 def _start_fork_server() -> None:
     """Start it before it is needed: it loads libraries meanwhile."""
-    for name in NATIVE_THREADS:
-        os.environ.setdefault(name, "1")  # read when numpy is loaded
     if START_METHOD != "forkserver":
         return
     from multiprocessing import forkserver, set_forkserver_preload

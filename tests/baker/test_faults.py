@@ -286,7 +286,6 @@ def test_what_can_never_be_saved_is_refused_before_the_work(write_scans, tmp_pat
     for more, word in (
         (["--unit", "m" * 2_000], "--unit"),
         (["--cache", ""], "--cache"),
-        (["--cluster", "local:99999999999"], "local:2"),
         (["-o", ""], ".gclip"),
     ):
         assert main([*arguments, *more]) == 2
