@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from baker.batch.outputs import Outputs
+from baker.errors import InputError
 from baker.options import (
     Align,
     Colors,
@@ -28,8 +30,6 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
 def _folder(text: str) -> Path:
     """Not the folder one happens to be in, where a variable of the shell was empty."""
-    from baker.errors import InputError
-
     if not text:
         raise InputError("--cache has no name of a folder.")
     return Path(text)
@@ -244,14 +244,6 @@ def bake_command(
         unit=unit,
         workers=workers,
     )
-    from baker.batch.bake_all import bake_all
-    from baker.batch.listing import list_plants
-    from baker.batch.plant import Outputs, bake_one, check_output
-    from baker.batch.plants import find_plants
-    from baker.errors import InputError
-
-    if traits is not None:
-        check_output(traits, "a table of traits", (".csv",))
     outputs = Outputs(
         clip=Path(output),
         report=report,
@@ -262,21 +254,12 @@ def bake_command(
         quiet=quiet,
         verbose=verbose,
     )
-    if not output and not list_only:
-        raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
-    plants = find_plants(inputs, output)
-    if list_only:
-        list_plants(plants, inputs, options, quiet)
-        return 0
-    if plants:
-        return bake_all(plants, options, outputs)
-    bake_one(inputs, options, outputs)
-    return 0
+    from baker.batch.command import run  # and with it numpy: not for --help
+
+    return run(inputs, output, options, outputs, list_only)
 
 
 def _root(text: str | None) -> tuple[float, float, float] | Literal["virtual"] | None:
-    from baker.errors import InputError
-
     if text is None:
         return None
     if text == "virtual":

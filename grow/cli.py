@@ -115,18 +115,17 @@ def grow_command(
             print(f"{name}  {count:,} {what}", flush=True)
 
     if kind is Kind.komatsuna:
-        from grow.faults import Faults
-        from grow.images import ImagePlan, write_images
+        from grow import images
 
-        faults = Faults(**_given(noise=noise, labels=label_shift))
-        series = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
-        images = ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **series)
-        write_images(images, folder, force, report_progress)
+        faults = images.Faults(**_given(noise=noise, labels=label_shift))
+        given = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
+        plan = images.ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **given)
+        images.write_images(plan, folder, force, report_progress)
         return
 
-    from grow.series import Plan, write_series
+    from grow import series
 
-    plan = Plan(
+    scanned = series.Plan(
         kind=kind.value,
         seed=seed,
         scans=scans,
@@ -140,7 +139,7 @@ def grow_command(
         shuffle=shuffle_labels,
         pose=pose,
     )
-    write_series(plan, folder, force, report_progress)
+    series.write_series(scanned, folder, force, report_progress)
 
 
 def _refuse(kind: Kind, options: dict[str, object]) -> None:

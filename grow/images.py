@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.interpolation.colors import organ_colors
 from grow import komatsuna
 from grow.faults import Faults, misplace_labels, spoil_depth
 from grow.model import Plant
@@ -108,8 +109,6 @@ def _save(image: NDArray, path: Path) -> None:
 def _save_labels(label: NDArray[np.int64], path: Path) -> None:
     """Numbers to read, in colours to look at: a palette, which imageio does not write."""
     from PIL import Image
-
-    from baker.interpolation.colors import organ_colors
 
     image = Image.fromarray(label.astype(np.uint8))
     colors = [(0, 0, 0), *organ_colors(int(label.max()) + 1)[1:]]

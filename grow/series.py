@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from grow.formats import WRITERS, record
-from grow.model import Plant, grow_plant
+from grow.model import Plant, plant
 from grow.output import LARGEST_NOISE, TRUTH, whole_series
 
 MOST_SCANS = 10_000
@@ -58,7 +58,7 @@ def write_series(
     Raises InputError for a plan that can't be, or a folder that can't be written or holds scans.
     """
     _check(plan)
-    subject = grow_plant(plan.kind, plan.seed)
+    subject = plant(plan.kind, plan.seed)
     days = scan_days(subject, plan)
     for day in plan.truth:
         _require_in_life(subject, day)

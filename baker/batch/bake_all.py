@@ -13,8 +13,8 @@ from pathlib import Path
 
 from baker.batch.cluster import bake_on_cluster
 from baker.batch.job import Outcome, PlantJob, bake_plant
+from baker.batch.outputs import Outputs
 from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
-from baker.batch.plant import Outputs
 from baker.batch.plants import Plant
 from baker.batch.progress import PlantProgress
 from baker.batch.traits import TraitsTable

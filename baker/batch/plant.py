@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from shutil import rmtree
@@ -15,9 +14,9 @@ from baker.alignment import align
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
 from baker.batch.listing import finding_lines
+from baker.batch.outputs import Outputs, check_output
 from baker.batch.progress import StageProgress
 from baker.batch.traits import write_traits
-from baker.errors import InputError
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.options import Options, Transport, worker_count
@@ -32,21 +31,6 @@ from gclip.terminal.text import Lossy
 MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
 
 
-@dataclass(frozen=True)
-class Outputs:
-    """What to write, and how."""
-
-    clip: Path  # the file; of many plants the folder of their clips
-    report: Path | None = None  # a folder where there are many plants
-    traits: Path | None = None
-    cluster: str | None = None  # address of a dask scheduler; by default this machine works alone
-    # by default long bakes keep their intervals beside the clip until that is written
-    cache: Path | None = None
-    force: bool = False  # of many plants, bake those again whose clips are up to date, too
-    quiet: bool = False
-    verbose: bool = False
-
-
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write what is wanted and print a summary.
 
@@ -57,9 +41,9 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     """
     from rich.console import Console
 
-    check_clip(outputs.clip)
+    check_output(outputs.clip, "a clip", ".gclip")
     if outputs.report is not None:
-        check_output(outputs.report, "a report", (".html", ".htm"))
+        check_output(outputs.report, "a report", ".html", ".htm")
     begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
     folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
     cache = Cache(folder) if folder else None
@@ -111,27 +95,6 @@ def _announce(progress: StageProgress, findings: Sequence[Finding]) -> None:
     """Print what was decided, above the bars of the stages to come."""
     for line in finding_lines(findings):
         progress.say(line)
-
-
-def check_clip(path: Path) -> None:
-    """Raise InputError where a clip can't be written, before the work and not after it."""
-    if path.suffix != ".gclip":
-        raise InputError(f"{path}: a clip's name ends in .gclip.")
-    _require_place(path)
-
-
-def check_output(path: Path, what: str, suffixes: tuple[str, ...]) -> None:
-    """Raise InputError where what is wanted beside the clip can't be written."""
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
-    _require_place(path)
-
-
-def _require_place(path: Path) -> None:
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; a file's name is needed.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist.")
 
 
 def _size(inputs: Sequence[Path]) -> int:

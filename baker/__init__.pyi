@@ -1,0 +1,5 @@
+from .errors import InputError
+from .options import Options
+from .pipeline import bake
+
+__all__ = ["InputError", "Options", "bake"]

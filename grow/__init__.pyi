@@ -1,0 +1,4 @@
+from .kinds import KINDS
+from .model import plant
+
+__all__ = ["KINDS", "plant"]
