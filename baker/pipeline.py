@@ -227,7 +227,7 @@ def bake_series(
         series=series,
         keyframes=aligned.keyframes,
         alignment=alignment,
-        labels=labels.sentence,
+        labels=" ".join(finding.sentence for finding in labels.findings),
         hierarchies=tuple(hierarchies),
         matches=tuple(matches),
         organs=tuple(tracks),
@@ -270,16 +270,23 @@ def _segment(
     if options.whole:
         return labels, whole_hierarchies(clouds)
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
-    if labels.labels is None and options.segment == Segment.thin:
+    own = labels.given
+    if not own and options.segment == Segment.thin:
         k, threshold = options.graph_neighbors, options.bifurcation
         return labels, thin_hierarchies(clouds, bases, aligned.neighbors, k, threshold, map)
-    if labels.labels is None or not (labels.consistent or options.paper):
-        own = labels.labels or segment_organs(clouds, bases, map)
+    is_complete = len(own) == len(clouds)
+    if not is_complete:
+        found = segment_organs(clouds, bases, map)
+        own = [
+            organs if given is None else given
+            for given, organs in zip(labels.labels, found, strict=True)
+        ]
+    if not is_complete or not (labels.consistent or options.paper):
         labels = follow_labels(labels, clouds, coarse_hierarchies(clouds, own, bases), bases)
-    assert labels.labels is not None
+        own = labels.given
     return labels, labelled_hierarchies(
         clouds,
-        labels.labels,
+        own,
         bases,
         aligned.neighbors,
         consistent=labels.consistent,

@@ -135,7 +135,7 @@ def test_provenance_tells_options_and_inputs_but_no_paths(write_scans):
 
 
 def test_labels_asked_for_but_missing(write_scans):
-    with pytest.raises(InputError, match="has no labels"):
+    with pytest.raises(InputError, match="have no labels"):
         bake([write_scans(labels="none")], replace(PLAIN, labels="consistent"))
 
 

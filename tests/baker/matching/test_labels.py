@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from baker.errors import InputError
-from baker.matching.labels import follow_labels, label_agreement, label_policy
+from baker.matching.labels import MIN_AGREEMENT, follow_labels, label_agreement, label_policy
 from baker.segmentation.from_labels import hierarchy_from_labels
 
 
@@ -60,14 +60,46 @@ def test_shuffled_labels_are_named_again(series):
     assert len(set(first_name.values())) == len(first_name)
 
 
-def test_agreement_tells_names_from_numbers(series):
+def test_agreement_is_measured_against_chance(series):
     clouds, truth = series
     bases = [0] * len(clouds)
     assert label_agreement(clouds, truth, bases) == 1.0
-    turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
-    assert label_agreement(clouds, turned, bases) < 0.5
+    rng = np.random.default_rng(4)
+    shuffled = []
+    for _ in range(50):
+        numbers = [rng.permutation(labels.max() + 1)[labels] for labels in truth]
+        shuffled.append(label_agreement(clouds, numbers, bases))
+        stem_first = [np.where(truth[k] == 0, -1, numbers[k]) for k in range(len(truth))]
+        shuffled.append(label_agreement(clouds, stem_first, bases))
+    assert abs(np.mean(shuffled)) < 0.1
+    assert np.quantile(shuffled, 0.9) < MIN_AGREEMENT
     nothing_shared = [labels + 100 * k for k, labels in enumerate(truth)]
     assert label_agreement(clouds, nothing_shared, bases) == 0.0
+    assert label_agreement(clouds, [0 * labels for labels in truth], bases) == 1.0
+
+
+def test_one_wrong_scan_does_not_outvote_the_others(series):
+    clouds, truth = series
+    numbers = [truth[0], truth[1], np.array([2, 0, 1, 3, 4, 5])[truth[2]], *truth[3:]]
+    assert label_policy(numbers, "abcde", clouds, [0] * 5, "auto").consistent
+
+
+def test_scans_without_labels_get_those_of_their_tracks(series):
+    clouds, truth = series
+    bases, numbers = [0] * len(clouds), [labels * 10 for labels in truth]
+    given = [numbers[0], None, numbers[2], None, numbers[4]]
+    use = label_policy(given, "abcde", clouds, bases, "auto")
+    assert use.consistent
+    assert "2 scans without labels" in use.findings[0].sentence
+    own = [given[k] if given[k] is not None else truth[k] + 7 for k in range(5)]
+    hierarchies = [
+        hierarchy_from_labels(cloud, labels, int(labels[0]))
+        for cloud, labels in zip(clouds, own, strict=True)
+    ]
+    use = follow_labels(use, clouds, hierarchies, bases)
+    assert not use.renamed
+    for labels, wanted in zip(use.given, numbers, strict=True):
+        np.testing.assert_array_equal(labels, wanted)
 
 
 def test_birth_and_loss_in_one_interval(series):
@@ -94,11 +126,10 @@ def test_the_policy_says_why(series):
     turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
     assert not label_policy(turned, names, clouds, bases, "auto").consistent
     assert label_policy(turned, names, clouds, bases, "consistent").consistent
-    assert label_policy(truth, names, clouds, bases, "ignore").labels is None
-    missing = [*truth[:-1], None]
-    assert label_policy(missing, names, clouds, bases, "auto").labels is None
-    with pytest.raises(InputError, match="day 4 has no labels"):
-        label_policy(missing, names, clouds, bases, "consistent")
+    assert not label_policy(truth, names, clouds, bases, "ignore").given
+    assert not label_policy([None] * 5, names, clouds, bases, "auto").given
+    with pytest.raises(InputError, match="have no labels"):
+        label_policy([None] * 5, names, clouds, bases, "consistent")
     points, many = [np.arange(1001) for _ in names], [np.eye(3)[np.zeros(1001, int)] for _ in names]
     with pytest.raises(InputError, match="different labels"):
         label_policy(points, names, many, bases, "auto")
