@@ -107,17 +107,17 @@ def geodesic_distances(
     -------
     (N,) float64, infinite where no path leads.
     """
-    from scipy.sparse import bmat, csr_matrix
+    from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra
 
     if offsets is None:
         return np.asarray(dijkstra(graph, directed=False, indices=seeds, min_only=True))
     # One more node, from which each seed is as far as its offset.
     count = graph.shape[0]
-    lengths = np.maximum(offsets, MIN_LENGTH)
-    row = csr_matrix((lengths, (np.zeros(len(seeds), np.intp), seeds)), (1, count))
-    with_source = bmat([[graph, None], [row, None]], format="csr")
-    with_source.resize(count + 1, count + 1)
+    lengths = np.concatenate([graph.data, np.maximum(offsets, MIN_LENGTH)])
+    columns = np.concatenate([graph.indices, seeds])
+    begins = np.append(graph.indptr, len(lengths))
+    with_source = csr_matrix((lengths, columns, begins), (count + 1, count + 1))
     return np.asarray(dijkstra(with_source, directed=False, indices=count))[:count]
 
 

@@ -72,10 +72,12 @@ def nearest_neighbors(
     tree = KDTree(ordered, balanced_tree=False)
     distances, nearest = tree.query(ordered, np.arange(1, k + 2), workers=workers)
     # Of points in one place, any may come first: each point itself is moved to the first column.
-    own = np.arange(len(points))
-    nearest[own, np.argmax(nearest == own[:, None], axis=1)] = nearest[:, 0]
-    found = Neighbors(np.empty((len(own), k), np.int32), np.empty((len(own), k), np.float32))
-    found.indices[order] = order[nearest[:, 1:]]
+    other = np.flatnonzero(nearest[:, 0] != np.arange(len(points)))
+    itself = np.argmax(nearest[other] == other[:, None], axis=1)
+    nearest[other, itself] = nearest[other, 0]
+    shape = len(points), k
+    found = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
+    found.indices[order] = order.astype(np.int32).take(nearest[:, 1:])
     found.distances[order] = distances[:, 1:]
     return found
 

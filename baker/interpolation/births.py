@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.attachment import attachment_point
+from baker.geometry.attachment import Attachment
 from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -44,13 +44,17 @@ class Birth:
 
 
 def births(
-    cloud: NDArray[np.floating], match: Match, organs: IntervalOrgans, timings: Mapping[int, Timing]
+    cloud: NDArray[np.floating],
+    attachments: Mapping[int, Attachment],
+    match: Match,
+    organs: IntervalOrgans,
+    timings: Mapping[int, Timing],
 ) -> dict[int, Birth]:
     """How each organ that is born in an interval unfolds; a whole new branch does so as one piece.
 
-    cloud: (N, 3) points of the second scan; timings: of the interval's organs.
+    cloud: (N, 3) points of the second scan; attachments: of its segments; timings: of the
+    interval's organs.
     """
-    from scipy.spatial import cKDTree
 
     segments, parents = match.second.segments, match.second.parents
     new, found = set(match.births), dict[int, Birth]()
@@ -61,12 +65,14 @@ def births(
         if parent in new and organs.second[parent] in found:
             found[organs.second[segment]] = found[organs.second[parent]]
             continue
-        grown = segments[parent] if parent != NO_PARENT else ()
-        tree = cKDTree(cloud[grown] if len(grown) else np.median(cloud, axis=0)[None])
         own = cloud.take(segments[segment], axis=0)
+        if segment in attachments:
+            point = attachments[segment].point
+        else:  # under an empty root: as near to the middle of the plant as it comes
+            point = own[np.argmin(((own - np.median(cloud, axis=0)) ** 2).sum(axis=1))]
         # It may have had any size at which it is not seen: half of that in the mean.
         found[organs.second[segment]] = Birth(
-            attachment_point(own, tree),
+            point.astype(np.float64),
             0.5 + min(1.0, (MIN_POINTS_SEEN / len(own)) ** 0.5) / 4,
             timings.get(organs.second[parent]) if parent != NO_PARENT else None,
         )

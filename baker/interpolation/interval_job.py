@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.attachment import attached, attachment_finder
+from baker.interpolation.attachment import attached, attachments
 from baker.interpolation.births import Birth, births
 from baker.interpolation.keyframes import AlignedSeries, Keyframe
 from baker.interpolation.movers import OrganMovers, leaving, moving
@@ -167,10 +167,12 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    attachment = attachment_finder(clouds, job.match, job.organs)
+    hierarchies = job.match.first, job.match.second
+    touching = [attachments(*scan) for scan in zip(clouds, hierarchies, strict=True)]
+    segments = {job.organs.second[b]: (a, b) for a, b in job.match.pairs}
     born, paths = dict[int, Birth](), None
     if options.curved:
-        born = births(clouds[1], job.match, job.organs, job.timings)
+        born = births(clouds[1], touching[1], job.match, job.organs, job.timings)
         paths = OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
@@ -179,8 +181,10 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             return leaving(task, job.start, options.decay, job.vertical, job.floor), None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         leaflets: Sequence[LeafletPair] = ()
-        if options.leaflets and (attached_at := attachment(task)) is not None:
-            leaflets = match_leaflets(start, end, attached_at)
+        ends = zip(touching, segments[task.organ], strict=True) if task.event == "match" else ()
+        attached_at = [side[segment].nearest for side, segment in ends if segment in side]
+        if options.leaflets and len(attached_at) == 2:
+            leaflets = match_leaflets(start, end, (attached_at[0], attached_at[1]))
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), leaflets)
         birth = born.get(task.organ) if task.event == "birth" else None

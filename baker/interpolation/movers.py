@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from baker.interpolation.timing import Timing
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
-from gclip.pack import Movers
+from gclip.pack import Movers, raised
 
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]
@@ -51,10 +51,6 @@ def moving(
     curve: tuple[NDArray[np.float32], ...] = origin, target
     if birth is not None:
         curve = origin, birth.control(origin, target), target
-    elif timing is not None:
-        # The control point of degree 2 counts half at mid-interval.
-        control = (origin + target) / 2 + 2.0 * timing.shift(origin, target)
-        curve = origin, control.astype(np.float32), target
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:
         colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
@@ -63,7 +59,16 @@ def moving(
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
     pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    return OrganMovers(movers, pair, area, a, b, born, plan.divided)
+    moved = OrganMovers(movers, pair, area, a, b, born, plan.divided)
+    return moved if timing is None else shifted(moved, timing.shift(origin, target))
+
+
+def shifted(moved: OrganMovers, shift: Floats) -> OrganMovers:
+    """Movers, on curves of degree 2 at most, that are shifted by (M, 3) at mid-interval."""
+    origin, control, target = raised(moved.movers.curve, 2)
+    # The control point counts half there.
+    curve = (origin, (control + 2.0 * shift).astype(np.float32), target)
+    return replace(moved, movers=replace(moved.movers, curve=curve))
 
 
 def leaving(

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.movers import OrganMovers
+from baker.interpolation.movers import OrganMovers, shifted
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
-from baker.interpolation.spine import at_levels, organ_shapes
+from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, at_levels, organ_shapes
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
-from gclip.pack import raised
 
 MAX_DEVIATION = 0.25  # of the movers' displacement; turning by a right angle takes 0.21
 MIN_DEVIATION = 0.25  # point spacings; less is below what a scan shows
@@ -45,12 +43,17 @@ class OrganPaths:
     ) -> None:
         self._clouds, self._scan, self._spacing = clouds, match.second, spacing
         self._segments = {organ: segment for segment, organ in organs.second.items()}
-        first, second = map(organ_shapes, clouds, (match.first, match.second), bases)
-        self._shapes = {
-            b: (first[a], second[b])
+        pairs = [
+            (a, b)
             for a, b in match.pairs
-            if a != match.first.root and b != match.second.root
-        }
+            if a != match.first.root
+            and b != match.second.root
+            and min(len(match.first.segments[a]), len(match.second.segments[b]))
+            >= MIN_POINTS_FOR_SPINE
+        ]
+        first = organ_shapes(clouds[0], match.first, bases[0], [a for a, _ in pairs])
+        second = organ_shapes(clouds[1], match.second, bases[1], [b for _, b in pairs])
+        self._shapes = {b: (first[a], second[b]) for a, b in pairs}
 
     def deviation(self, moved: OrganMovers) -> Deviation | None:
         """How one task's movers deviate; None where they go straight."""
@@ -78,7 +81,7 @@ class OrganPaths:
                 shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
                 if deviation is not None:
                     shift = shift + deviation[0]
-                moved = _shifted(moved, shift) if shift.any() else moved
+                moved = shifted(moved, shift) if shift.any() else moved
             done.append(moved)
         return done
 
@@ -104,10 +107,3 @@ class OrganPaths:
 
 def _track(moved: OrganMovers) -> int:
     return int(moved.movers.tracks[0]) if len(moved.movers) else -1
-
-
-def _shifted(moved: OrganMovers, shift: Points) -> OrganMovers:
-    """Movers whose middle is shifted: the control point of degree 2 counts half there."""
-    origin, control, target = raised(moved.movers.curve, 2)
-    curve = (origin, (control + 2.0 * shift).astype(np.float32), target)
-    return replace(moved, movers=replace(moved.movers, curve=curve))

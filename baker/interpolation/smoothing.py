@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.attachment import attachment_point
 from baker.geometry.rigid import rotations_between
+from baker.interpolation.attachment import attachments
 from baker.interpolation.keyframes import Keyframe
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
@@ -34,21 +34,16 @@ def smooth_organs(
 
     Organs that fewer than four scans show, and those without a parent, are only carried along.
     """
-    from scipy.spatial import cKDTree
-
     scans = [(matches[0].first, organs[0].first)]
     scans += [(m.second, o.second) for m, o in zip(matches, organs, strict=True)]
     attached: list[dict[int, NDArray[np.float64]]] = []
     arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
     for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
-        attached.append({})
-        for segment, members in enumerate(hierarchy.segments):
-            parent = hierarchy.parents[segment]
-            if parent != NO_PARENT and len(members) and len(hierarchy.segments[parent]):
-                own = frame.positions[members]
-                base = attachment_point(own, cKDTree(frame.positions[hierarchy.segments[parent]]))
-                attached[k][segment] = base
-                arms.setdefault(named[segment], {})[k] = own.mean(axis=0) - base
+        found = attachments(frame.positions, hierarchy)
+        attached.append({segment: one.point for segment, one in found.items()})
+        for segment, base in attached[k].items():
+            middle = frame.positions[hierarchy.segments[segment]].mean(axis=0)
+            arms.setdefault(named[segment], {})[k] = middle - base
     turns: dict[tuple[int, int], NDArray[np.float64]] = {}
     for organ, course in arms.items():
         if len(course) >= MIN_SCANS:
@@ -57,7 +52,7 @@ def smooth_organs(
             smooth = _unit(local_regression(when, directions))
             rotations = rotations_between(directions, smooth)
             turns |= {(organ, k): turn for k, turn in zip(course, rotations, strict=True)}
-    found = []
+    smoothed = []
     for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
         positions = frame.positions.astype(np.float64)
         carried = {NO_PARENT: (np.eye(3), np.zeros(3))}
@@ -70,8 +65,8 @@ def smooth_organs(
             members = hierarchy.segments[segment]
             positions[members] = positions[members] @ turn.T + shift
             carried[segment] = turn, shift
-        found.append(replace(frame, positions=positions.astype(np.float32)))
-    return found
+        smoothed.append(replace(frame, positions=positions.astype(np.float32)))
+    return smoothed
 
 
 def local_regression(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,17 +42,21 @@ class OrganShape:
 
 
 def organ_shapes(
-    points: NDArray[np.floating], hierarchy: Hierarchy, base: NDArray[np.floating]
+    points: NDArray[np.floating],
+    hierarchy: Hierarchy,
+    base: NDArray[np.floating],
+    segments: Iterable[int],
 ) -> list[OrganShape | None]:
-    """The shape of each segment of a scan, (N, 3) points; None of those with too few.
+    """The shapes of segments of a scan, (N, 3) points; None of those with too few, and of others.
 
     Geodesics run through the parents, from the plant base, (3,): an organ that leaves its parent
     over a long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
     """
     shapes: list[OrganShape | None] = [None] * len(hierarchy.segments)
+    needed = {above for segment in segments for above in (segment, *hierarchy.ancestors(segment))}
     for segment in hierarchy.from_the_root():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
-        if len(members) < MIN_POINTS_FOR_SPINE:
+        if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if len(members) > MAX_SAMPLE:
             chosen = np.random.default_rng(0).permutation(len(members))[:MAX_SAMPLE]

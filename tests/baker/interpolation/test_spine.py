@@ -61,7 +61,7 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
     hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
     lowest = stem[np.argmin(stem[:, 2])]
-    shapes = organ_shapes(np.concatenate([cloud, few]), hierarchy, lowest)
+    shapes = organ_shapes(np.concatenate([cloud, few]), hierarchy, lowest, range(3))
     of_leaf, of_stem, of_few = (shapes[segment] for segment in (1, 0, 2))
     assert of_few is None
     assert of_stem is not None
