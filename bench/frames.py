@@ -1,166 +1,284 @@
-"""What a frame costs: curves against a static cloud, points against compute, on any OpenGL.
+"""What a frame of `play` costs, on screen, in a film and in the HTML page.
 
-    python -m bench.frames [--movers 1e6,1e7] [--size 1280x720] [--clock cpu] [--out table.md]
+    python -m bench.frames draw [--movers 1e5,1e6] [--size 1280x720] [--clock wall]
+    python -m bench.frames film CLIP... [--size 1920x1080]
+    python -m bench.frames seek CLIP [--jumps 40]
+    python -m bench.frames page [--movers 1e6]
 
-For each number of movers and each degree of paths (0 is a static cloud): the whole frame as `play`
-draws it, and the pass over the movers alone by either way. All are drawn in turns, round after
-round, and each figure is the best of the rounds. `--clock cpu` counts the CPU's work instead, of
-all threads: that is what software OpenGL costs, also where other work goes on beside it. Bandwidth
-is what the pass must read, positions and tracks, against what the card copies (read and written),
-measured in the same run.
+draw  A frame of a synthetic plant on paths of degree 0 (a static cloud) to 3: the whole picture,
+      and the pass over the movers alone, as OpenGL points and by a compute shader. `of copy` is
+      the rate at which the pass reads movers against the rate at which the card copies.
+film  A frame of a film: the encoder alone, fed with pictures drawn before, and the whole export.
+seek  A picture after a jump to another day, and how much of it is loading movers.
+page  A frame of the page in headless Chromium on its software renderer: at rest, while things
+      move, and on a machine that is found to be slow; `to static` is against a static cloud.
+
+Milliseconds of processor time of all threads and processes, the best of several rounds, as other
+work may go on beside; `--clock wall` takes the clock's for drawing, which a GPU needs.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+import resource
+import shutil
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import moderngl
+import numpy as np
 
-from bench.moving import growing
+import gclip
+from bench.synthetic import growing, static
+from gclip import Clip
 from gclip.evaluate import layers_at
 from player.camera import Camera
 from player.chunks import estimate
 from player.context import headless
+from player.detail import Pace
 from player.dots import Way
+from player.export import Film, export
+from player.export.video import write_mp4
+from player.offscreen import Offscreen
 from player.renderer import Renderer
 from player.style import Style
+from player.window import LOADING
 
-Clock = Callable[[], float]
+Size = tuple[int, int]
+ROUNDS = 5
 COPIED = 256 << 20  # bytes
-DEGREES = (0, 1, 2, 3)
+FILMED = 30  # frames of a film that are measured
+FILM_BEGIN = 0.4  # share of the film before them
+PATHS = ("static", "straight", "degree 2", "degree 3")
 
 
-def copy_bandwidth(context: moderngl.Context) -> float:
-    """Bytes read and written a second when one buffer is copied to another."""
-    source, target = (context.buffer(reserve=COPIED) for _ in range(2))
-    seconds = min(timed(context, lambda: context.copy_buffer(target, source)) for _ in range(6))
-    source.release()
-    target.release()
-    return 2.0 * COPIED / seconds
+def row(*cells: object) -> None:
+    texts = (f"{cell:.1f}" if isinstance(cell, float) else str(cell) for cell in cells)
+    print(f"| {' | '.join(texts)} |", flush=True)
 
 
-def timed(
-    context: moderngl.Context, work: Callable[[], object], clock: Clock = time.perf_counter
-) -> float:
-    context.finish()
+def head(*names: str) -> None:
+    row(*names)
+    print("|---" * len(names) + "|")
+
+
+def process_seconds() -> float:
+    """Processor seconds of this process and of those it started that have ended."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def milliseconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
     began = clock()
     work()
-    context.finish()
-    return clock() - began
+    return 1e3 * (clock() - began)
 
 
-class Case:
-    """A clip of one degree, drawn either way or as a whole frame."""
+def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
+    context = headless()
+    source, target = (context.buffer(reserve=COPIED) for _ in range(2))
+    copy = partial(_finished, context, lambda: context.copy_buffer(target, source))
+    copied = 2e3 * COPIED / min(milliseconds(copy, time.perf_counter) for _ in range(6))
+    print(f"{context.info['GL_RENDERER']}, {size[0]}x{size[1]}, copies {copied / 1e9:.1f} GB/s\n")
+    head("movers", "paths", "B a mover", "frame", "to static", "points", "compute", "of copy")
+    for count in movers:
+        baseline = 0.0
+        for degree, path in enumerate(PATHS):
+            clip = growing(count, degree) if degree else static(count)
+            found = _draw_times(context, clip, size, clock)
+            baseline = baseline or found[0]
+            size_each = estimate(clip.intervals[0])
+            rate = 1e3 * size_each * count / min(time for time in found[1:] if time)
+            ratio, share = f"{found[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
+            row(f"{count:,}", path, size_each, found[0], ratio, *found[1:], share)
 
-    def __init__(
-        self,
-        context: moderngl.Context,
-        count: int,
-        degree: int,
-        size: tuple[int, int],
-        clock: Clock,
-    ) -> None:
-        self.context, self.degree, self._clock = context, degree, clock
-        clip = growing(count, degree)
-        self.bytes = estimate(clip.intervals[0])
-        self._size = size
-        self._camera = Camera.fit(clip.bounds, aspect=size[0] / size[1])
-        self._framebuffer = context.simple_framebuffer(size)
-        self._renderer = Renderer(context, clip)
-        self.ways = [Way.POINTS] + [Way.COMPUTE] * (context.version_code >= 430)
-        self.seconds: dict[str, float] = {}
-        self.frame(0.5)
 
-    def frame(self, day: float) -> None:
-        self._renderer.draw(self._framebuffer, day, self._camera, Style(), self._size)
+def _draw_times(
+    context: moderngl.Context, clip: Clip, size: Size, clock: Callable[[], float]
+) -> list[float]:
+    """Of a frame, and of the pass over the movers either way; 0 where there is no such way."""
+    renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
+    camera = Camera.fit(clip.bounds, aspect=size[0] / size[1])
+    renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
-    def round(self, day: float) -> None:
-        self._keep("frame", timed(self.context, lambda: self.frame(day), self._clock))
-        for way in self.ways:
-            work = partial(self._scatter, way, day)
-            self._keep(way.value, timed(self.context, work, self._clock))
-
-    def _scatter(self, way: Way, day: float) -> None:
-        """The pass over the movers alone."""
-        renderer = self._renderer
-        portions = renderer._portions(layers_at(renderer.clip, day), 1, None)
-        discs = renderer._discs(day, self._camera, Style(), self._size, portions, True)
+    def scatter(way: Way) -> None:
+        portions = renderer._portions(layers_at(clip, 0.5), 1, None)
+        discs = renderer._discs(0.5, camera, Style(), size, portions, True)
         renderer._dots.scatter(way, portions, discs)
 
-    def _keep(self, name: str, seconds: float) -> None:
-        self.seconds[name] = min(self.seconds.get(name, seconds), seconds)
-
-    def release(self) -> None:
-        # What is bound must outlive what is released: moderngl binds it again later on.
-        self._framebuffer.use()
-        self._renderer.release()
-
-
-def table(
-    context: moderngl.Context, count: int, size: tuple[int, int], rounds: int, clock: Clock
-) -> list[str]:
-    """Rows of a Markdown table."""
-    copied = copy_bandwidth(context)
-    cases = [Case(context, count, degree, size, clock) for degree in DEGREES]
-    for number in range(rounds + 1):
-        for case in cases:
-            case.round(0.5)  # where the static cloud is
-        if number == 0:  # compiling, uploading
-            for case in cases:
-                case.seconds.clear()
-    rows = []
-    for case in cases:
-        best = min(case.seconds[way.value] for way in case.ways)
-        read = case.bytes * count / best
-        ratio = case.seconds["frame"] / cases[0].seconds["frame"]
-        cells = [f"{count:,}", "static" if case.degree == 0 else f"degree {case.degree}"]
-        cells += [str(case.bytes), f"{1e3 * case.seconds['frame']:.1f}", f"{ratio:.2f}"]
-        for way in (Way.POINTS, Way.COMPUTE):
-            cells.append(f"{1e3 * case.seconds[way]:.1f}" if way in case.seconds else "-")
-        cells += [f"{best / min(cases[0].seconds[w.value] for w in cases[0].ways):.2f}"]
-        cells += [f"{read / 1e9:.2f}", f"{100 * read / copied:.0f} %"]
-        rows.append(f"| {' | '.join(cells)} |")
-    for case in cases:
-        case.release()
-    return rows
+    works: list[Callable[[], object]] = [
+        lambda: renderer.draw(framebuffer, 0.5, camera, Style(), size),
+        partial(scatter, Way.POINTS),
+    ]
+    works += [partial(scatter, Way.COMPUTE)] * (context.version_code >= 430)
+    best = [0.0, 0.0, 0.0]
+    for k, work in enumerate(works):
+        _finished(context, work)  # compiles the shaders, uploads the movers
+        times = [milliseconds(partial(_finished, context, work), clock) for _ in range(ROUNDS)]
+        best[k] = min(times)
+    framebuffer.use()  # what is bound must outlive what is released
+    renderer.release()
+    return best
 
 
-COLUMNS = (
-    "movers", "paths", "B a mover", "frame, ms", "to static", "points, ms", "compute, ms",
-    "to static", "read, GB/s", "of copy",
-)  # fmt: skip
-HEAD = f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|"
+def _finished(context: moderngl.Context, work: Callable[[], object]) -> None:
+    context.finish()
+    work()
+    context.finish()
+
+
+def film(clips: list[Path], size: Size) -> None:
+    head("clip", "size", "encoder", "export", "of the encoder's rate")
+    for path in clips:
+        clip, whole = gclip.open(path), Film(size=size)
+        days = whole.days(clip)
+        days = days[int(FILM_BEGIN * len(days)) :][:FILMED]
+        part = replace(whole, at=tuple(days))
+        encoder, exported = [], []
+        with tempfile.TemporaryDirectory() as folder, Offscreen(clip, size) as offscreen:
+            output = Path(folder) / "film.mp4"
+            for _ in range(ROUNDS):
+                pictures = list(part.frames(clip, offscreen))
+                write = partial(write_mp4, film=part, path=output)
+                encoder.append(milliseconds(partial(write, pictures), process_seconds))
+                frames = part.frames(clip, offscreen)
+                exported.append(milliseconds(partial(write, frames), process_seconds))
+        share = f"{100 * min(encoder) / min(exported):.0f} %"
+        each = (min(times) / len(days) for times in (encoder, exported))
+        row(path.stem, f"{size[0]}x{size[1]}", *each, share)
+
+
+def seek(clips: list[Path], size: Size, jumps: int) -> None:
+    head("clip", "", "median", "most, after the first")
+    for path in clips:
+        clip, context = gclip.open(path), headless()
+        renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
+        camera = Camera.home(clip, size[0] / size[1])
+        pace = Pace(max(len(interval) for interval in clip.intervals))
+        loading, whole = [0.0] * jumps, []
+        load = renderer._movers.store.load
+
+        def timed_load(*given: Any, load: Any = load, loading: list[float] = loading) -> Any:
+            began = time.process_time()
+            try:
+                return load(*given)
+            finally:
+                loading[len(whole)] += 1e3 * (time.process_time() - began)  # noqa: B023
+
+        renderer._movers.store.load = timed_load  # type: ignore[method-assign]
+        for day in np.random.default_rng(0).uniform(clip.times[0], clip.times[-1], jumps):
+            every, began = pace.detail(size).every, time.perf_counter()
+            show = partial(renderer.draw, every=every, patience=LOADING)
+            picture = partial(show, framebuffer, day, camera, Style(), size)
+            whole.append(milliseconds(partial(_finished, context, picture), time.process_time))
+            pace.took(time.perf_counter() - began)
+        for name, times in (("loading", loading), ("whole picture", whole)):
+            row(path.stem, name, float(np.median(times)), max(times[1:]))
+        renderer.release()
+
+
+SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+PAGE_FRAMES = """([count, still, moving]) => {
+    const { renderer, camera, look } = viewer, gl = renderer.gl;
+    const [pixels, every, passes] = moving ? viewer.levels[moving] : [1, 1, 2];
+    const size = [1280 * pixels, 720 * pixels].map(Math.round);
+    Object.assign(renderer.canvas, { width: size[0], height: size[1] });
+    if (still) renderer.buffers.get(0).degree = 0;
+    for (let i = 0; i < count; ++i) {
+        camera.orbit(0.01, 0);
+        renderer.shadowDay = null;
+        renderer.draw(still ? 0 : 0.5, camera, look, size, every, passes === 1);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    }
+    return gl.getError();
+}"""
+
+
+def page(movers: list[int]) -> None:
+    from playwright.sync_api import sync_playwright
+
+    head("movers", "paths", "page, MB", "load", "at rest", "to static", "moving", "slow machine")
+    with sync_playwright() as browsers, tempfile.TemporaryDirectory() as folder:
+        program = shutil.which("chromium") or shutil.which("google-chrome")
+        options = [*SOFTWARE_GL, "--no-sandbox"]
+        browser = browsers.chromium.launch(executable_path=program, args=options)
+        for count in movers:
+            baseline, path = 0.0, Path(folder) / "page.html"
+            for degree, name in enumerate(PATHS):
+                clip = growing(count, degree) if degree else static(count, degree=1)
+                export(clip, Film(), path)
+                tab = browser.new_page(viewport={"width": 1280, "height": 720})
+                load = milliseconds(partial(_open_page, tab, path), _browser_seconds)
+                last = tab.evaluate("viewer.levels.length") - 1
+                times = [_page_time(tab, degree == 0, level) for level in (0, 1, last)]
+                tab.close()
+                baseline = baseline or times[0]
+                size, ratio = path.stat().st_size / 1e6, f"{times[0] / baseline:.2f}"
+                row(f"{count:,}", name, size, load, times[0], ratio, *times[1:])
+        browser.close()
+
+
+def _open_page(tab: Any, path: Path) -> None:
+    tab.goto(path.as_uri())
+    while not tab.evaluate("window.viewer !== undefined"):  # the page forbids waiting scripts
+        tab.wait_for_timeout(100)
+    tab.evaluate("viewer.seek(0.5)")
+
+
+def _page_time(tab: Any, still: bool, level: int, count: int = 5) -> float:
+    """Milliseconds a frame at a level of the page's detail; 0 draws everything."""
+
+    def frames() -> None:
+        assert tab.evaluate(PAGE_FRAMES, [count, still, level]) == 0
+
+    frames()  # compiles the shaders
+    return min(milliseconds(frames, _browser_seconds) / count for _ in range(ROUNDS))
+
+
+def _browser_seconds() -> float:
+    """Processor seconds of this process's children so far (Linux)."""
+    ticks = 0
+    for pid in _descendants(os.getpid()):
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _descendants(parent: int) -> Iterator[int]:
+    for task in Path(f"/proc/{parent}/task").glob("*/children"):
+        for child in map(int, task.read_text().split()):
+            yield child
+            yield from _descendants(child)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--movers", default="1e5,1e6")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("what", choices=("draw", "film", "seek", "page"))
+    parser.add_argument("clips", nargs="*", type=Path)
+    parser.add_argument("--movers", default="1e6", help="of the synthetic plant")
     parser.add_argument("--size", default="1280x720")
-    parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
-    parser.add_argument("--out", type=Path, help="a Markdown file for the table")
-    arguments = parser.parse_args()
-    clock = time.process_time if arguments.clock == "cpu" else time.perf_counter
-    width, height = map(int, arguments.size.split("x"))
-    context = headless()
-    lines = [
-        f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}, "
-        f"{width}x{height}, copies {copy_bandwidth(context) / 1e9:.1f} GB/s, "
-        f"{arguments.clock} time",
-        "",
-        *HEAD,
-    ]
-    print("\n".join(lines), flush=True)
-    for text in arguments.movers.split(","):
-        rows = table(context, int(float(text)), (width, height), arguments.rounds, clock)
-        print("\n".join(rows), flush=True)
-        lines += rows
-    if arguments.out:
-        arguments.out.write_text("\n".join([*lines, ""]), "utf-8")
+    parser.add_argument("--jumps", type=int, default=40)
+    parser.add_argument("--clock", choices=("cpu", "wall"), default="cpu")
+    asked = parser.parse_args()
+    movers = [int(float(text)) for text in asked.movers.split(",")]
+    width, height = map(int, asked.size.split("x"))
+    if asked.what == "draw":
+        clock = time.process_time if asked.clock == "cpu" else time.perf_counter
+        draw(movers, (width, height), clock)
+    elif asked.what == "film":
+        film(asked.clips, (width, height))
+    elif asked.what == "seek":
+        seek(asked.clips, (width, height), asked.jumps)
+    else:
+        page(movers)
 
 
 if __name__ == "__main__":

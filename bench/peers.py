@@ -23,7 +23,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.moving import growing
+from bench.synthetic import growing
 from gclip.evaluate import bernstein
 from player.camera import Camera
 

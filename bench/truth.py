@@ -3,29 +3,34 @@
 `grow` plants are known at every instant. Each is scanned on its usual days, baked with `--paper`
 and with our own choices, and what `Clip.at` says between the scans is compared with the plant:
 
-error     mean distance rebuilt to true surface and back, at a quarter, half and three quarters of
-          every interval, above the floor of another scan of the same size; in % of the plant's
-          size. RATIO is ours over the paper's.
-length    error of each organ's length at 20 instants, as `measure` says where it is sure, of organs
-          that both scans hold, in %: mean, and below what nine in ten stay. In brackets the same of
-          a fresh scan of that instant: what the measure itself is off by.
-area      likewise of its surface.
-falls     the largest loss of height from one of 50 instants to the next, in % of the height.
-gap       the farthest that an organ's base gets from its parent above the larger gap of the two
-          scans, in point spacings, at 50 instants.
+error   Mean distance of the reconstruction to the true surface and back, at a quarter, half and
+        three quarters of every interval, above that of another scan of the same size; in % of the
+        plant's size. RATIO is ours over the paper's.
+length  Error of the organs' lengths at 20 instants, in %, of those that `traits.measure` is sure
+        of and that both scans hold: the mean, and below what nine in ten stay. In brackets the same
+        of a fresh scan of that instant: what measuring itself is off by.
+area    Likewise of the organs' areas.
+falls   The largest loss of height from one of 50 instants to the next, in % of the height.
+gap     By how much at most an organ's distance to its parent exceeds that at both scans, in point
+        spacings, at 50 instants of each interval.
+turn    Scans are turned about the vertical and shifted at random before they are aligned: the yaw
+        that is left between successive scans, median and worst, in degrees.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from baker import Options, bake
+from baker.alignment import align
 from bench.traits import clip_of, truth
 from bench.traits import errors as errors_of
 from grow import plant
@@ -40,6 +45,7 @@ Cloud = NDArray[np.float32]
 Errors = NDArray[np.float64]
 INSTANTS = 50
 SHARES = (0.25, 0.5, 0.75)
+SHIFT = 0.1  # of a scan's height
 
 
 def distance(first: Cloud, second: Cloud) -> float:
@@ -124,7 +130,24 @@ def gaps(clip: Clip) -> float:
     return worst / clip.spacing
 
 
-def judged(kind: str, seed: int) -> None:
+def turns(subject: Plant, seed: int) -> Errors:
+    """Yaw in degrees that alignment leaves between scans that were turned and shifted at random."""
+    rng = np.random.default_rng(seed)
+    clouds, poses = [], []
+    for day in subject.default_days:
+        points = subject.cloud(float(day), colors=False).points
+        pose = np.eye(4)
+        pose[:3, :3] = Rotation.from_euler("z", rng.uniform(0, 360), degrees=True).as_matrix()
+        pose[:3, 3] = rng.uniform(-SHIFT, SHIFT, 3) * np.ptp(points[:, 2])
+        clouds.append((points @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32))
+        poses.append(pose)
+    found = align(clouds, up="z").transforms
+    placed = [(moved @ pose)[:3, :3] for moved, pose in zip(found, poses, strict=True)]
+    steps = [before.T @ after for before, after in pairwise(placed)]
+    return np.abs([Rotation.from_matrix(step).as_euler("zyx", degrees=True)[0] for step in steps])
+
+
+def print_row(kind: str, seed: int) -> None:
     subject = plant(kind, seed)
     with tempfile.TemporaryDirectory() as folder:
         scans = Path(folder) / "scans"
@@ -133,16 +156,16 @@ def judged(kind: str, seed: int) -> None:
         paper = errors(bake([scans], Options(paper=True, **fixed)), subject)
         clip = bake([scans], Options(**fixed))
     ours = errors(clip, subject)
-    measured = organs_measured(clip, subject)
+    measured, yaws = organs_measured(clip, subject), turns(subject, seed)
     print(
         f"{kind:8s} {seed:4d} {100 * paper:6.3f} {100 * ours:6.3f} {ours / paper:6.2f}",
-        *(f"{_told(ours)} ({_told(fresh)})" for ours, fresh in measured.values()),
-        f"{100 * falls(clip):6.2f} {gaps(clip):6.2f}",
+        *(f"{_summary(ours)} ({_summary(fresh)})" for ours, fresh in measured.values()),
+        f"{100 * falls(clip):6.2f} {gaps(clip):6.2f} {np.median(yaws):5.2f} {yaws.max():6.2f}",
         flush=True,
     )
 
 
-def _told(off: Errors) -> str:
+def _summary(off: Errors) -> str:
     if not len(off):
         return "   -    -"
     return f"{np.abs(off).mean():4.1f} {np.quantile(np.abs(off), 0.9):4.1f}"
@@ -157,11 +180,11 @@ def main() -> None:
     args = parser.parse_args()
     print(
         "kind     seed  paper   ours  RATIO"
-        "   length  (fresh scan)    area   (fresh scan)  falls    gap"
+        "   length  (fresh scan)    area   (fresh scan)  falls    gap        turn"
     )
     for kind in args.kinds:
         for seed in range(args.seeds):
-            judged(kind, seed)
+            print_row(kind, seed)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ A case is plain data, so that hypothesis can draw it and its text can be run aga
 
     check_file(File("ply binary", (("cut", 3), ("flip bits", 7))), folder)
 
-`python -m bench.fuzz_scans` draws thousands of them; tests/baker/test_hostile_files.py a few.
+`python -m tests.baker.fuzz_scans` draws thousands of them; tests/baker/test_hostile_files.py a few.
 """
 
 from __future__ import annotations
@@ -394,7 +394,7 @@ def check_file(file: File, folder: Path) -> str:
     path = folder / SOUND[file.kind][0]
     read = _reading(file.kind, path)
     path.write_bytes(content)
-    _load_libraries()  # they are no part of what reading takes
+    load_libraries()  # they are no part of what reading takes
     tracemalloc.start()
     before = _resident_peak(reset=True)
     try:
@@ -415,7 +415,7 @@ def check_file(file: File, folder: Path) -> str:
 
 
 @cache
-def _load_libraries() -> None:
+def load_libraries() -> None:
     for name in ("laspy", "open3d", "plyfile", "pye57"):
         if find_spec(name):
             import_module(name)

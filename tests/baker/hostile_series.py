@@ -4,7 +4,7 @@ A case is plain data, so that hypothesis can draw it and its text can be run aga
 
     check_series(Series((Scan("plant", 200), Scan("nothing", 0)), {"paper": True}), folder)
 
-`python -m bench.fuzz_scans` draws thousands of them; tests/baker/test_hostile_series.py a few.
+`python -m tests.baker.fuzz_scans` draws thousands of them; test_hostile_series.py a few.
 """
 
 from __future__ import annotations

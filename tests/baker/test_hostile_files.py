@@ -2,6 +2,8 @@
 
 import re
 import struct
+import subprocess
+import sys
 import tracemalloc
 import zlib
 from pathlib import Path
@@ -28,6 +30,14 @@ def test_sound_files_are_read(kind, tmp_path):
 @settings(max_examples=250, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_any_damage_is_read_or_refused_by_name(tmp_path_factory, file):
     check_file(file, tmp_path_factory.mktemp("files"))
+
+
+def test_the_fuzzer_finds_nothing_in_a_few_files():
+    command = [sys.executable, "-m", "tests.baker.fuzz_scans", "--only", "files"]
+    command += ["--kind", "xyz", "--count", "5", "--seed", "1"]
+    done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "files: 5 cases" in done.stdout
 
 
 def refused(path: Path, content: bytes) -> str:

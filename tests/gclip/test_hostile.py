@@ -1,13 +1,15 @@
 """Clips are untrusted files: opened or refused in one sentence, whatever is in them.
 
-`python -m bench.fuzz_clips` does the same at length; here are a few seconds of it, and one test for
-each kind of bomb.
+`python -m tests.gclip.fuzz_clips` does the same at length; here are a few seconds of it, and one
+test for each kind of bomb.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from random import Random
@@ -57,6 +59,13 @@ def test_any_file_is_opened_or_refused_in_a_sentence(seed: int) -> None:
             frame = clip.at(day)
             assert np.isfinite(frame.positions).all()
             assert len(frame.colors) == len(frame.tracks) == len(frame)
+
+
+def test_the_fuzzer_finds_nothing_in_a_few_files() -> None:
+    command = [sys.executable, "-m", "tests.gclip.fuzz_clips", "--count", "5", "--workers", "1"]
+    done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.startswith("5 cases")
 
 
 @settings(UNTIMED, max_examples=60)

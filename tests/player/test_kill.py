@@ -48,7 +48,7 @@ def intact(folder: Path) -> bool:
 
 
 def test_killed_exports_break_nothing_and_leave_no_litter() -> None:
-    command = [sys.executable, "-m", "bench.kill", "--kills", "3", "--only", "png"]
+    command = [sys.executable, "-m", "tests.kill", "--count", "3", "--only", "png"]
     root = Path(__file__).parents[2]
     done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,10 +1,13 @@
-"""Fuzz `gclip.open` and what the player does with a clip: `python -m bench.fuzz_clips --seed 1`.
+"""Fuzz `gclip.open` and what the player does with a clip.
 
-    --cases N      how many files (100,000)
+    python -m tests.gclip.fuzz_clips --count 100000 --seed 1
+
+    --count N      how many files
     --seed S       another seed draws other files
     --minutes M    stop after that long
     --workers W    processes that work side by side (2)
     --keep FOLDER  keep the files that show a failure
+    --only CASE    one case in this process, with its traceback
 
 A file is drawn and opened. If it is no clip it must be refused by a ClipError of one sentence that
 names the file. If it is one, `gclip check` and one of the player's uses of it follow: evaluation,
@@ -41,7 +44,7 @@ class Failure(Exception):
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--cases", type=int, default=100_000)
+    parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=float("inf"))
     parser.add_argument("--workers", type=int, default=2)
@@ -53,10 +56,11 @@ def main() -> int:
         print(outcome(asked.seed, asked.only, Path(tempfile.mkdtemp()), _uses()))
         return 0
     began, counts = time.monotonic(), Counter[str]()
-    crew = [Worker(asked.seed, first, asked.cases, asked.workers) for first in range(asked.workers)]
+    starts = range(asked.workers)
+    workers = [Worker(asked.seed, first, asked.count, asked.workers) for first in starts]
     failures: dict[str, int] = {}
-    while any(worker.busy for worker in crew):
-        for worker in crew:
+    while any(worker.busy for worker in workers):
+        for worker in workers:
             worker.look(counts, failures)
             if time.monotonic() > began + 60 * asked.minutes:
                 worker.stop()
@@ -76,7 +80,7 @@ def main() -> int:
 
 
 class Worker:
-    """Every so manieth case, in a process of its own; another one takes over where it dies."""
+    """A process that checks every `step`-th case, and is replaced where it dies."""
 
     def __init__(self, seed: int, first: int, cases: int, step: int) -> None:
         self._seed, self._next, self._cases, self._step = seed, first, cases, step

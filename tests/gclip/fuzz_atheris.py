@@ -1,11 +1,11 @@
-"""Fuzz `gclip.open` by its coverage: `python -m bench.fuzz_atheris --minutes 10 --seed 1`.
+"""Fuzz `gclip.open` by its coverage: `python -m tests.gclip.fuzz_atheris --minutes 10`.
 
     --minutes M    how long
     --seed S       another seed takes other ways
     --keep FOLDER  where a file that shows a failure is kept; here if not given
 
-Where `bench.fuzz_clips` draws damages at random, atheris (libFuzzer) follows those that reach new
-lines of `gclip`. Each file is held to the same promises: a clip that is evaluated without a fault,
+Where `fuzz_clips` draws damages at random, atheris (libFuzzer) follows those that reach new lines
+of `gclip`. Each file is held to the same promises: a clip that is evaluated without a fault,
 or a ClipError of one sentence, within twice the file and 64 MB, in 20 seconds. Stops at the first
 that isn't, with its traceback. Needs the extra `fuzz`, for Linux, and says so without it.
 """
@@ -63,7 +63,7 @@ def main() -> int:
 
 def looking(path: Path) -> Callable[[bytes], None]:
     """What is done with each file's bytes."""
-    from bench.fuzz_clips import opened
+    from tests.gclip.fuzz_clips import opened
     from tests.player.uses import evaluated
 
     def look(data: bytes) -> None:

@@ -1,14 +1,15 @@
-"""Fuzz what reads and bakes scans: `python -m bench.fuzz_scans --cases 1000 --seed 1`.
+"""Fuzz what reads and bakes scans: `python -m tests.baker.fuzz_scans --count 1000 --seed 1`.
 
-    --cases N     how many of each kind (series from hell, damaged files)
+    --count N     how many of each kind (strange series, damaged files)
     --seed S      another seed draws other cases
     --minutes M   stop after that long
     --only KIND   series or files
+    --kind NAME   only files of kinds that begin so ("las", "ply binary")
+    --limit S     seconds that a case may take
 
 Cases run in child processes, so that a reader which ends its process is seen and counted. Prints
 each kind of failure once, with its traceback and the case that shows it, and how many cases were
-baked, read or refused. A case that takes longer than `--limit` seconds is a failure too. Exit code
-1 where anything failed.
+baked, read or refused. Exit code 1 where anything failed.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class Tally:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=1000)
+    parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=float("inf"))
     parser.add_argument("--limit", type=float, default=60.0)
@@ -71,8 +72,8 @@ def main() -> int:
     for kind in kinds:
         tally = Tally()
         chunk = 0
-        while tally.cases < options.cases and time.monotonic() < until:
-            count = min(CHUNK, options.cases - tally.cases)
+        while tally.cases < options.count and time.monotonic() < until:
+            count = min(CHUNK, options.count - tally.cases)
             seed = (options.seed << 20) + chunk
             _fuzz_in_child(tally, (kind, options.kind, seed, count), until, options.limit)
             chunk += 1
@@ -112,9 +113,12 @@ def _fuzz(kind: str, begins: str, seed: int, count: int, results: Connection) ->
     """Check so many cases; sends each case, and again with what came of it."""
     import hypothesis
 
-    strategy, check = _subject(kind, begins)
+    from tests.baker.hostile_files import load_libraries
 
-    def one(case: Any) -> None:
+    strategy, check = _subject(kind, begins)
+    load_libraries()  # no case is charged with it
+
+    def check_case(case: Any) -> None:
         results.send((str(case),))
         began, failure, outcome = time.monotonic(), None, ""
         with tempfile.TemporaryDirectory() as folder:
@@ -131,7 +135,7 @@ def _fuzz(kind: str, begins: str, seed: int, count: int, results: Connection) ->
         phases=[hypothesis.Phase.generate],
         suppress_health_check=list(hypothesis.HealthCheck),
     )
-    hypothesis.seed(seed)(settings(hypothesis.given(strategy)(one)))()
+    hypothesis.seed(seed)(settings(hypothesis.given(strategy)(check_case)))()
 
 
 def _subject(kind: str, begins: str) -> tuple[Any, Callable[[Any, Path], str]]:

@@ -1,6 +1,6 @@
 """Bakes and exports killed at random moments: is the old output intact, or the new one whole?
 
-    python -m bench.kill [--kills 200] [--seed 0] [--only bake,mp4,...]
+    python -m tests.kill [--count 200] [--seed 0] [--only bake,mp4,...]
 
 Every way out runs in a process of its own, forked from one that has imported all it needs, and is
 killed (SIGKILL), half of the time at any moment, half of the time within 50 ms after its draft
@@ -234,7 +234,7 @@ def make_series(folder: Path) -> tuple[Path, Path]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="names, with commas between")
     asked = parser.parse_args(argv)
@@ -244,7 +244,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             ways = [way for way in ways if way.name in asked.only.split(",")]
         total: Counter[str] = Counter()
         for number, way in enumerate(ways):
-            kills = asked.kills * (number + 1) // len(ways) - asked.kills * number // len(ways)
+            kills = asked.count * (number + 1) // len(ways) - asked.count * number // len(ways)
             left = try_out(way, kills, asked.seed)
             print(f"{way.name}: {_told(left)}", flush=True)
             total += left
