@@ -52,6 +52,7 @@ from baker.segmentation.stage import (
 )
 from baker.transport.tasks import Task, transport_tasks
 from baker.transport.wasserstein import wasserstein
+from baker.verdict import FollowedOrgans, find_doubts, provenance_of
 from gclip import Clip, HeldOutScan, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -222,6 +223,12 @@ def bake_series(
         ),
         provenance=describe_provenance(found, series, alignment, labels, hierarchies, options),
     )
+    followed = None
+    if not labels.consistent or labels.renamed:
+        points, bases = aligned.clouds, aligned.bases
+        followed = FollowedOrgans(points, bases, matches, tracks, stem=labels.found)
+    verdict = provenance_of(clip, find_doubts(clip, followed, map))
+    clip = replace(clip, provenance={**clip.provenance, "verdict": verdict})
     record = BakeRecord(
         found=found,
         series=series,

@@ -22,7 +22,7 @@ from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.options import Options, Transport, worker_count
 from baker.pipeline import Register, bake_series
 from baker.report import write_report
-from baker.report.summary import print_summary
+from baker.report.summary import print_summary, print_verdict
 from baker.report.verification import print_errors, verify
 from baker.scans import Finding, read_series
 from baker.transport.compile import compile_kernels
@@ -89,6 +89,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     for what, path in (("report", outputs.report), ("traits", outputs.traits)):
         if path is not None:
             say(f"{what}: {path}")
+    print_verdict(console, clip, outputs.clip)
 
 
 def _announce(progress: StageProgress, findings: Sequence[Finding]) -> None:

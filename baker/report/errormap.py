@@ -13,7 +13,7 @@ from baker.report.verification import HoldoutError
 COLORMAP = "turbo"  # blue to red, and unlike "jet" even in between (Mikhailov 2019)
 COLORMAP_RANGE = 0.08, 0.96  # the part of it that is neither black nor purple
 SCALE_QUANTILE = 0.995  # share of all points that the scale covers
-HISTOGRAM_BINS = 48
+LEGEND_STEPS = 24
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,7 @@ class ErrorScale:
         rgba = cmap.Colormap(COLORMAP)(np.interp(share, (0.0, 1.0), COLORMAP_RANGE))
         return np.round(255.0 * np.atleast_2d(rgba)[:, :3]).astype(np.uint8)
 
-    def histogram(self, distances: NDArray[np.floating]) -> list[tuple[float, str]]:
-        """How many points have which error: the square root of each bin's share of the fullest
-        bin, and its colour as "#rrggbb"."""
-        counts, edges = np.histogram(
-            np.minimum(distances, self.top), HISTOGRAM_BINS, (0.0, self.top)
-        )
-        heights = np.sqrt(counts / max(counts.max(), 1)).round(4).tolist()
-        colors = self.colors((edges[:-1] + edges[1:]) / 2)
-        return [(h, "#" + bytes(c).hex()) for h, c in zip(heights, colors, strict=True)]
+    @property
+    def legend(self) -> list[str]:
+        """The colours from 0 to `top` as "#rrggbb"."""
+        return ["#" + bytes(c).hex() for c in self.colors(np.linspace(0, self.top, LEGEND_STEPS))]

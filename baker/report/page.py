@@ -1,9 +1,8 @@
-"""The report's page: everything gathered, laid out by the templates, written in one step."""
+"""The report's page: everything gathered, laid out by the template, written in one step."""
 
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,10 +12,17 @@ from baker.errors import writing
 from baker.options import Options, worker_count
 from baker.pipeline import BakeRecord
 from baker.report.errormap import ErrorScale
-from baker.report.figures import interval_figures, picture_requests, scan_figures
-from baker.report.organs import organs_of_scans
+from baker.report.figures import (
+    MAX_DOUBTS_PICTURED,
+    growth_curves,
+    length_ticks,
+    picture_requests,
+    scale_bar,
+    scans_pictured,
+)
 from baker.report.pictures import NoPicture, Picture, take_pictures
 from baker.report.verification import HoldoutError, overall, verify
+from baker.verdict.doubt import between, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 
@@ -46,7 +52,7 @@ def write_report(
     errors : sequence of HoldoutError, optional
         Of `verify`, where scans were left out. By default they are found out here.
     seconds : mapping of str to float, optional
-        The stages' durations, for the timing table.
+        The stages' durations.
     workers : int
         Pictures drawn at a time, 0 for as many as there are cores.
     report_progress : callable, optional
@@ -58,42 +64,39 @@ def write_report(
         Where the file can't be written.
     """
     found = verify(clip, record, report_progress) if errors is None else errors
-    organs = organs_of_scans(record)
-    scale = ErrorScale.of(found) if found else None
-    requests = picture_requests(clip, record, organs, found, scale)
+    doubts, scale = doubts_in(clip), ErrorScale.of(found) if found else None
+    by_interval, shown = grouped(doubts), scans_pictured(clip)
+    requests = picture_requests(clip, record, by_interval[:MAX_DOUBTS_PICTURED], found, scale)
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures: dict[str, Picture] = {}
         no_pictures = ""
         try:
-            pictures = take_pictures(
-                requests,
-                clip,
-                worker_count(workers),
-                partial(report_progress, "pictures"),
-                part.parent,
-            )
+            progress = partial(report_progress, "pictures")
+            pictures = take_pictures(requests, clip, worker_count(workers), progress, part.parent)
         except NoPicture as error:
             no_pictures = str(error)
         report_progress("report", 0, 1)
-        intervals = interval_figures(clip, record, organs)
+        curves, first = growth_curves(clip), pictures.get(f"scan-{shown[0]}")
         page = _template().render(
             title=title,
             clip=clip,
             record=record,
+            headline=headline(clip, doubts),
+            doubts=[(between(clip, own[0]), own) for own in by_interval],
             pictures=pictures,
             no_pictures=no_pictures,
-            scans=scan_figures(record, organs, intervals, pictures),
-            intervals=intervals,
+            shown=shown,
+            bar=scale_bar(clip, first) if first else None,
+            curves=curves,
+            ticks=length_ticks(curves),
             errors=found,
             overall=overall(found) if found else None,
             scale=scale,
-            seconds=seconds or {},
+            seconds=sum((seconds or {}).values()),
             defaults=Options().provenance(),
-            notes=_notes(record),
-            names={track.id: track.name for track in clip.track_table},
-            tags=_tags(clip),
+            dates_of={scan.time: scan.date for scan in clip.scans},
+            zip=zip,
             colors={track.id: "#" + bytes(track.color).hex() for track in clip.track_table},
-            inks={track.id: _ink(*track.color) for track in clip.track_table},
         )
         part.write_bytes(page.encode())
     report_progress("report", 1, 1)
@@ -106,8 +109,7 @@ def _template() -> Any:
         loader=PackageLoader("baker.report"), autoescape=True, undefined=StrictUndefined
     )
     environment.trim_blocks = environment.lstrip_blocks = True
-    environment.filters.update(significant=_significant, sentence=_sentence, tiny=_tiny)
-    environment.filters["largest"] = lambda table: max(table.values())
+    environment.filters.update(significant=_significant, sentence=_sentence)
     return environment.get_template("report.html.j2")
 
 
@@ -116,38 +118,6 @@ def _significant(number: float) -> str:
     return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
 
 
-def _tiny(number: float) -> str:
-    """An error that may be nothing but rounding."""
-    return "0" if number == 0 else "< 1e-12" if number < 1e-12 else f"{number:.2g}"
-
-
 def _sentence(note: str) -> str:
     """A note with a capital letter before it and a full stop after it."""
     return note[:1].upper() + note[1:] + ("" if note.endswith((".", "!", "?")) else ".")
-
-
-def _tags(clip: Clip) -> dict[int, str]:
-    """A number for each organ: the one its name ends in where these differ, else its id."""
-    ends = {track.id: re.search(r"\d+$", track.name) for track in clip.track_table}
-    numbers = {organ: end[0] for organ, end in ends.items() if end is not None}
-    distinct = len(set(numbers.values())) == len(ends)
-    return numbers if distinct else {organ: str(organ) for organ in ends}
-
-
-def _notes(record: BakeRecord) -> dict[str, str]:
-    """What reading and segmenting found, and in which scans; said once where it is the same."""
-    found: dict[str, list[str]] = {}
-    segmented = zip(record.series.scans, record.hierarchies, strict=True)
-    origins = [(scan.name, scan.notes) for scan in record.found.scans]
-    for name, notes in origins + [(scan.name, hierarchy.notes) for scan, hierarchy in segmented]:
-        for note in notes:
-            found.setdefault(note, []).append(name)
-    return {
-        note: "all scans" if len(names) == len(record.found.scans) else ", ".join(names)
-        for note, names in found.items()
-    }
-
-
-def _ink(red: int, green: int, blue: int) -> str:
-    """Black or white, whichever is easier to read on a colour (its luma, ITU-R BT.601)."""
-    return "#111" if 0.299 * red + 0.587 * green + 0.114 * blue > 140 else "#fff"

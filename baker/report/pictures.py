@@ -30,8 +30,6 @@ MIN_BATCH = 6  # pictures a run of the player at least: its start takes as long 
 RUNS_PER_WORKER = 4  # of the player, where there are many pictures
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
 PIXELS, MANY_PICTURES = 500_000, 24  # of one picture; half of it from so many pictures on
-MARGIN = 0.1  # about a plant in its part of the picture, as a share of the plant
-MIN_WINDOW = 0.42  # smallest part of a picture that is shown, as a share of its sides
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
 
 
@@ -44,15 +42,6 @@ class PictureRequest(NamedTuple):
 
     points: NDArray[np.float32]  #: (N, 3) about the clip's origin
     colors: NDArray[np.uint8]  #: (N, 3) sRGB
-
-
-class Window(NamedTuple):
-    """A part of a picture, in pixels from its top left corner: SVG's viewBox."""
-
-    x: float
-    y: float
-    width: float
-    height: float
 
 
 @dataclass(frozen=True)
@@ -72,15 +61,6 @@ class Picture:
         """(N, 2) pixels from the top left corner at which (N, 3) local positions appear."""
         seen = np.column_stack([points, np.ones(len(points))]) @ self.view.T
         return np.asarray(self.size) * (1 + seen[:, :2] / seen[:, 3:] * [1, -1]) / 2
-
-    def window(self, *clouds: NDArray[np.floating]) -> Window:
-        """The part of the picture that shows (N, 3) local positions, in the picture's shape."""
-        pixels, size = self.project(np.concatenate(clouds)), np.array(self.size, float)
-        low, high = pixels.min(axis=0), pixels.max(axis=0)
-        share = max(((1 + 2 * MARGIN) * (high - low) / size).max(), MIN_WINDOW)
-        extent = min(share, 1.0) * size
-        corner = np.clip((low + high - extent) / 2, 0.0, size - extent)
-        return Window(*np.round([*corner, *extent], 1).tolist())
 
 
 def take_pictures(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from baker.verdict.doubt import doubts_in, where_to_look
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -57,3 +59,9 @@ def print_summary(
     width = max(map(len, rows))
     for name, value in rows.items():
         console.print(f"{name:<{width}}  {value}", markup=False, highlight=False)
+
+
+def print_verdict(console: Console, clip: Clip, path: Path) -> None:
+    """Print which intervals look right, and where to look at those that don't."""
+    line, look = clip.provenance["verdict"]["line"], where_to_look(doubts_in(clip), path)
+    console.print(f"{line} {look}".strip(), markup=False, highlight=False)

@@ -31,9 +31,10 @@ def test_the_scale_covers_all_but_the_largest_few(error):
     assert 0.99 < (error.distances < scale.top).mean() < 1.0
 
 
-def test_the_legends_bars_count_the_points(error):
-    scale = ErrorScale.of([error])
-    shares = np.array([height for height, _ in scale.histogram(error.distances)]) ** 2
-    assert shares[0] == 1.0
-    below = shares[: len(shares) // 2].sum() / shares.sum()
-    assert below == pytest.approx((error.distances < scale.top / 2).mean(), abs=0.01)
+def test_the_legend_goes_from_blue_to_red(error):
+    legend = ErrorScale.of([error]).legend
+    assert len(set(legend)) == len(legend)
+    red, blue = (int(legend[0][k : k + 2], 16) for k in (1, 5))
+    assert blue > red
+    red, blue = (int(legend[-1][k : k + 2], 16) for k in (1, 5))
+    assert red > blue

@@ -54,19 +54,3 @@ def test_batches_do_not_matter(baked, requested, monkeypatch):
 def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
     with pytest.raises(NoPicture, match="no EGL here"):
         take_pictures(requested, baked[0], workers=1)
-
-
-def test_a_window_holds_the_plant_in_the_pictures_shape(requested):
-    """Seen straight from the front, a unit of length is 40 pixels wide and 80 high."""
-    size = (400, 800)
-    picture = pictures.Picture(b"", size, np.diag([0.2, 0.2, 0.0, 1.0]))
-    for points in (requested["first"].points / 30, requested["last"].points / 30, np.zeros((1, 3))):
-        window = picture.window(points)
-        places = picture.project(points)
-        assert (places >= [window.x, window.y]).all()
-        assert (places <= [window.x + window.width, window.y + window.height]).all()
-        assert window.width / window.height == pytest.approx(size[0] / size[1], rel=1e-2)
-        assert window.x >= 0
-        assert window.y >= 0
-        assert window.x + window.width <= size[0] + 0.1
-        assert window.y + window.height <= size[1] + 0.1

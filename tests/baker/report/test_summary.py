@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from io import StringIO
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
-from baker.report.summary import print_summary
+from baker.report.summary import print_summary, print_verdict
+from baker.verdict import Doubt, provenance_of
 from gclip import Clip
 
 
@@ -46,3 +48,17 @@ def test_an_inexact_transport_is_put_in_terms_of_the_film(saved, tmp_path):
     text = summary(with_marginal_error(saved, 0.08), tmp_path)
     assert f"inexact for 1 of {pairs} segment pairs: up to 4% of a segment's points" in text
     assert "inexact for" not in summary(with_marginal_error(saved, 1e-4), tmp_path)
+
+
+def test_the_last_line_is_the_verdict_and_where_to_look(saved, tmp_path):
+    text = StringIO()
+    print_verdict(Console(file=text, soft_wrap=True), saved, tmp_path / "x.gclip")
+    assert text.getvalue() == "All 2 intervals look right.\n"
+    doubts = [Doubt(0.0, 2.0, 1, "label 1 tears", 2.0)]
+    provenance = {**saved.provenance, "verdict": provenance_of(saved, doubts)}
+    text = StringIO()
+    judged = replace(saved, provenance=provenance)
+    print_verdict(Console(file=text, soft_wrap=True), judged, Path("x.gclip"))
+    assert text.getvalue() == (
+        "1 of 2 intervals looks right; day 0 to 2: label 1 tears. Look: play x.gclip --day 1\n"
+    )

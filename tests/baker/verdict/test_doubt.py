@@ -1,0 +1,63 @@
+"""What a bake says about its own film."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from baker import Options
+from baker.pipeline import bake_recorded
+from baker.verdict import Doubt, provenance_of
+from baker.verdict.doubt import doubts_in, line_of, where_to_look
+from gclip import Clip
+
+
+@pytest.fixture
+def clip(write_scans) -> Clip:
+    return bake_recorded([write_scans(days=range(5))], Options(align="none", up="z"))[0]
+
+
+def test_a_clean_film_is_said_to_be_right_and_where_to_look_is_not_said(clip):
+    assert line_of(clip, []) == "All 4 intervals look right."
+    assert where_to_look([], Path("x.gclip")) == ""
+
+
+def test_what_is_wrong_is_named_by_time_and_the_worst_is_to_be_looked_at(clip):
+    doubts = [
+        Doubt(3, 4, 2, "organ 2 tears", 2.0),
+        Doubt(1, 2, 1, "organ 1 tears", 1.5),
+        Doubt(3, 4, 1, "parts of organ 1 change places", 3.0),
+    ]
+    assert line_of(clip, doubts) == (
+        "2 of 4 intervals look right; day 1 to 2: organ 1 tears; "
+        "day 3 to 4: parts of organ 1 change places, organ 2 tears."
+    )
+    look = where_to_look(doubts, Path("my clips/x.gclip"))
+    assert look == "Look: play 'my clips/x.gclip' --day 3.5"
+
+
+def test_of_many_doubts_the_line_names_a_few(clip):
+    doubts = [Doubt(k, k + 1, n, f"{n} tears", 1.0 + n) for k in range(4) for n in range(4)]
+    line = line_of(clip, doubts)
+    assert line.startswith("None of 4 intervals looks right; day 0 to 1: 3 tears, 2 tears, and 2")
+    assert line.endswith("; and 1 more.")
+
+
+def test_dates_stay_whole(clip):
+    scans = [replace(scan, date=f"2024-05-0{k + 1}") for k, scan in enumerate(clip.scans)]
+    line = line_of(replace(clip, scans=tuple(scans)), [Doubt(1, 2, 0, "it tears", 1.0)])
+    assert line == "3 of 4 intervals look right; 2024-05-02 to 2024-05-03: it tears."
+
+
+def test_the_clips_provenance_holds_the_verdict(clip, tmp_path):
+    import gclip
+
+    doubts = [Doubt(0, 1, 1, "organ 1 tears", 1.25, identity=True)]
+    verdict = json.loads(json.dumps(provenance_of(clip, doubts)))
+    judged = replace(clip, provenance={**clip.provenance, "verdict": verdict})
+    judged.save(tmp_path / "x.gclip")
+    assert doubts_in(gclip.open(tmp_path / "x.gclip")) == doubts
+    assert verdict["line"] == line_of(clip, doubts)

@@ -1,0 +1,101 @@
+"""Whether an organ is still the same organ."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from baker import Options
+from baker.pipeline import bake_recorded
+from baker.verdict.doubt import doubts_in
+from baker.verdict.identity import second_best
+
+
+def test_a_clear_choice_has_a_large_margin_and_a_close_one_names_its_rival():
+    scores = np.array([[3.0, 0.1, 0.0], [0.2, 2.0, 1.9], [0.0, 1.8, 2.0]])
+    margins, rivals = second_best(scores, [0, 1, 2], [0, 1, 2], [], [])
+    assert margins == pytest.approx([3.0, 0.3, 0.3])
+    assert rivals == [-1, 2, 1]
+
+
+def test_what_was_lost_or_is_new_may_be_the_rival():
+    scores = np.array([[2.0, 1.9], [1.5, 0.0]])
+    assert second_best(scores, [0], [0], lost=[1], born=[]) == ([0.5], [1])
+    margins, rivals = second_best(scores, [0], [0], lost=[1], born=[1])
+    assert (margins, rivals) == (pytest.approx([0.1]), [2])
+
+
+def test_what_is_out_of_the_question_is_no_rival():
+    scores = np.array([[1.0, -np.inf], [-np.inf, 1.0]])
+    assert second_best(scores, [0, 1], [0, 1], [], []) == ([1.0, 1.0], [-1, -1])
+
+
+@given(arrays(float, (4, 4), elements=st.floats(-3, 3)))
+def test_no_exchange_of_two_is_better_than_the_margin_says(scores):
+    margins, _ = second_best(scores, range(4), range(4), [], [])
+    total = np.trace(scores)
+    for i in range(4):
+        others = [total - scores[i, i]]
+        for j in set(range(4)) - {i}:
+            rest = total - scores[i, i] - scores[j, j]
+            others += [rest + scores[i, j], rest + scores[j, i]]
+            others.append(rest + scores[i, j] + scores[j, i])
+        assert total - max(others) == pytest.approx(margins[i])
+
+
+def leaf(azimuth: float, length: float, height: float, label: int) -> np.ndarray:
+    """(300, 4) x y z label: a blade of width 2 that rises from a stem on the z axis."""
+    along, across = np.random.default_rng(label).random((2, 300, 1))
+    outwards = np.array([np.cos(azimuth), np.sin(azimuth), 0.4])
+    aside = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    points = [0, 0, height] + length * along * outwards + 2 * (across - 0.5) * aside
+    return np.column_stack([points, np.full(300, label)])
+
+
+@pytest.fixture
+def series(tmp_path):
+    """Write a stem with leaves, one scan a day; return what the bake doubts."""
+
+    def doubts(*scans: list[np.ndarray]) -> list[tuple[float, str, bool]]:
+        stem = np.random.default_rng(0).random((300, 1)) * [0, 0, 20]
+        for day, leaves in enumerate(scans):
+            rows = [np.column_stack([stem, np.zeros(300)]), *leaves]
+            np.savetxt(tmp_path / f"day{day}.txt", np.concatenate(rows), fmt="%.4f")
+        options = Options(align="none", up="z", labels="independent", workers=1)
+        clip, _ = bake_recorded([tmp_path], options)
+        return [(doubt.start, doubt.what, doubt.identity) for doubt in doubts_in(clip)]
+
+    return doubts
+
+
+def test_leaves_that_grow_are_sure(series):
+    days = [[leaf(a, 5 + day, 8 + 4 * a, n) for n, a in ((1, 0), (2, 2))] for day in range(3)]
+    assert series(*days) == []
+
+
+def test_a_leaf_that_suddenly_is_many_times_as_large_is_doubtful(series):
+    small = [leaf(0, 8, 8, 1), leaf(2, 2, 16, 2), leaf(4, 8, 12, 3)]
+    large = [leaf(0, 8, 8, 1), leaf(2, 9, 16, 2), leaf(4, 8, 12, 3)]
+    found = series(small, small, large)
+    assert [day for day, _, identity in found if identity] == [1.0]
+    assert "much larger and may be two organs" in found[-1][1]
+
+
+def test_a_large_leaf_that_vanishes_is_doubtful(series):
+    leaves = [leaf(0, 8, 8, 1), leaf(2, 8, 12, 2), leaf(4, 8, 16, 3)]
+    found = series(leaves, leaves, leaves[:2])
+    assert [(day, identity) for day, _, identity in found] == [(1.0, True)]
+    assert "vanishes, though it is large" in found[0][1]
+
+
+def test_leaves_that_might_as_well_be_each_other_are_doubtful(series):
+    before = [leaf(0, 8, 12, 1), leaf(np.pi, 8, 12, 2)]
+    after = [leaf(np.pi / 2, 8, 12, 1), leaf(3 * np.pi / 2, 8, 12, 2)]
+    found = series(before, before, after)
+    assert {day for day, _, identity in found if identity} == {1.0}
+    assert {what for _, what, identity in found if identity} == {
+        "organ 1 and organ 2 may be mixed up"
+    }

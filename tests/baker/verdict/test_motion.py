@@ -1,0 +1,73 @@
+"""How organs move, judged from their movers alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from baker.verdict.motion import is_measurable, order_kept, size_on_the_way, torn_share
+
+SHARES = np.linspace(0, 1, 5)[:, None, None]
+
+
+@pytest.fixture
+def leaf() -> np.ndarray:
+    """(400, 3) a leaf of length 10 and width 2 along x, its base at the origin."""
+    return np.random.default_rng(0).random((400, 3)) * [10, 2, 0.1]
+
+
+@pytest.fixture
+def stem() -> np.ndarray:
+    """(5, 200, 3) at rest, through the leaf's base."""
+    along = np.random.default_rng(1).random((200, 1))
+    return np.tile(along * [0, 0, 20] - [0, 0, 10] + [0, 1, 0], (5, 1, 1))
+
+
+def moved(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(5, n, 3) straight paths."""
+    return (1 - SHARES) * start + SHARES * end
+
+
+def turned(points: np.ndarray, degrees: float) -> np.ndarray:
+    """About the y axis."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return points @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]).T
+
+
+@pytest.mark.parametrize("degrees", [0, 20, 40])
+@pytest.mark.parametrize("growth", [1, 1.5, 3])
+def test_growing_and_bending_is_nothing_wrong(leaf, stem, degrees, growth):
+    path = moved(leaf, turned(leaf * [growth, growth, 1], degrees))
+    assert is_measurable(path)
+    assert torn_share(path) == 0.0
+    assert order_kept(path, stem) > 0.95
+    assert abs(size_on_the_way(path)) < 0.1
+
+
+def test_an_organ_that_is_slit_tears_and_so_does_one_that_comes_together(leaf):
+    slit = leaf.copy()
+    slit[leaf[:, 1] > 1] += [0, 0, 8]
+    assert torn_share(moved(leaf, slit)) > 0.02
+    assert torn_share(moved(slit, leaf)) == torn_share(moved(leaf, slit))
+
+
+def test_a_tip_that_becomes_the_base_is_out_of_order(leaf, stem):
+    assert order_kept(moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]), stem) < -0.9
+
+
+def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
+    assert size_on_the_way(moved(leaf - leaf.mean(axis=0), leaf.mean(axis=0) - leaf)) < -0.9
+
+
+def test_an_organ_that_swells_is_larger_on_the_way(leaf):
+    path = np.stack([leaf * k for k in (1, 1.2, 1.5, 1.2, 1)])
+    assert size_on_the_way(path) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("count", [3, 59])
+def test_few_points_tell_nothing(leaf, count):
+    assert not is_measurable(moved(leaf[:count], leaf[:count]))
+
+
+def test_what_unfolds_from_few_points_is_not_judged(leaf):
+    assert not is_measurable(moved(leaf[np.arange(400) % 10], leaf))
