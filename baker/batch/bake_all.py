@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -67,7 +67,9 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
 
 
-def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
+def bake_here(
+    jobs: Sequence[PlantJob], workers: int, bake: Callable[[PlantJob], Outcome] = bake_plant
+) -> Generator[Outcome]:
     """Bake in worker processes, one plant a core; where there are fewer plants, they share cores.
 
     Outcomes come as they are ready. Close the iterator to stop at once.
@@ -76,7 +78,7 @@ def bake_here(jobs: Sequence[PlantJob], workers: int) -> Generator[Outcome]:
     cores = workers // processes
     shared = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
     with ProcessExecutor(processes) as executor:
-        for job, future in as_they_complete(executor, bake_plant, shared, lambda: 2 * processes):
+        for job, future in as_they_complete(executor, bake, shared, lambda: 2 * processes):
             try:
                 yield future.result()
             except WorkerDied as error:

@@ -40,7 +40,7 @@ def bisection_order(
     """
     n = len(points)
     depth = max(1, (n - 1).bit_length())
-    points, known = points @ _rotation(seed), axes is not None
+    points, known = points @ random_rotation(seed), axes is not None
     axes = np.zeros(2**depth, np.int64) if axes is None else axes
     ranks = np.argsort(np.argsort(points, axis=0, kind="stable"), axis=0)  # sorted without ties
     order = np.arange(n)
@@ -58,7 +58,7 @@ def bisection_order(
 
 
 @cache
-def _rotation(seed: int) -> NDArray[np.float64]:
+def random_rotation(seed: int) -> NDArray[np.float64]:
     """(3, 3) a random rotation or reflection."""
     return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
 

@@ -16,7 +16,8 @@ from baker.scans.formats import read_columns
 from baker.scans.rgbd.camera import read_camera
 from baker.scans.rgbd.images import read_color
 from baker.scans.times import FoundScans, schedule_scans
-from tests.baker.hostile_files import CAMERA, SOUND, File, all_files, check_file
+from tests.baker.hostile_files import File, all_files, check_file
+from tests.baker.sound_files import CAMERA, SOUND
 
 HUGE = 10**15
 

@@ -26,18 +26,21 @@ def blade(rng: np.random.Generator, count: int, length: float, width: float) -> 
     return np.stack([along, width / 2 * radius * np.sin(angle), np.zeros(count)], axis=1)
 
 
-def twig(leaves: int, seed: int = 0, stretch: float = 1.0, swell: float = 1.0) -> Twig:
+def twig(
+    leaves: int, seed: int = 0, stretch: float = 1.0, swell: float = 1.0, density: int = 1
+) -> Twig:
     """A stalk along z, `leaves` on it in turn, the first of them always at the same share.
 
-    stretch: how far the stalk has grown; swell: how far the leaves have.
+    stretch: how far the stalk has grown; swell: how far the leaves have; density: how many times as
+    many points as usual.
     """
     rng = np.random.default_rng(seed)
     height = 3.0 * (leaves + 1) * stretch
-    stalk = np.zeros((round(12 * height), 3))
+    stalk = np.zeros((round(12 * density * height), 3))
     stalk[:, 2] = np.sort(rng.uniform(0, height, len(stalk)))
     parts, numbers = [stalk], [np.full(len(stalk), -1)]
     for leaf in range(leaves):
-        flat = blade(rng, 40, 5.0 * swell, 2.5 * swell)
+        flat = blade(rng, 40 * density, 5.0 * swell, 2.5 * swell)
         turn = 2.4 * leaf
         rotation = np.array(
             [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]

@@ -49,7 +49,7 @@ def require_known(path: Path) -> None:
         raise InputError(f"'{path}' {what}; known are {KNOWN}.")
 
 
-def read_columns(path: Path) -> Columns:
+def read_columns(path: Path, largest_unpacked: int = LARGEST_UNPACKED) -> Columns:
     """All numeric fields of a scan; the suffix of `path` tells the format.
 
     Raises InputError: an unknown suffix, or a file that can't be opened or is not sound.
@@ -61,7 +61,7 @@ def read_columns(path: Path) -> Columns:
                 if not file.read(1):
                     raise FormatError("is an empty file.")
             reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
-            with _unpacked(path) as plain:
+            with _unpacked(path, largest_unpacked) as plain:
                 columns: Columns = reader.read(plain)
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
@@ -69,7 +69,7 @@ def read_columns(path: Path) -> Columns:
 
 
 @contextmanager
-def _unpacked(path: Path) -> Iterator[Path]:
+def _unpacked(path: Path, largest: int) -> Iterator[Path]:
     """The file itself, or where it is gzipped one with its content for as long as it is read."""
     if path.suffix.lower() != GZIP:
         yield path
@@ -79,8 +79,8 @@ def _unpacked(path: Path) -> Iterator[Path]:
         try:
             with gzip.open(path) as packed, plain.open("wb") as file:
                 while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]
-                    if file.write(chunk) and file.tell() > LARGEST_UNPACKED:
-                        raise FormatError(f"unpacks to more than {LARGEST_UNPACKED >> 30} GiB.")
+                    if file.write(chunk) and file.tell() > largest:
+                        raise FormatError(f"unpacks to more than {largest >> 20:,} MiB.")
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
         if plain.stat().st_size == 0:

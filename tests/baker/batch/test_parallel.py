@@ -104,10 +104,9 @@ def test_a_task_that_kills_its_process_each_time_fails_alone(tmp_path: Path) -> 
         assert executor.submit(square, 4).result() == 16
 
 
-def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("baker.batch.bake_all.bake_plant", _bake_or_die)
+def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
     jobs = [PlantJob(f"p{k}", tmp_path, tmp_path / f"p{k}.gclip", Options()) for k in range(3)]
-    with closing(bake_here(jobs, 1)) as found:
+    with closing(bake_here(jobs, 1, _bake_or_die)) as found:
         codes = {outcome.name: outcome.code for outcome in found}
     assert codes == {"p0": 0, "p1": 1, "p2": 0}
 

@@ -8,7 +8,6 @@ import pytest
 
 from baker import Options
 from baker.interpolation.interval_job import solve_interval, solve_intervals
-from baker.matching.leaflets import match_leaflets
 from baker.pipeline import bake_recorded
 
 PLAIN = Options(align="none", up="z", workers=1)
@@ -61,23 +60,21 @@ def test_progress_reaches_all_organs(write_scans, workers):
         (replace(PLAIN, paper=True, transport="exact"), False),
     ],
 )
-def test_the_paper_knows_of_no_leaflets(write_scans, monkeypatch, options, leaflets):
+def test_the_paper_knows_of_no_leaflets(write_scans, options, leaflets):
     searched = []
 
-    def match(*arguments):
-        searched.append(arguments)
-        return match_leaflets(*arguments)
+    def solve(jobs, report_progress):
+        searched.extend(job.options.leaflets for job in jobs)
+        return solve_intervals(jobs, report_progress)
 
-    monkeypatch.setattr("baker.interpolation.interval_job.match_leaflets", match)
-    bake_recorded([write_scans()], options)
-    assert bool(searched) == leaflets
+    bake_recorded([write_scans()], options, solve=solve)
+    assert set(searched) == {leaflets}
 
 
-def test_an_error_in_a_job_ends_the_bake(write_scans, monkeypatch):
-    def fail(*arguments, **named):
-        raise ArithmeticError("no way")
+@pytest.mark.parametrize("workers", [1, 3])
+def test_an_error_in_a_job_ends_the_bake(write_scans, workers):
+    def solve(jobs, report_progress):
+        return solve_intervals([replace(job, end=None) for job in jobs], report_progress, workers)
 
-    monkeypatch.setattr("baker.interpolation.interval_job.correspond", fail)
-    for workers in (1, 3):
-        with pytest.raises(ArithmeticError, match="no way"):
-            bake_recorded([write_scans(name=str(workers))], PLAIN, solve=on_threads(workers))
+    with pytest.raises(AttributeError):
+        bake_recorded([write_scans()], PLAIN, solve=solve)

@@ -68,9 +68,11 @@ def test_a_twig_that_has_lost_its_leaves_stays_whole():
     assert match_leaflets(bare, before.points, (0, before.foot)) == []
 
 
-def test_limbs_none_of_which_are_the_same_leave_an_organ_whole(monkeypatch):
-    monkeypatch.setattr("baker.matching.leaflets.MAX_DISTANCE", 1e-9)
+def test_leaflets_of_quite_other_shares_leave_an_organ_whole():
     before, after = twig(6, 0), twig(6, 1)
-    cut = match_leaflets(before.points, after.points, (before.foot, after.foot))
+    stalk = np.repeat(after.points[after.leaf < 0], 5, axis=0)
+    stalk += np.random.default_rng(0).normal(0, 0.05, stalk.shape)
+    points = np.concatenate([after.points, stalk])
+    cut = match_leaflets(before.points, points, (before.foot, after.foot))
     assert len(cut) == 1
-    assert_partition(cut, len(before.points), len(after.points))
+    assert_partition(cut, len(before.points), len(points))

@@ -140,19 +140,17 @@ def test_worth_is_the_same_both_ways(series):
     assert (there.argmax(axis=1) == np.arange(len(young))).all()
 
 
-def test_only_what_shrinks_is_worth_less_for_it(monkeypatch):
+def test_an_organ_that_shrinks_scores_less_than_one_that_stays_or_grows():
     stem = np.linspace([0, 0, 0], [0, 0, 30], 200)
 
     def scan(*lengths):
         leaves = [np.linspace([0, 0, 15], [length, 0, 15], 100) for length in lengths]
         return described(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
 
-    before, after = scan(10.0, 10.0), scan(6.0, 16.0)
-    worth = match_scores(before, after)
-    monkeypatch.setattr("baker.matching.score.SHRINKING_PENALTY", 0.0)
-    lost = (match_scores(before, after) - worth)[1:, 1:]
-    assert (lost[:, 0] > 0.05).all()
-    assert not lost[:, 1].any()
+    before = scan(10.0, 10.0)
+    scores = [match_scores(before, scan(later, 16.0))[1, 1] for later in (6.0, 8.0, 10.0, 16.0)]
+    assert scores == sorted(scores)
+    assert scores[0] < scores[2] - 0.2
 
 
 def test_a_path_through_a_later_scan_beats_a_poor_successor():

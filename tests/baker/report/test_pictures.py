@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from baker.report import pictures
 from baker.report.pictures import NoPicture, PictureRequest, take_pictures
 
 
@@ -40,15 +39,16 @@ def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, 
 
 
 @pytest.mark.usefixtures("player_draws")
-def test_batches_do_not_matter(baked, requested, monkeypatch):
-    together = take_pictures(requested, baked[0], workers=1)
-    monkeypatch.setattr(pictures, "MIN_BATCH", 1)
+def test_batches_do_not_matter(baked, requested):
+    names = ["first", "last"] * 4
+    repeated = {f"{k} {name}": requested[name] for k, name in enumerate(names)}
     counts: list[tuple[int, int]] = []
-    alone = take_pictures(
-        requested, baked[0], workers=2, report_progress=lambda *done: counts.append(done)
+    drawn = take_pictures(
+        repeated, baked[0], workers=2, report_progress=lambda *done: counts.append(done)
     )
-    assert [together[name].jpeg for name in requested] == [p.jpeg for p in alone.values()]
-    assert counts == [(0, 2), (1, 2), (2, 2)]
+    assert counts == [(0, 8), (4, 8), (8, 8)]
+    for name in requested:
+        assert len({drawn[key].jpeg for key in repeated if key.endswith(name)}) == 1
 
 
 def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.segmentation.leaflets import segment_leaflets
+from baker.segmentation.leaflets import MAX_POINTS_SEARCHED, segment_leaflets
 from tests.baker.twigs import blade, twig
 
 
@@ -34,9 +34,9 @@ def test_a_single_blade_has_none(count, seed):
     assert (segment_leaflets(points, foot) == -1).all()
 
 
-def test_of_many_points_a_share_tells_as_much(monkeypatch):
-    plant = twig(6)
-    monkeypatch.setattr("baker.segmentation.leaflets.MAX_POINTS_SEARCHED", len(plant.points) - 60)
+def test_of_many_points_a_share_tells_as_much():
+    plant = twig(6, density=20)
+    assert len(plant.points) > 1.5 * MAX_POINTS_SEARCHED
     found = segment_leaflets(plant.points, plant.foot)
     assert found.shape == plant.leaf.shape
     assert share_right(found, plant.leaf) > 0.75

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
-from baker.transport import multiscale
 from baker.transport.correspondences import largest_entries
 from baker.transport.problem import Plan, TransportOptions, uniform_masses
 from baker.transport.solve import solve
@@ -60,13 +59,11 @@ def test_what_balancing_leaves_is_near_its_optimum_too():
     assert optimum * (1 - 1e-9) <= solve(here, there).cost <= optimum * 1.005
 
 
-def test_cells_keep_the_masses_and_stay_near_the_optimum_of_the_whole(monkeypatch):
+def test_cells_keep_the_masses_and_stay_near_the_optimum():
     start, end = grown_leaf(3001, 4403)
-    cells = solve(start, end)
-    monkeypatch.setattr(multiscale, "MAX_POINTS_OF_ONE_CELL", 10_000)
-    whole = solve(start, end)
-    assert_coupling(cells, 3001, 4403)
-    assert whole.cost < cells.cost == pytest.approx(whole.cost, rel=5e-4)
+    plan, optimum = solve(start, end), dense_optimum(start, end)
+    assert_coupling(plan, 3001, 4403)
+    assert optimum * (1 - 1e-9) <= plan.cost <= optimum * 1.0005
 
 
 def test_as_many_threads_as_wanted_find_the_same_plan():

@@ -11,6 +11,7 @@ from baker.transport.space_partition import (
     bisection_order,
     bisection_plan,
     cut,
+    random_rotation,
     refine_plan,
 )
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
@@ -97,12 +98,11 @@ def halves(points: np.ndarray, part: int, parts: int, members: np.ndarray) -> li
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 64, 100])
-def test_bisection_is_recursive_halving(n, monkeypatch):
-    monkeypatch.setattr("baker.transport.space_partition._rotation", lambda seed: np.eye(3))
+def test_bisection_is_recursive_halving(n):
     points = np.random.default_rng(n).random((n, 3))
     order, _ = bisection_order(points, 0)
     begin = 0
-    for part in halves(points, 0, 1, np.arange(n)):
+    for part in halves(points @ random_rotation(0), 0, 1, np.arange(n)):
         if len(part) == 1:
             assert order[begin] == part[0]
             begin += 1

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from baker.scans.formats.lzf import decompress
-from tests.baker.hostile_files import lzf_literals
+from tests.baker.sound_files import lzf_literals
 
 TEXT = b"leaf leaf leaf stem " * 20 + bytes(range(64)) + b"\0" * 300
 PACKED = bytes.fromhex(  # by liblzf
