@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from player.canvas import BOLD, Canvas, Color
 from player.dates import date_at, elapsed
 from player.layout import LABEL_SIZE, SNAP, Layout
+from traits.doubts import doubts_of
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -19,6 +20,7 @@ LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
 BUBBLE_ABOVE, BUBBLE_HEIGHT, PADDING, SPACE = 40.0, 32.0, 12.0, 9.0
 DOT, HANDLE = 5.0, 8.0
 EVENT = 13.0  # from the line to the marks of births and losses
+DOUBT, DOUBT_GAP = 8.0, 11.0  # from the line to the stroke of a doubtful interval, and to its scans
 LEFT_OUT = 6.0  # half of the stroke where a scan was left out
 BRACKET = 9.0  # half the height of the brackets about the part that is played
 
@@ -89,9 +91,12 @@ def _draw_range(
 
 
 def _draw_events(canvas: Canvas, theme: Theme, layout: Layout, clip: Clip) -> None:
-    """Births above the line, losses below it, at the scans that first show them; and strokes
-    across it where scans were left out.
+    """Births above the line, losses below it, at the scans that first show them; strokes across it
+    where scans were left out, and along it where the bake doubts an interval.
     """
+    for doubt in doubts_of(clip):
+        x, end = layout.x_of(doubt.start) + DOUBT_GAP, layout.x_of(doubt.end) - DOUBT_GAP
+        canvas.rectangle(x, layout.line + DOUBT, max(end - x, 2.0), 3.0, theme.loss, 1.5)
     for held in clip.held_out:
         x = layout.x_of(held.time)
         canvas.line((x, layout.line - LEFT_OUT), (x, layout.line + LEFT_OUT), theme.muted, 2.0)
@@ -132,7 +137,8 @@ def _draw_preview(canvas: Canvas, theme: Theme, layout: Layout, clip: Clip, poin
     day = layout.day_at(pointed)
     x = layout.x_of(day)
     canvas.disc(x, layout.line, DOT + SNAP, (*theme.accent[:3], 0.35))
-    side = ""
+    wrong = [doubt.what for doubt in doubts_of(clip) if doubt.start < day < doubt.end]
+    side = f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
     for scan, (born, lost) in zip(clip.scans, events(clip), strict=True):
         if scan.time == day:
             side = f"{scan.points:,} points"

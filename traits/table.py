@@ -7,6 +7,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
@@ -14,6 +15,7 @@ from unicodedata import normalize
 from gclip.terminal.text import printable
 from gclip.version import __version__
 from traits.dates import date_at
+from traits.doubts import Doubt, doubts_of
 from traits.traits import Measurement, measure
 
 if TYPE_CHECKING:
@@ -38,6 +40,15 @@ class Namer:
 
     def date_at(self, day: float) -> str:
         return date_at(self.clip.scans, day)
+
+    @cached_property
+    def _doubts(self) -> tuple[Doubt, ...]:
+        return doubts_of(self.clip)
+
+    def is_sure(self, one: Measurement, trait: str, time: float) -> bool:
+        """Whether a trait is measured well, of the organ that it is said to be of."""
+        doubtful = any(d.track == one.track and d.concerns(time) for d in self._doubts)
+        return trait in one.sure and not doubtful
 
 
 def measure_days(clip: Clip) -> list[float]:
@@ -90,10 +101,12 @@ def _values(namer: Namer, found: Iterable[Measurement], about: tuple[str, str]) 
             value = getattr(one, trait)
             if value is not None:
                 what = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
-                yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, trait), *about]
+                how = _how(namer, one, trait, one.time)
+                yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
         if one.angle is not None:
             what = ["angle", _number(one.angle), "degrees"]
-            yield [*_who(namer, one), *what, *when, clip.time_unit, *_how(one, "angle"), *about]
+            how = _how(namer, one, "angle", one.time)
+            yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
 
 
 def _rates(
@@ -114,7 +127,7 @@ def _rates(
             if first is not None and last is not None:
                 unit = f"{_unit(clip, power)}/{clip.time_unit.removesuffix('s')}"
                 what = [f"{NAMES.get(trait, trait)}_growth", _number((last - first) / passed), unit]
-                how = _how(late if trait in early.sure else early, trait)
+                how = _how(namer, late if trait in early.sure else early, trait, late.time)
                 yield [*_who(namer, late), *what, *when, clip.time_unit, *how, *about]
 
 
@@ -135,8 +148,8 @@ def _who(namer: Namer, one: Measurement) -> list:
     ]
 
 
-def _how(one: Measurement, trait: str) -> list:
-    return [one.points, "yes" if trait in one.sure else "no"]
+def _how(namer: Namer, one: Measurement, trait: str, time: float) -> list:
+    return [one.points, "yes" if namer.is_sure(one, trait, time) else "no"]
 
 
 def _unit(clip: Clip, power: int) -> str:

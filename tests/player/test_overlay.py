@@ -185,6 +185,30 @@ def test_pointing_at_the_timeline_shows_the_date_there(context: moderngl.Context
     sheet.overlay.release()
 
 
+@pytest.mark.parametrize("verdict", [None, "all is well", {"doubts": [{"start": 1e300}]}])
+def test_a_doubtful_interval_is_marked_and_named(
+    context: moderngl.Context, verdict: object
+) -> None:
+    clip = small_clip(["day 0", "day 1", "day 3"], times=(0.0, 1.0, 3.0))
+    doubt = {"start": 1.0, "end": 3.0, "track": 1, "what": "the leaf tears", "identity": False}
+    verdicts = verdict, {"doubts": [doubt]}
+    clips = [replace(clip, provenance={"verdict": each}) for each in verdicts]
+    plain, sheet = (Sheet(context, each, "a clip", 1.0) for each in clips)
+    still, layout = plain.draw(scene_of(clip))
+    marked, _ = sheet.draw(scene_of(clip))
+    left, top, right, bottom = changed(marked, still)
+    assert layout.x_of(1.0) < left < right < layout.x_of(3.0)
+    assert layout.line < top < bottom < layout.line + 13
+    assert close(sheet.color_at(marked, layout.x_of(2.0), (top + bottom) // 2), DARK.loss)
+    above = np.s_[: round(layout.line) - 20]
+    middle = (layout.x_of(2.0), layout.line)
+    shown = [each.draw(scene_of(clip), cursor=middle)[0][above] for each in (plain, sheet)]
+    left, _, right, _ = changed(*shown)
+    assert right - left > 150, "a longer bubble, with what looks wrong"
+    plain.overlay.release()
+    sheet.overlay.release()
+
+
 def test_a_notice_stands_on_a_card_in_the_middle(context: moderngl.Context) -> None:
     clip = small_clip(["day 0", "day 1"])
     sheet = Sheet(context, clip, "a clip", 1.0)
