@@ -14,6 +14,7 @@ from baker.options import (
     Align,
     Colors,
     Decay,
+    Ground,
     Labels,
     Options,
     Paths,
@@ -135,6 +136,9 @@ def bake_command(
     label_field: Annotated[
         str | None, typer.Option(metavar="NAME", help="The scans' field that holds the labels.")
     ] = None,
+    ground: Annotated[
+        Ground, typer.Option(help="Soil or table under the plant: taken out (auto), or kept.")
+    ] = Ground.auto,
     voxel: Annotated[
         float | None,
         typer.Option(metavar="SIZE", help="Keep one point per organ and cube of this size."),
@@ -223,6 +227,7 @@ def bake_command(
         root=_root(root),
         times=times,
         label_field=label_field,
+        ground=ground,
         voxel=voxel,
         outliers=outliers,
         denoise=denoise,

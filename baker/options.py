@@ -66,6 +66,11 @@ class Colors(StrEnum):
     none = "none"
 
 
+class Ground(StrEnum):
+    auto = "auto"
+    keep = "keep"
+
+
 class Precision(StrEnum):
     auto = "auto"
     float32 = "float32"
@@ -80,6 +85,7 @@ CHOICES: dict[str, type[StrEnum]] = {
     "decay": Decay,
     "paths": Paths,
     "colors": Colors,
+    "ground": Ground,
     "precision": Precision,
 }
 
@@ -115,6 +121,7 @@ class Options:
     root: tuple[float, float, float] | Literal["virtual"] | None = None
     times: Path | None = None
     label_field: str | None = None
+    ground: str = "auto"
     voxel: float | None = None
     outliers: float | None = None
     denoise: int | None = None

@@ -19,6 +19,7 @@ from baker.scans.cloud import Cloud, relative_to, shared_origin
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns, suffix_of
+from baker.scans.ground import take_out_ground
 from baker.scans.rgbd.camera import find_camera
 from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
@@ -66,24 +67,35 @@ def read_series(
         map = reporting(map, report_progress, len(entries))
     raw = listing.read(entries[0], options)
     origin = shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
-    read = partial(_scan, origin=origin, listing=listing, options=options)
-    scans = _agree(list(map(read, entries, chain([raw], repeat(None)))), options)
-    return listing.series(scans, options)
+    read = partial(_read, origin=origin, listing=listing, options=options)
+    found, digests = zip(*map(read, entries, chain([raw], repeat(None))), strict=True)
+    up = "z" if listing.images and options.up == "auto" else options.up
+    clouds, ground_up, findings = take_out_ground(found, up, options.ground == "keep", map)
+    scan = partial(_scan, origin=origin, options=options)
+    scans = _agree(list(map(scan, entries, clouds, digests)), options)
+    series = listing.series(scans, options)
+    return replace(series, ground_up=ground_up, findings=(*series.findings, *findings))
 
 
-def _scan(
+def _read(
     entry: Entry,
     raw: tuple[Cloud, str] | None,
     *,
     origin: NDArray[np.float64],
     listing: Listing,
     options: Options,
-) -> Scan:
-    """One scan, clean, about the series' origin: from its files, or `raw` if they are read."""
+) -> tuple[Cloud, str]:
+    """A scan about the series' origin and its digest: from its files, or `raw` if they are read."""
     cloud, sha256 = raw or listing.read(entry, options)
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
-    cloud = clean.drop_duplicates(relative_to(origin, cloud))
+    return clean.drop_duplicates(relative_to(origin, cloud)), sha256
+
+
+def _scan(
+    entry: Entry, cloud: Cloud, sha256: str, *, origin: NDArray[np.float64], options: Options
+) -> Scan:
+    """One scan, clean."""
     steps: tuple[tuple[Callable[..., Cloud], float | None], ...] = (
         (clean.drop_outliers, options.outliers),
         (clean.downsample, options.voxel),

@@ -1,0 +1,97 @@
+"""Ground is found, taken out and told of; plants without any lose nothing."""
+
+import numpy as np
+import pytest
+
+from baker.scans.cloud import Cloud
+from baker.scans.ground import DIRECTIONS, find_ground, take_out_ground
+
+TURNS = {
+    "z": np.eye(3),
+    "y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+    "-x": np.array([[0, 0, -1.0], [0, 1, 0], [1, 0, 0]]),
+}
+
+
+def plant(rng, size=100.0):
+    """A stem with six bent leaves, upright."""
+    height = rng.random(1500)
+    stem = np.column_stack([np.zeros((1500, 2)), height * size])
+    parts = [stem + rng.normal(0, 0.01 * size, stem.shape) * [1, 1, 0]]
+    for leaf in range(6):
+        along, across = rng.random(800), rng.normal(0, 0.04, 800)
+        out = np.array([np.cos(2.4 * leaf), np.sin(2.4 * leaf)])
+        flat = 0.6 * along[:, None] * out + across[:, None] * [-out[1], out[0]]
+        rise = 0.15 + 0.12 * leaf + 0.5 * along - 0.5 * along**2
+        parts.append(size * np.column_stack([flat, rise]))
+    return np.concatenate(parts)
+
+
+def soil(rng, radius, count, roughness, slope=0.0):
+    r, t = radius * np.sqrt(rng.random(count)), 2 * np.pi * rng.random(count)
+    x, y = r * np.cos(t), r * np.sin(t)
+    return np.column_stack([x, y, slope * x + rng.normal(0, roughness, count)])
+
+
+def shares(left, whole):
+    """Of each of some points, whether it is left."""
+    kept = {tuple(point) for point in left.tolist()}
+    return np.mean([tuple(point) in kept for point in whole.tolist()])
+
+
+@pytest.mark.parametrize("up", TURNS)
+@pytest.mark.parametrize(
+    ("radius", "count", "roughness", "slope"),
+    [(12, 700, 0.5, 0), (30, 3000, 1, 0), (70, 900, 1, 0.2), (200, 9000, 3, 0), (50, 4000, 0, 0.1)],
+)
+@pytest.mark.parametrize("is_labelled", [False, True])
+def test_soil_is_taken_out_and_the_plant_stays(up, radius, count, roughness, slope, is_labelled):
+    rng = np.random.default_rng(2)
+    grown = [plant(rng, size).astype(np.float32) @ TURNS[up].T for size in (60, 80, 100)]
+    grounds = [soil(rng, radius, count, roughness, slope) @ TURNS[up].T for _ in grown]
+    clouds = []
+    for points, ground in zip(grown, grounds, strict=True):
+        labels = np.repeat([3, -1], [len(points), count]) if is_labelled else None
+        clouds.append(Cloud(np.concatenate([points, ground]).astype(np.float32), labels))
+    left, ground_up, (finding,) = take_out_ground(clouds)
+    axis = TURNS[up] @ [0, 0, 1]
+    assert np.dot(ground_up, axis) > np.cos(np.arctan(slope) + 0.05)
+    assert "in 3 of 3 scans" in finding.sentence
+    for cloud, points, ground in zip(left, grown, grounds, strict=True):
+        assert shares(cloud.points, ground.astype(np.float32)) < (0.06 if radius < 20 else 0.02)
+        assert shares(cloud.points, points.astype(np.float32)) > (1 if is_labelled else 0.97) - 1e-9
+    kept, also_up, (finding,) = take_out_ground(clouds, keep=True)
+    assert [len(cloud) for cloud in kept] == [len(cloud) for cloud in clouds]
+    assert also_up == ground_up
+    assert "kept" in finding.sentence
+
+
+def test_a_plant_without_ground_loses_nothing():
+    rng = np.random.default_rng(3)
+    clouds = [Cloud(plant(rng, size)) for size in (60, 80, 100)]
+    left, ground_up, findings = take_out_ground(clouds)
+    assert (ground_up, findings) == (None, ())
+    assert all(after is before for after, before in zip(left, clouds, strict=True))
+
+
+def test_one_scan_with_ground_among_many_is_left():
+    rng = np.random.default_rng(3)
+    clouds = [Cloud(plant(rng)) for _ in range(5)]
+    clouds[0] = Cloud(np.concatenate([clouds[0].points, soil(rng, 50, 4000, 1)]))
+    assert take_out_ground(clouds)[2] == ()
+
+
+@pytest.mark.parametrize("up", DIRECTIONS)
+def test_degenerate_clouds_have_no_ground(up):
+    rng = np.random.default_rng(0)
+    line, square = np.zeros((500, 3)), rng.random((5000, 3))
+    line[:, 0], square[:, 2] = np.arange(500), 0
+    for points in (
+        np.zeros((1, 3)),
+        np.eye(3),
+        np.zeros((50, 3)),
+        line,
+        square,
+        rng.random((5000, 3)),
+    ):
+        assert find_ground(points, up) is None or up not in ("z", "-z")
