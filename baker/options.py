@@ -4,90 +4,22 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict, dataclass, replace
-from enum import StrEnum
 from math import inf
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from baker.errors import InputError
 
-
-class Align(StrEnum):
-    auto = "auto"
-    icp = "icp"
-    none = "none"
-
-
-class Labels(StrEnum):
-    auto = "auto"
-    consistent = "consistent"
-    independent = "independent"
-    ignore = "ignore"
-
-
-class Up(StrEnum):
-    auto = "auto"
-    x = "x"
-    y = "y"
-    z = "z"
-    minus_x = "-x"
-    minus_y = "-y"
-    minus_z = "-z"
-
-
-class Segment(StrEnum):
-    auto = "auto"
-    organs = "organs"
-    thin = "thin"
-
-
-class Transport(StrEnum):
-    auto = "auto"
-    exact = "exact"
-    sinkhorn = "sinkhorn"
-    whole = "whole"
-
-
-class Decay(StrEnum):
-    fall = "fall"
-    fade = "fade"
-    remove = "remove"
-
-
-class Paths(StrEnum):
-    auto = "auto"
-    straight = "straight"
-    curved = "curved"
-
-
-class Colors(StrEnum):
-    scan = "scan"
-    segment = "segment"
-    none = "none"
-
-
-class Ground(StrEnum):
-    auto = "auto"
-    keep = "keep"
-
-
-class Precision(StrEnum):
-    auto = "auto"
-    float32 = "float32"
-
-
-CHOICES: dict[str, type[StrEnum]] = {
-    "align": Align,
-    "labels": Labels,
-    "segment": Segment,
-    "up": Up,
-    "transport": Transport,
-    "decay": Decay,
-    "paths": Paths,
-    "colors": Colors,
-    "ground": Ground,
-    "precision": Precision,
-}
+Align = Literal["auto", "icp", "none"]
+Labels = Literal["auto", "consistent", "independent", "ignore"]
+Segment = Literal["auto", "organs", "thin"]
+Up = Literal["auto", "x", "y", "z", "-x", "-y", "-z"]
+Transport = Literal["auto", "exact", "sinkhorn", "whole"]
+Decay = Literal["fall", "fade", "remove"]
+Paths = Literal["auto", "straight", "curved"]
+Colors = Literal["scan", "segment", "none"]
+Ground = Literal["auto", "keep"]
+Precision = Literal["auto", "float32"]
 
 
 def worker_count(requested: int) -> int:
@@ -114,20 +46,20 @@ class Options:
     Fields that do not change the clip (`workers`) stay out of its provenance.
     """
 
-    align: str = "auto"
-    labels: str = "auto"
-    segment: str = "auto"
-    up: str = "auto"
+    align: Align = "auto"
+    labels: Labels = "auto"
+    segment: Segment = "auto"
+    up: Up = "auto"
     root: tuple[float, float, float] | Literal["virtual"] | None = None
     times: Path | None = None
     label_field: str | None = None
-    ground: str = "auto"
+    ground: Ground = "auto"
     voxel: float | None = None
     outliers: float | None = None
     denoise: int | None = None
     resample: int | None = None
     every: int = 1
-    transport: str = "auto"
+    transport: Transport = "auto"
     neighbors: int = 15
     graph_neighbors: int = 15
     bifurcation: int | None = None
@@ -136,18 +68,18 @@ class Options:
     bud: int | None = None
     even: float | None = None
     smooth: bool = False
-    decay: str = "fall"
-    paths: str = "auto"
-    colors: str = "scan"
-    precision: str = "auto"
+    decay: Decay = "fall"
+    paths: Paths = "auto"
+    colors: Colors = "scan"
+    precision: Precision = "auto"
     unit: str = ""
     workers: int = 0
 
     def __post_init__(self) -> None:
         """Raises InputError naming the field, what was found and what is allowed."""
-        for name, allowed in CHOICES.items():
-            value = getattr(self, name)
-            if value is not None and value not in tuple(allowed):
+        for name, kind in get_type_hints(Options).items():
+            value, allowed = getattr(self, name), get_args(kind)
+            if get_origin(kind) is Literal and value not in allowed:
                 raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
         if self.even is not None and not 0 <= self.even <= 10:
             raise InputError(f"even is {self.even}; from 0 to 10 is allowed.")
@@ -172,7 +104,7 @@ class Options:
     @property
     def whole(self) -> bool:
         """Whether the cloud is transported as one, without segments (the paper's Figure 3)."""
-        return self.transport == Transport.whole
+        return self.transport == "whole"
 
     def for_series(
         self,
@@ -199,17 +131,17 @@ class Options:
 
     def resolved(self) -> Options:
         """The options, with "auto" replaced by the paper's choices or by our own (`--paper`)."""
-        straight = self.paper if self.paths == "auto" else self.paths == Paths.straight
+        straight = self.paper if self.paths == "auto" else self.paths == "straight"
         # Additional movers travel beside others on their curves.
         even = 0.0 if self.paper or straight else 1.0
-        segment = Segment.thin if self.paper else Segment.organs
+        segment: Segment = "thin" if self.paper else "organs"
         return replace(
             self,
             align="icp" if self.paper and self.align == "auto" else self.align,
             labels="ignore" if self.whole or self.segment != "auto" else self.labels,
             segment=segment if self.segment == "auto" else self.segment,
             transport="sinkhorn" if self.paper and self.transport == "auto" else self.transport,
-            paths=Paths.straight if straight else Paths.curved,
+            paths="straight" if straight else "curved",
             even=even if self.even is None else self.even,
         )
 

@@ -39,7 +39,7 @@ from baker.matching import (
     label_policy,
     match_series,
 )
-from baker.options import Options, Segment, worker_count
+from baker.options import Options, worker_count
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
@@ -278,7 +278,7 @@ def _segment(
         return labels, whole_hierarchies(clouds)
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
     own = labels.given
-    if not own and options.segment == Segment.thin:
+    if not own and options.segment == "thin":
         k, threshold = options.graph_neighbors, options.bifurcation
         return labels, thin_hierarchies(clouds, bases, aligned.neighbors, k, threshold, map)
     is_complete = len(own) == len(clouds)

@@ -19,7 +19,7 @@ from baker.batch.progress import StageProgress
 from baker.batch.traits import write_traits
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
-from baker.options import Options, Transport, worker_count
+from baker.options import Options, worker_count
 from baker.pipeline import Register, bake_series
 from baker.report import write_report
 from baker.report.summary import print_summary, print_verdict
@@ -60,7 +60,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
             register, solve = cache.kept(register), cache.kept_intervals(solve)
         scans = read_series(inputs, options, partial(progress, "reading"), map)
         not_kept = None
-        if outputs.cluster is None and options.resolved().transport != Transport.sinkhorn:
+        if outputs.cluster is None and options.resolved().transport != "sinkhorn":
             not_kept = compile_kernels(partial(progress, "compiling the solver, once"))
         announce = partial(_announce, progress)
         clip, record = bake_series(scans, options, progress, map, register, solve, announce)

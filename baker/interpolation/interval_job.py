@@ -21,7 +21,7 @@ from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
 from baker.matching import IntervalOrgans, Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
-from baker.options import Decay, Options, Paths, Transport
+from baker.options import Options
 from baker.transport.correspondences import correspond
 from baker.transport.problem import Method, TransportOptions
 from baker.transport.tasks import Task
@@ -83,14 +83,14 @@ def interval_jobs(
         The organs were found without labels. Most of what is lost then is a bit of a leaf that the
         next scan counts to that leaf: it fades instead of falling.
     """
-    decay = Motion.FADE if found_organs and options.decay == Decay.fall else Motion(options.decay)
+    decay = Motion.FADE if found_organs and options.decay == "fall" else Motion(options.decay)
     keyframes = list(series.keyframes)
     if options.smooth:
         keyframes = smooth_organs(keyframes, matches, tracks, series.times)
     if options.even:
         pairs = zip(keyframes, series.neighbors, strict=True)
         keyframes = [replace(k, area=point_area(k.positions, near)) for k, near in pairs]
-    curved, spacings = options.paths == Paths.curved, [near.spacing for near in series.neighbors]
+    curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if curved:
         clouds = [frame.positions for frame in keyframes]
@@ -102,7 +102,7 @@ def interval_jobs(
             neighbors=options.neighbors,
             feasible=not options.paper,
         ),
-        leaflets=not options.paper and options.transport != Transport.sinkhorn,
+        leaflets=not options.paper and options.transport != "sinkhorn",
         decay=decay,
         curved=curved,
         even=options.even or 0.0,
