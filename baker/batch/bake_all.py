@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from collections import Counter
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing, nullcontext
@@ -16,7 +15,7 @@ from baker.batch.job import Outcome, PlantJob, bake_plant
 from baker.batch.outputs import Outputs
 from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
 from baker.batch.plants import Plant
-from baker.batch.progress import PlantProgress
+from baker.batch.progress import StageProgress
 from baker.batch.traits import TraitsTable
 from baker.errors import InputError
 from baker.options import Options, worker_count
@@ -37,28 +36,28 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     InputError
         Where nothing can be begun with.
     """
-    began = time.perf_counter()
     for folder in (outputs.clip, outputs.report):
         if folder is not None:
             _make_folder(folder)
     with closing(TraitsTable(outputs.traits)) if outputs.traits else nullcontext() as table:
         jobs = [_job(plant, options, outputs, table) for plant in plants]
         outcomes: dict[str, Outcome] = {}
-        with PlantProgress(len(jobs), outputs.quiet, outputs.verbose) as progress:
+        with StageProgress(outputs.quiet) as progress:
+            progress("plants", 0, len(jobs))
             if outputs.cluster is None:
                 found = bake_here(jobs, worker_count(options.workers))
             else:
                 found = bake_on_cluster(jobs, outputs.cluster, progress.say)
             with closing(found):
                 for outcome in found:
-                    progress(outcome)
+                    _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
                     if table:
                         table.add(outcome.name, outcome.traits)
                     outcomes[outcome.name] = replace(outcome, traits="", notes=())
         listed = [outcomes[plant.name] for plant in plants]
         if table:
             table.save(outcome.name for outcome in listed if outcome.state != "failed")
-    lines = [] if outputs.quiet else _summary(listed, outputs, time.perf_counter() - began)
+    lines = [] if outputs.quiet else _summary(listed, outputs, sum(progress.seconds.values()))
     if failed := [f"  {one.name}: {one.error}" for one in listed if one.state == "failed"]:
         lines += ["", f"{len(failed)} of {len(listed)} plants failed:", *failed]
     if lines:
@@ -83,6 +82,16 @@ def bake_here(
                 yield future.result()
             except WorkerDied as error:
                 yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(error))
+
+
+def _report(
+    outcome: Outcome, done: int, total: int, progress: StageProgress, verbose: bool
+) -> None:
+    progress("plants", done, total)
+    if progress.plain or verbose or outcome.state == "failed":
+        progress.say(f"{done}/{total}: {outcome.name} {outcome.state}, {outcome.seconds:.1f} s")
+    for note in outcome.notes * verbose:
+        progress.say(f"    {note}")
 
 
 def _job(plant: Plant, options: Options, outputs: Outputs, table: TraitsTable | None) -> PlantJob:

@@ -1,15 +1,11 @@
-"""How a bake reports its progress."""
+"""How a bake reports its progress: stage by stage, or plant by plant."""
 
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gclip.terminal.progress import ProgressBars
-from gclip.terminal.text import printable
-
-if TYPE_CHECKING:
-    from baker.batch.job import Outcome
 
 
 class StageProgress(ProgressBars):
@@ -19,7 +15,7 @@ class StageProgress(ProgressBars):
     """
 
     def __init__(self, quiet: bool = False) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, TaskID
+        from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TimeRemainingColumn
 
         super().__init__(
             quiet,
@@ -27,6 +23,7 @@ class StageProgress(ProgressBars):
             BarColumn(),
             MofNCompleteColumn(),
             "{task.fields[seconds]:5.1f} s",
+            TimeRemainingColumn(),
         )
         self.seconds: dict[str, float] = {}
         self._stage: str | None = None
@@ -55,37 +52,3 @@ class StageProgress(ProgressBars):
                 self.say(f"{self._stage}: {elapsed:.1f} s")
         self._stage = None
         self._began = time.perf_counter()
-
-
-class PlantProgress(ProgressBars):
-    """Shows how many of the plants are done; in a pipe a line a plant."""
-
-    def __init__(self, plants: int, quiet: bool, verbose: bool) -> None:
-        from rich import progress
-
-        super().__init__(
-            quiet,
-            "plants",
-            progress.BarColumn(),
-            progress.MofNCompleteColumn(),
-            progress.TimeElapsedColumn(),
-            progress.TextColumn("{task.fields[latest]}", markup=False),
-            progress.TimeRemainingColumn(),
-        )
-        self._plants = plants
-        self._verbose = verbose and not quiet
-        self._failed = self._done = 0
-        self._task = self.bars.add_task("", total=plants, latest="")
-
-    def __call__(self, outcome: Outcome) -> None:
-        self._failed += outcome.state == "failed"
-        self._done += 1
-        name = printable(outcome.name)
-        failed = f", {self._failed} failed" * bool(self._failed)
-        self.bars.update(self._task, advance=1, latest=f"{name} {outcome.state}{failed}")
-        if self.plain:
-            sentence = f"{name} {outcome.state}, {outcome.seconds:.1f} s"
-            self.say(f"{self._done}/{self._plants}: {sentence}")
-        if self._verbose:
-            for note in outcome.notes:
-                self.say(f"    {note}")
