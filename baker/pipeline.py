@@ -31,9 +31,7 @@ from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import (
     PAPER,
     GreedyRules,
-    IntervalOrgans,
     LabelUse,
-    Match,
     follow_labels,
     follow_organs,
     label_policy,
@@ -50,9 +48,9 @@ from baker.segmentation.stage import (
     thin_hierarchies,
     whole_hierarchies,
 )
-from baker.transport.tasks import Task, transport_tasks
+from baker.transport.tasks import transport_tasks
 from baker.transport.wasserstein import wasserstein
-from baker.verdict import FollowedOrgans, find_doubts, provenance_of
+from baker.verdict import FollowedOrgans, judged
 from gclip import Clip, HeldOutScan, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -91,12 +89,6 @@ class BakeRecord:
     series: Series  # the scans that were baked
     keyframes: tuple[Keyframe, ...]  # the same, aligned
     alignment: Alignment  # of all scans found
-    labels: str  # how the labels were used, one sentence
-    # of each scan as it was segmented, before matching merged any segments
-    hierarchies: tuple[Hierarchy, ...]
-    matches: tuple[Match, ...]  # of each interval, with the reasons in their notes
-    organs: tuple[IntervalOrgans, ...]  # the track of each segment of an interval's match
-    tasks: tuple[tuple[Task, ...], ...]  # what was transported in each interval
     held_out: tuple[HeldOut, ...] = ()  # left out for verification
 
 
@@ -223,22 +215,14 @@ def bake_series(
         ),
         provenance=describe_provenance(found, series, alignment, labels, hierarchies, options),
     )
-    followed = None
-    if not labels.consistent or labels.renamed:
-        points, bases = aligned.clouds, aligned.bases
-        followed = FollowedOrgans(points, bases, matches, tracks, stem=labels.found)
-    verdict = provenance_of(clip, find_doubts(clip, followed, map))
-    clip = replace(clip, provenance={**clip.provenance, "verdict": verdict})
+    followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, tracks, labels.found)
+    named = labels.consistent and not labels.renamed
+    clip = judged(clip, None if named else followed, map)
     record = BakeRecord(
         found=found,
         series=series,
         keyframes=aligned.keyframes,
         alignment=alignment,
-        labels=" ".join(finding.sentence for finding in labels.findings),
-        hierarchies=tuple(hierarchies),
-        matches=tuple(matches),
-        organs=tuple(tracks),
-        tasks=tuple(tasks),
         held_out=held_out,
     )
     return clip, record

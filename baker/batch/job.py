@@ -102,8 +102,7 @@ def _bake(job: PlantJob, solve: IntervalSolver | None) -> Clip:
         register, solve = cache.kept(register), cache.kept_intervals(solve)
     clip, record = bake_recorded([job.folder], job.options, None, register, solve)
     if job.report is not None:  # before the clip: one that is up to date has its report
-        write = partial(write_report, title=job.clip.name, workers=job.options.workers)
-        write(job.report, clip, record)
+        write_report(job.report, clip, record, title=job.clip.name)
     clip.save(job.clip)
     return clip
 

@@ -70,9 +70,8 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         rmtree(begun, ignore_errors=True)
         errors = verify(clip, record, progress)
         if outputs.report is not None:
-            about = partial(write_report, title=outputs.clip.name, workers=options.workers)
-            write = partial(about, seconds=progress.seconds, report_progress=progress)
-            write(outputs.report, clip, record, errors=errors)
+            write = partial(write_report, title=outputs.clip.name, report_progress=progress)
+            write(outputs.report, clip, record, errors)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     say = partial(console.print, markup=False, highlight=False)

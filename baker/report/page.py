@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from baker.errors import writing
-from baker.options import Options, worker_count
+from baker.options import Options
 from baker.pipeline import BakeRecord
 from baker.report.errormap import ErrorScale
 from baker.report.figures import (
@@ -31,11 +30,9 @@ def write_report(
     path: str | os.PathLike[str],
     clip: Clip,
     record: BakeRecord,
+    errors: Sequence[HoldoutError] | None = None,
     *,
     title: str = "growth clip",
-    errors: Sequence[HoldoutError] | None = None,
-    seconds: Mapping[str, float] | None = None,
-    workers: int = 0,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> None:
     """Write the report of a bake, one self-contained HTML file; whole or not at all.
@@ -47,14 +44,10 @@ def write_report(
     path : path-like
     clip, record
         As `bake_recorded` returns them.
-    title : str
-        What the page is called, for example the clip's name.
     errors : sequence of HoldoutError, optional
         Of `verify`, where scans were left out. By default they are found out here.
-    seconds : mapping of str to float, optional
-        The stages' durations.
-    workers : int
-        Pictures drawn at a time, 0 for as many as there are cores.
+    title : str
+        What the page is called: the clip's name.
     report_progress : callable, optional
         Called with a stage's name, the steps done and the steps in all.
 
@@ -67,15 +60,14 @@ def write_report(
     doubts, scale = doubts_in(clip), ErrorScale.of(found) if found else None
     by_interval, shown = grouped(doubts), scans_pictured(clip)
     requests = picture_requests(clip, record, by_interval[:MAX_DOUBTS_PICTURED], found, scale)
+    report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures: dict[str, Picture] = {}
         no_pictures = ""
         try:
-            progress = partial(report_progress, "pictures")
-            pictures = take_pictures(requests, clip, worker_count(workers), progress, part.parent)
+            pictures = take_pictures(requests, clip, part.parent)
         except NoPicture as error:
             no_pictures = str(error)
-        report_progress("report", 0, 1)
         curves, first = growth_curves(clip), pictures.get(f"scan-{shown[0]}")
         page = _template().render(
             title=title,
@@ -92,7 +84,6 @@ def write_report(
             errors=found,
             overall=overall(found) if found else None,
             scale=scale,
-            seconds=sum((seconds or {}).values()),
             defaults=Options().provenance(),
             dates_of={scan.time: scan.date for scan in clip.scans},
             zip=zip,

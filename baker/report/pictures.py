@@ -11,10 +11,8 @@ import base64
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -25,11 +23,9 @@ from numpy.typing import NDArray
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
-PLAYER_TIMEOUT = 600.0  # seconds for one run of the player
-MIN_BATCH = 6  # pictures a run of the player at least: its start takes as long as five of them
-RUNS_PER_WORKER = 4  # of the player, where there are many pictures
+PLAYER_TIMEOUT = 600.0  # seconds
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
-PIXELS, MANY_PICTURES = 500_000, 24  # of one picture; half of it from so many pictures on
+PIXELS = 400_000  # of one picture
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
 
 
@@ -64,11 +60,7 @@ class Picture:
 
 
 def take_pictures(
-    requests: Mapping[str, PictureRequest],
-    like: Clip,
-    workers: int,
-    report_progress: Callable[[int, int], None] = lambda done, total: None,
-    folder: Path | None = None,
+    requests: Mapping[str, PictureRequest], like: Clip, folder: Path | None = None
 ) -> dict[str, Picture]:
     """Render pictures, by name, from the one camera that shows everything on any of them.
 
@@ -77,10 +69,6 @@ def take_pictures(
     requests : mapping of str to PictureRequest
     like : Clip
         Whose up axis and point spacing hold for them.
-    workers : int
-        Runs of the player at a time.
-    report_progress : callable, optional
-        Called with the number of pictures done and of all.
     folder : Path, optional
         For temporary files; the system's by default.
 
@@ -89,20 +77,20 @@ def take_pictures(
     NoPicture
         Where the player can't draw, for example without EGL.
     """
-    pictures: list[Picture] = []
-    if not requests:
-        return {}
-    with TemporaryDirectory(dir=folder) as drafts, ThreadPoolExecutor(workers) as executor:
-        report_progress(0, len(requests))
+    with TemporaryDirectory(dir=folder) as drafts:
         path, clip = Path(drafts) / "pictures.gclip", _clip_of(list(requests.values()), like)
         clip.save(path)
-        size = _picture_size(clip, PIXELS // (1 + (len(requests) >= MANY_PICTURES)))
-        runs = min(-(-len(requests) // MIN_BATCH), RUNS_PER_WORKER * workers)
-        batches = np.array_split(np.arange(len(requests)), runs)
-        for rendered in executor.map(partial(_render, path, size), batches):
-            pictures += rendered
-            report_progress(len(pictures), len(requests))
-    return dict(zip(requests, pictures, strict=True))
+        width, height = size = _picture_size(clip)
+        command = [sys.executable, "-m", "player", str(path), "--export", f"{drafts}/%d.png"]
+        command += [f"--size={width}x{height}", "--color=scan", "--ground=light", "--quiet"]
+        command += [f"--day={number}" for number in range(len(requests))]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
+        if done.returncode:
+            raise NoPicture((done.stderr.strip() or "the player said nothing").splitlines()[-1])
+        return {name: _read(Path(drafts, f"{n}.png"), size) for n, name in enumerate(requests)}
 
 
 def _clip_of(requests: Sequence[PictureRequest], like: Clip) -> Clip:
@@ -124,30 +112,13 @@ def _clip_of(requests: Sequence[PictureRequest], like: Clip) -> Clip:
     )
 
 
-def _picture_size(clip: Clip, pixels: int) -> tuple[int, int]:
-    """As many pixels, as wide by as high as what is to be seen."""
-    low, high = clip.bounds
+def _picture_size(clip: Clip) -> tuple[int, int]:
+    """`PIXELS` pixels, as wide by as high as what is to be seen."""
+    sides = np.ptp(clip.bounds, axis=0)
     up = "xyz".index(clip.up[-1])
-    height = float((high - low)[up])
-    width = float(np.delete(high - low, up).max())
-    aspect = min(max(width / max(height, 1e-9), MIN_ASPECT), MAX_ASPECT)
-    return 2 * round((pixels * aspect) ** 0.5 / 2), 2 * round((pixels / aspect) ** 0.5 / 2)
-
-
-def _render(clip: Path, size: tuple[int, int], numbers: NDArray[np.integer]) -> list[Picture]:
-    folder = clip.with_name(f"from-{numbers[0]}")
-    folder.mkdir()
-    command = [sys.executable, "-m", "player", str(clip), "--export", f"{folder}/%d.png"]
-    command += [f"--size={size[0]}x{size[1]}", "--color=scan", "--ground=light", "--quiet"]
-    command += [f"--day={number}" for number in numbers]
-    try:
-        finished = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
-    if finished.returncode:
-        said = finished.stderr.strip().splitlines() or ["the player said nothing"]
-        raise NoPicture(said[-1])
-    return [_read(folder / f"{index}.png", size) for index in range(len(numbers))]
+    aspect = np.delete(sides, up).max() / max(sides[up], 1e-9)
+    aspect = float(np.clip(aspect, MIN_ASPECT, MAX_ASPECT))
+    return 2 * round((PIXELS * aspect) ** 0.5 / 2), 2 * round((PIXELS / aspect) ** 0.5 / 2)
 
 
 def _read(path: Path, size: tuple[int, int]) -> Picture:

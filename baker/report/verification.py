@@ -1,8 +1,7 @@
 """Verification by leaving scans out (paper section 4 and its Figure 13).
 
-The scans left out are aligned along with all others, and then play no part in the bake. At each
-one's time the clip is compared with it, both ways, with the whole series scaled to the unit
-cube: the longest side of the box around all scans, those left out too, is 1.
+At the time of each scan left out the clip is compared with it, both ways, with the series scaled to
+the unit cube: the longest side of the box around all scans, those left out too, is 1.
 """
 
 from __future__ import annotations
@@ -64,23 +63,9 @@ def verify(
     record: BakeRecord,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
-    """Compare a clip with the scans that were held out of it.
+    """Compare a clip with the scans that were held out of it (section 4 of the paper, Figure 13).
 
-    Parameters
-    ----------
-    clip, record
-        As `bake_recorded` returns them.
-    report_progress : callable, optional
-        Called with "verification", the scans compared and the scans in all.
-
-    Returns
-    -------
-    list of HoldoutError
-        Empty where no scans were held out.
-
-    References
-    ----------
-    Section 4 (Verification), Figure 13.
+    report_progress: called with "verification", the scans compared and the scans in all.
     """
     from scipy.spatial import cKDTree
 
@@ -88,16 +73,15 @@ def verify(
     for number, held in enumerate(record.held_out, 1):
         points, reconstruction = held.keyframe.positions, clip.at(held.scan.time).local
         distances = cKDTree(points).query(reconstruction)[0] / side
+        missing = cKDTree(reconstruction).query(points)[0] / side
         errors.append(
             HoldoutError(
-                name=held.scan.name,
-                date=held.scan.date,
-                time=held.scan.time,
-                points=len(points),
+                held.scan.name,
+                held.scan.date,
+                held.scan.time,
+                len(points),
                 reconstruction_to_scan=Distances.of(distances),
-                scan_to_reconstruction=Distances.of(
-                    cKDTree(reconstruction).query(points)[0] / side
-                ),
+                scan_to_reconstruction=Distances.of(missing),
                 spacing=point_spacing(points) / side,
                 reconstruction=reconstruction,
                 distances=distances,

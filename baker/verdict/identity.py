@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching import IntervalOrgans, Match
-from baker.matching.descriptors import OrganDescriptors, describe_organs
+from baker.matching.descriptors import describe_organs
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 
 # From these values on it is doubtful which organ one is (docs/method.md, "The verdict").
 MIN_MARGIN = 0.4  # of the score: what a turn by 75 degrees costs
+OUT_OF_THE_QUESTION = -1.0  # the least score that counts; a pair may be matched for other reasons
 MAX_GROWTH = 2.5  # of an organ's size, over that of the plant's organs; or one by that
 MAX_LOST_SHARE = 0.05  # of a scan's points, in an organ that the next scan lacks
 MAX_BORN_SHARE = 0.1  # likewise in a new organ
@@ -26,7 +27,7 @@ MAX_BORN_SHARE = 0.1  # likewise in a new organ
 
 @dataclass(frozen=True)
 class FollowedOrgans:
-    """A series whose organs were not named by labels, but followed by their shape."""
+    """A series whose organs were followed by their shape."""
 
     clouds: Sequence[NDArray[np.floating]]  # (N, 3), of each scan
     bases: Sequence[int]  # index of the point at each plant base
@@ -39,8 +40,7 @@ class IdentityDoubt(NamedTuple):
     """One organ that may be another."""
 
     track: int
-    #: What is said of its {name}, and of the {other} organ that it may be.
-    what: str
+    what: str  #: of its {name}, and of the {other} organ that it may be
     strength: float
     other: int | None = None
 
@@ -48,42 +48,44 @@ class IdentityDoubt(NamedTuple):
 def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[IdentityDoubt]:
     """Judge the matches, births and losses of an interval."""
     match, tracks = series.matches[index], series.tracks[index]
-    sides = zip((match.first, match.second), (index, index + 1), strict=True)
     first, second = (
         describe_organs(series.clouds[k], hierarchy, series.bases[k], stem=series.stem)
-        for hierarchy, k in sides
+        for k, hierarchy in ((index, match.first), (index + 1, match.second))
     )
     row, column = _places(match.first), _places(match.second)
     pairs = [(a, b) for a, b in match.pairs if a in row and b in column and a != match.first.root]
-    rows, columns = [row[a] for a, _ in pairs], [column[b] for _, b in pairs]
     lost, born = [s for s in match.losses if s in row], [s for s in match.births if s in column]
-    organs = [tracks.first[a] for a, _ in pairs]
-    others = [*organs, *(tracks.first[s] for s in lost), *(tracks.second[s] for s in born)]
+    rows, columns = [row[a] for a, _ in pairs], [column[b] for _, b in pairs]
     gone, new = [row[s] for s in lost], [column[s] for s in born]
-    margins, rival = second_best(match_scores(first, second), rows, columns, gone, new)
-    growth = _growth(first, rows, second, columns)
-    for organ, margin, k, factor in zip(organs, margins, rival, growth, strict=True):
-        if margin < MIN_MARGIN and k < 0:
-            yield IdentityDoubt(organ, "{name} may be a new organ", 2.0 - margin / MIN_MARGIN)
-        elif margin < MIN_MARGIN:
-            what = "{name} and {other} may be mixed up"
-            yield IdentityDoubt(organ, what, 2.0 - margin / MIN_MARGIN, others[k])
+    margins, rivals = second_best(match_scores(first, second), rows, columns, gone, new)
+    sizes = [np.maximum(organs.sizes, np.finfo(float).tiny) for organs in (first, second)]
+    before, after = (own / np.linalg.norm(own) * np.sqrt(len(own)) for own in sizes)
+    growth = after[columns] / before[rows]
+    organs = [*(tracks.first[a] for a, _ in pairs), *(tracks.first[s] for s in lost)]
+    organs += [tracks.second[s] for s in born]
+    for organ, margin, rival, factor in zip(organs, margins, rivals, growth.tolist(), strict=False):
+        if margin < MIN_MARGIN:
+            what, other = "{name} may be a new organ", None
+            if rival >= 0:
+                what, other = "{name} and {other} may be mixed up", organs[rival]
+            yield IdentityDoubt(organ, what, 2.0 - margin / MIN_MARGIN, other)
         if factor > MAX_GROWTH:
             what = "{name} is suddenly much larger and may be two organs"
             yield IdentityDoubt(organ, what, factor / MAX_GROWTH)
-        if factor < 1.0 / MAX_GROWTH:
+        if factor * MAX_GROWTH < 1.0:
             what = "{name} is suddenly much smaller and may lack a part"
-            yield IdentityDoubt(organ, what, 1.0 / (factor * MAX_GROWTH))
+            yield IdentityDoubt(organ, what, 1.0 / (max(factor, 1e-3) * MAX_GROWTH))
+    count, next_count = (len(series.clouds[k]) for k in (index, index + 1))
     for segment in lost:
-        share = len(match.first.segments[segment]) / len(series.clouds[index])
-        if share > MAX_LOST_SHARE:
+        strength = len(match.first.segments[segment]) / count / MAX_LOST_SHARE
+        if strength > 1.0:
             what = "{name} vanishes, though it is large"
-            yield IdentityDoubt(tracks.first[segment], what, share / MAX_LOST_SHARE)
+            yield IdentityDoubt(tracks.first[segment], what, strength)
     for segment in born:
-        share = len(match.second.segments[segment]) / len(series.clouds[index + 1])
-        if share > MAX_BORN_SHARE:
+        strength = len(match.second.segments[segment]) / next_count / MAX_BORN_SHARE
+        if strength > 1.0:
             what = "{name} is new, though it is large"
-            yield IdentityDoubt(tracks.second[segment], what, share / MAX_BORN_SHARE)
+            yield IdentityDoubt(tracks.second[segment], what, strength)
 
 
 def second_best(
@@ -109,11 +111,12 @@ def second_best(
     margins : list of float
         Below 0 where the other choice is better in this interval alone.
     rivals : list of int
-        Which organ that choice takes instead: of the pairs, then the lost, then the born; -1 where
-        it leaves the pair unmatched.
+        The organ that this choice takes instead, one of the pairs, then the lost, then the born; -1
+        where it leaves the pair unmatched.
     """
     if not rows:
         return [], []
+    scores = np.maximum(scores, OUT_OF_THE_QUESTION)
     crossed = scores[np.ix_(rows, columns)]
     own = np.diagonal(crossed)
     # Two pairs exchange their partners; or one takes the other's, and what is left is unmatched.
@@ -132,13 +135,3 @@ def _places(hierarchy: Hierarchy) -> dict[int, int]:
     """The place among a scan's descriptors of each segment that has points."""
     found = [segment for segment, own in enumerate(hierarchy.segments) if len(own)]
     return {segment: place for place, segment in enumerate(found)}
-
-
-def _growth(
-    first: OrganDescriptors, rows: Sequence[int], second: OrganDescriptors, columns: Sequence[int]
-) -> list[float]:
-    """(P,) factors by which matched organs grow, over the factor by which all organs do."""
-    all_organs = [float(np.sqrt((d.sizes**2).mean())) for d in (first, second)]
-    tiny = np.finfo(float).tiny
-    factors = second.sizes[list(columns)] / np.maximum(first.sizes[list(rows)], tiny)
-    return (factors * all_organs[0] / max(all_organs[1], tiny)).tolist()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.parallel import MapLike
-from baker.verdict.doubt import Doubt
+from baker.verdict.doubt import Doubt, provenance_of
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
 from baker.verdict.motion import (
     is_measurable,
@@ -22,6 +23,12 @@ from gclip import Clip
 
 # From these values on an organ's motion is doubtful (docs/method.md, "The verdict").
 MIN_TORN, MAX_ORDER, MIN_SIZE_CHANGE = 0.02, 0.8, 0.2
+
+
+def judged(clip: Clip, followed: FollowedOrgans | None, map: MapLike = map) -> Clip:
+    """The clip with its verdict in the provenance; see `find_doubts`."""
+    verdict = provenance_of(clip, find_doubts(clip, followed, map))
+    return replace(clip, provenance={**clip.provenance, "verdict": verdict})
 
 
 def find_doubts(

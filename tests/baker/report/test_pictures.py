@@ -25,7 +25,7 @@ def requested(baked) -> dict[str, PictureRequest]:
 
 @pytest.mark.usefixtures("player_draws")
 def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, requested):
-    first, last = take_pictures(requested, baked[0], workers=2).values()
+    first, last = take_pictures(requested, baked[0]).values()
     image = np.asarray(Image.open(BytesIO(first.jpeg))).astype(int)
     assert image.shape == (first.size[1], first.size[0], 3)
     top = requested["first"].points[requested["first"].points[:, 2].argmax()]
@@ -38,19 +38,6 @@ def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, 
     assert (spots <= last.size).all()
 
 
-@pytest.mark.usefixtures("player_draws")
-def test_batches_do_not_matter(baked, requested):
-    names = ["first", "last"] * 4
-    repeated = {f"{k} {name}": requested[name] for k, name in enumerate(names)}
-    counts: list[tuple[int, int]] = []
-    drawn = take_pictures(
-        repeated, baked[0], workers=2, report_progress=lambda *done: counts.append(done)
-    )
-    assert counts == [(0, 8), (4, 8), (8, 8)]
-    for name in requested:
-        assert len({drawn[key].jpeg for key in repeated if key.endswith(name)}) == 1
-
-
 def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
     with pytest.raises(NoPicture, match="no EGL here"):
-        take_pictures(requested, baked[0], workers=1)
+        take_pictures(requested, baked[0])

@@ -33,7 +33,13 @@ def test_what_is_out_of_the_question_is_no_rival():
     assert second_best(scores, [0, 1], [0, 1], [], []) == ([1.0, 1.0], [-1, -1])
 
 
-@given(arrays(float, (4, 4), elements=st.floats(-3, 3)))
+def test_a_pair_that_is_matched_against_all_likelihood_has_a_finite_margin():
+    margins, _ = second_best(np.full((2, 2), -np.inf), [0, 1], [0, 1], [], [])
+    assert np.isfinite(margins).all()
+    assert max(margins) < 0.0
+
+
+@given(arrays(float, (4, 4), elements=st.floats(-1, 3)))
 def test_no_exchange_of_two_is_better_than_the_margin_says(scores):
     margins, _ = second_best(scores, range(4), range(4), [], [])
     total = np.trace(scores)
