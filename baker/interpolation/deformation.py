@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.spine import Points, Spine, at_levels, levels
+from baker.interpolation.spine import Points, Spine, at_levels, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -27,7 +27,6 @@ POINTS_COMPARED = 100  # of either cloud, by which rolls are compared
 
 CENTERS = 60  # of local affine maps
 KERNEL_WIDTHS = 0.8, 0.6, 0.45, 0.35, 0.28, 0.22, 0.18, 0.15  # root mean square radii of the cloud
-ITERATIONS_PER_WIDTH = 2
 STIFFNESS = 0.1  # of the maps against stretching, as a share of the kernel's width squared
 OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts half
 
@@ -41,20 +40,23 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
-    from scipy.spatial.transform import Rotation
 
     turns = rotations_between(before.tangents, after.tangents)
     offset = source - at_levels(before.nodes, before.along)
     across = target - at_levels(after.nodes, after.along)
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, across)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
+    turned = width * np.einsum("nij,nj->ni", at_levels(turns, before.along), offset)
+    center, tangent = (at_levels(v, before.along) for v in (after.nodes, after.tangents))
+    axis = unit(tangent)
+    along_axis = axis * (axis * turned).sum(axis=1, keepdims=True)
+    normal, binormal = turned - along_axis, np.cross(axis, turned)
+    center += along_axis
 
     def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
-        angles = roll + twist * levels()
-        rolled = Rotation.from_rotvec(angles[:, None] * after.tangents).as_matrix() @ turns
-        along = before.along[chosen]
-        rotated = np.einsum("nij,nj->ni", at_levels(rolled, along), offset[chosen])
-        return at_levels(after.nodes, along) + width * rotated
+        angle = (roll + twist * before.along[chosen])[:, None]
+        rolled = np.cos(angle) * normal[chosen] + np.sin(angle) * binormal[chosen]
+        return np.asarray(center[chosen] + rolled)
 
     choices = [(roll, twist) for roll in ROLLS for twist in TWISTS]
     some = slice(None, None, max(len(source) // POINTS_COMPARED, 1))
@@ -62,8 +64,8 @@ def spine_deformation(source: Points, target: Points, before: Spine, after: Spin
     sparse = target[:: max(len(target) // POINTS_COMPARED, 1)]
     distances = cKDTree(target).query(clouds)[0].mean(axis=1)
     distances += [cdist(sparse, cloud).min(axis=1).mean() for cloud in clouds]
-    turned = np.array([abs(roll) + abs(roll + twist) for roll, twist in choices])
-    return carried(*choices[int(np.argmin(distances * (1.0 + ROLL_PENALTY * turned / np.pi)))])
+    turned_by = np.array([abs(roll) + abs(roll + twist) for roll, twist in choices])
+    return carried(*choices[int(np.argmin(distances * (1.0 + ROLL_PENALTY * turned_by / np.pi)))])
 
 
 def register_nonrigid(moving: Points, target: Points) -> Points:
@@ -89,14 +91,13 @@ def register_nonrigid(moving: Points, target: Points) -> Points:
         weights = np.exp(-0.5 * squared / width**2) + 1e-12
         blend = weights / weights.sum(axis=0)
         ridge = STIFFNESS * width**2 * np.diag([1.0, 1.0, 1.0, 0.0])
-        for _ in range(ITERATIONS_PER_WIDTH):
-            trust, shift = _closest_pairs(source, target, deformed, tree)
-            sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
-            moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
-            targets = (weights @ moments).reshape(-1, 4, 3)
-            maps = np.linalg.solve(sums + ridge * sums[:, 3:, 3:], targets)
-            local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
-            deformed = source + np.einsum("ni,nij->nj", homogeneous, local)
+        trust, shift = _closest_pairs(source, target, deformed, tree)
+        sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
+        moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
+        targets = (weights @ moments).reshape(-1, 4, 3)
+        maps = np.linalg.solve(sums + ridge * sums[:, 3:, 3:], targets)
+        local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
+        deformed = source + np.einsum("ni,nij->nj", homogeneous, local)
     return deformed * size + middle
 
 
@@ -110,7 +111,7 @@ def _closest_pairs(
     from scipy.spatial import cKDTree
 
     ahead, partners = tree.query(deformed)
-    back, points = cKDTree(deformed).query(target)
+    back, points = cKDTree(deformed, balanced_tree=False).query(target)
     distance = np.concatenate([ahead, back])
     first = np.concatenate([np.arange(len(source)), points])
     second = np.concatenate([partners, np.arange(len(target))])
