@@ -18,7 +18,7 @@ LEVELS = 11  # nodes of a spine
 NEIGHBORS = 9  # of the kNN graph
 TIP_QUANTILE = 0.98  # of geodesic distance, at which the tip lies; what is beyond may be noise
 KERNEL_WIDTH = 0.09  # of a level, as a share of the spine's length
-MAX_SAMPLE = 750  # points of an organ that its spine is fitted to
+MAX_SAMPLE = 400  # points of an organ that its spine is fitted to
 MIN_POINTS_FOR_SPINE = 40
 CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 

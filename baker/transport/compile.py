@@ -29,9 +29,10 @@ def compile_kernels(
     """
     from numba.core.event import install_listener
 
-    from baker.transport import network_simplex
+    from baker.transport import bisection, network_simplex
 
-    kernels = [value for value in vars(network_simplex).values() if hasattr(value, "py_func")]
+    named = {**vars(bisection), **vars(network_simplex)}
+    kernels = [value for value in named.values() if hasattr(value, "py_func")]
     with install_listener("numba:compile", _progress_listener(kernels, report_progress)):
         _solve_smallest()
     if code_folder() is None:

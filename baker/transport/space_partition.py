@@ -38,22 +38,13 @@ def bisection_order(
     is at the same place of both orders lies at about the same place. Returns the order, and the
     axes: part p of a level of 2 ** level parts is cut along ``axes[2 ** level + p]``.
     """
-    n = len(points)
+    from baker.transport.bisection import bisect
+
+    n, known = len(points), axes is not None
     depth = max(1, (n - 1).bit_length())
-    points, known = points @ random_rotation(seed), axes is not None
     axes = np.zeros(2**depth, np.int64) if axes is None else axes
-    ranks = np.argsort(np.argsort(points, axis=0, kind="stable"), axis=0)  # sorted without ties
     order = np.arange(n)
-    for level in range(depth):
-        parts = 1 << level
-        first = -(-np.arange(parts) * n // parts)
-        if not known:
-            own = points.take(order, axis=0)
-            extents = np.maximum.reduceat(own, first) - np.minimum.reduceat(own, first)
-            axes[parts : 2 * parts] = extents.argmax(axis=1)
-        part = np.repeat(np.arange(parts), np.diff(first, append=n))
-        rank = ranks.ravel().take(3 * order + axes[parts + part])
-        order = order.take(np.argsort(part * n + rank))
+    bisect(np.ascontiguousarray((points @ random_rotation(seed)).T), order, axes, known)
     return order, axes
 
 

@@ -33,6 +33,24 @@ def test_coupling_is_feasible_for_any_sizes(n, m, seed):
     assert len(plan[1]) <= n + m - 1
 
 
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 100, 1000])
+def test_each_part_is_cut_at_the_middle_of_its_longest_extent(n):
+    """Equal to the plain loop over parts, with a sort for each."""
+    points = leaf(n)
+    turned = points @ random_rotation(3)
+    order, axes = bisection_order(points, 3)
+    parts, plain = 1, [np.arange(n)]
+    while parts < n:
+        cut_along = [np.ptp(turned[part], axis=0).argmax() for part in plain]
+        found = axes[parts : 2 * parts]
+        assert all(len(p) < 2 or a == b for p, a, b in zip(plain, found, cut_along, strict=True))
+        each = zip(plain, cut_along, strict=True)
+        whole = np.concatenate([part[np.argsort(turned[part, axis])] for part, axis in each])
+        parts *= 2
+        plain = np.split(whole, -(-np.arange(1, parts) * n // parts))
+    np.testing.assert_array_equal(order, np.concatenate(plain))
+
+
 def test_one_cloud_twice_is_coupled_with_itself_whatever_the_order():
     """Halves are halved down to single points, or partners would lie anywhere in a block."""
     start = leaf(300)
