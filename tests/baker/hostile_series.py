@@ -19,6 +19,8 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tests.baker.sound_files import pcd_bytes
+
 Points = NDArray[np.float64]
 Shape = Callable[[np.random.Generator, int], Points]
 
@@ -147,24 +149,7 @@ class Scan:
                 columns[name] = random.integers(0, 256, len(points)).astype(np.uint8)
         if self.labels:
             columns["label"] = LABELS[self.labels](random, points)
-        write_pcd(path, columns)
-
-
-def write_pcd(path: Path, columns: dict[str, NDArray[Any]]) -> None:
-    """Columns of any types as a binary PCD."""
-    record = np.dtype([(name, values.dtype) for name, values in columns.items()])
-    body = np.zeros(len(columns["x"]), record)
-    for name, values in columns.items():
-        body[name] = values
-    kinds = [record[name] for name in columns]
-    header = (
-        f"VERSION 0.7\nFIELDS {' '.join(columns)}\n"
-        f"SIZE {' '.join(str(kind.itemsize) for kind in kinds)}\n"
-        f"TYPE {' '.join(kind.kind.upper() for kind in kinds)}\n"
-        f"COUNT {' '.join('1' for _ in kinds)}\nWIDTH {len(body)}\nHEIGHT 1\n"
-        f"POINTS {len(body)}\nDATA binary\n"
-    )
-    path.write_bytes(header.encode() + body.tobytes())
+        path.write_bytes(pcd_bytes(columns))
 
 
 @dataclass(frozen=True)

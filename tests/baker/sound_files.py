@@ -19,8 +19,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.baker.hostile_series import write_pcd
-
 Columns = dict[str, NDArray[Any]]
 
 
@@ -69,24 +67,33 @@ def _ply(form: str, lists: str = "after") -> bytes:
 
 def _pcd(form: str) -> bytes:
     columns = _columns()
-    path = io.BytesIO()
-
-    class Sink:
-        """What `write_pcd` writes to."""
-
-        def write_bytes(self, content: bytes) -> None:
-            path.write(content)
-
-    write_pcd(Sink(), columns)  # type: ignore[arg-type]
-    header = path.getvalue().split(b"binary\n")[0]
+    binary = pcd_bytes(columns)
+    header = binary.split(b"binary\n")[0]
     if form == "ascii":
         return header + b"ascii\n" + _rows(columns).encode()
     if form == "binary":
-        return path.getvalue()
+        return binary
     body = b"".join(np.ascontiguousarray(values).tobytes() for values in columns.values())
     packed = lzf_literals(body)
     sizes = np.array([len(packed), len(body)], "<u4").tobytes()
     return header + b"binary_compressed\n" + sizes + packed
+
+
+def pcd_bytes(columns: Columns) -> bytes:
+    """Columns of any types as a binary PCD."""
+    record = np.dtype([(name, values.dtype) for name, values in columns.items()])
+    body = np.zeros(len(columns["x"]), record)
+    for name, values in columns.items():
+        body[name] = values
+    kinds = [record[name] for name in columns]
+    header = (
+        f"VERSION 0.7\nFIELDS {' '.join(columns)}\n"
+        f"SIZE {' '.join(str(kind.itemsize) for kind in kinds)}\n"
+        f"TYPE {' '.join(kind.kind.upper() for kind in kinds)}\n"
+        f"COUNT {' '.join('1' for _ in kinds)}\nWIDTH {len(body)}\nHEIGHT 1\n"
+        f"POINTS {len(body)}\nDATA binary\n"
+    )
+    return header.encode() + body.tobytes()
 
 
 def lzf_literals(data: bytes) -> bytes:
