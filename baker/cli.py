@@ -40,7 +40,7 @@ def _root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
 
 
 FLAGS: dict[str, Any] = {
-    "align": typer.Option(help="Bring the scans into one frame; auto searches the turn."),
+    "align": typer.Option(help="Bring scans into one frame; auto leaves those that share one."),
     "labels": typer.Option(help="Do labels name the same organs in all scans?"),
     "segment": typer.Option(
         help="auto takes labels where there are any, else organs: stem, blades and branches; "

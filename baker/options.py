@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from baker.errors import InputError
 
-Align = Literal["auto", "icp", "none"]
+Align = Literal["auto", "turn", "icp", "none"]
 Labels = Literal["auto", "consistent", "independent", "ignore"]
 Segment = Literal["auto", "organs", "thin"]
 Up = Literal["auto", "x", "y", "z", "-x", "-y", "-z"]

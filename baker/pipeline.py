@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment import Alignment, align
-from baker.alignment.stem_base import agreed_base_points, base_point
+from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
@@ -139,8 +139,20 @@ def survey_series(
     options = options.for_series(found.fixed, found.length, found.root)
     choices = options.resolved()
     root = _local_root(found, options)
-    points = [scan.points for scan in found.scans]
-    alignment = register(points, choices.align, choices.up, root, progress=progress, map=map)
+    scans = found.scans
+    alignment = register(
+        [scan.points for scan in scans],
+        choices.align,
+        choices.up,
+        root,
+        [scan.labels for scan in scans],
+        [scan.name for scan in scans],
+        [scan.origin - scans[0].origin for scan in scans],
+        found.ground_up,
+        options.unit,
+        progress=progress,
+        map=map,
+    )
     keyframes = aligned_keyframes(found, alignment)
     series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
@@ -242,12 +254,12 @@ def _measure(
     if not options.paper:
         pairs = zip(series.scans, neighbors, strict=True)
         series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))
+    found = [None if options.paper else frame.base for frame in keyframes]
+    places = found if root is None else [root] * len(keyframes)
     bases = [
-        base_point(cloud, vertical, root, near)
-        for cloud, near in zip(clouds, neighbors, strict=True)
+        base_point(cloud, vertical, near, place)
+        for cloud, near, place in zip(clouds, neighbors, places, strict=True)
     ]
-    if root is None and not options.paper:
-        bases = agreed_base_points(clouds, bases, vertical)
     times = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(times, tuple(keyframes), tuple(neighbors), tuple(bases), vertical)
     return series, aligned

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import NEIGHBORS_ON_SURFACE, EvenSample, distance_graph, touching_pairs
-from baker.alignment.stem_base import base_candidates
 from baker.alignment.up_axis_search import upright
 from baker.geometry.merge_tree import branches
 from baker.geometry.up_axis import Vertical
@@ -19,44 +18,41 @@ MIN_MEAN_WEIGHT = 0.1  # of the stem's points: below it the stems are too far ap
 ITERATIONS = 4
 MIN_PERSISTENCE = 0.1  # of the longest geodesic distance: shorter tips are no organs of their own
 MIN_POINTS_OF_ORGAN = 4
-AXIS = -1
-
-
-class Organs(NamedTuple):
-    """What stands out of a plant, in coordinates with z up and the stem's base at the origin.
-
-    Points turn, bend and multiply as an organ grows; the direction in which the organ as a whole
-    points from the stem is steadier. No labels are needed, and no exact borders.
-    """
-
-    numbers: NDArray[np.intp]  # (n,) organ of each sampled point; `AXIS` on what bears the organs
-    centers: NDArray[np.float64]  # (k, 3) middles of the organs that have four points or more
 
 
 class Pose(NamedTuple):
-    """A scan set upright with its stem's base at the origin."""
+    """A scan set upright with its stem's base at the origin.
+
+    Points turn, bend and multiply as an organ grows; the direction in which the organ as a whole
+    points from the stem is steadier.
+    """
 
     frame: NDArray[np.float64]  # (4, 4) from the scan's coordinates to these
-    sample: EvenSample  # in these
-    organs: Organs  # of the sample
+    pool: NDArray[np.float64]  # (M, 3) points in these
+    height: float
+    centers: NDArray[np.float64]  # (k, 3) middles of the organs
+    names: NDArray[np.int64]  # (k,) labels of the organs; numbers that mean nothing where found
 
     @property
     def base(self) -> NDArray[np.float64]:
         """(3,) in the scan's own coordinates."""
         return np.asarray(np.linalg.inv(self.frame)[:3, 3])
 
-    @property
-    def height(self) -> float:
-        return float(np.ptp(self.sample.points[:, 2]))
 
-
-def candidate_poses(
-    sample: EvenSample, vertical: Vertical, root: NDArray[np.floating] | None = None
-) -> list[Pose]:
-    """The scan of which `sample` was taken, on each base it may have, or on its (3,) root."""
-    pairs = touching_pairs(sample, NEIGHBORS_ON_SURFACE)
-    bases = base_candidates(sample, vertical, pairs) if root is None else [np.asarray(root, float)]
-    return [_pose_at(sample, vertical, base, pairs) for base in bases]
+def pose_at(
+    sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], stem: int | None
+) -> Pose:
+    """The scan of which `sample` was taken, on its (3,) base; stem: the label of its stem."""
+    turn = upright(vertical)
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = turn, -turn @ base
+    points = (sample.points - base) @ turn.T
+    organ = _found_organs(sample, points) if stem is None else sample.labels
+    names, counts = np.unique(organ[organ != (-1 if stem is None else stem)], return_counts=True)
+    names = names[counts >= MIN_POINTS_OF_ORGAN]
+    centers = np.array([points[organ == name].mean(axis=0) for name in names]).reshape(-1, 3)
+    pool = (sample.pool - base) @ turn.T
+    return Pose(frame, pool, float(np.ptp(points[:, 2])), centers, names)
 
 
 def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
@@ -85,8 +81,9 @@ def _stem_shift(earlier: Pose, later: Pose, transform: NDArray[np.float64]) -> N
     from scipy.spatial import KDTree
 
     height = min(earlier.height, later.height)
-    source, target = (pose.sample.pool for pose in (later, earlier))
-    source, target = (p[p[:, 2] <= STEM_HEIGHT * height] for p in (source, target))
+    source, target = (
+        p[np.abs(p[:, 2]) <= STEM_HEIGHT * height] for p in (later.pool, earlier.pool)
+    )
     shift = np.zeros(3)
     if height == 0.0 or not len(source) or not len(target):
         return shift[:2]
@@ -103,28 +100,13 @@ def _stem_shift(earlier: Pose, later: Pose, transform: NDArray[np.float64]) -> N
     return shift[:2]
 
 
-def _pose_at(
-    sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], pairs: NDArray[np.intp]
-) -> Pose:
-    turn = upright(vertical)
-    frame = np.eye(4)
-    frame[:3, :3], frame[:3, 3] = turn, -turn @ base
-    moved = EvenSample((sample.pool - base) @ turn.T, (sample.points - base) @ turn.T, sample.radii)
-    return Pose(frame, moved, _find_organs(moved, pairs))
-
-
-def _find_organs(sample: EvenSample, pairs: NDArray[np.intp]) -> Organs:
-    """Branches of the merge tree of the geodesic distance from the base."""
+def _found_organs(sample: EvenSample, points: NDArray[np.float64]) -> NDArray[np.intp]:
+    """(n,) branches of the merge tree of the geodesic distance from the base; -1 on the axis."""
     from scipy.sparse.csgraph import dijkstra
 
-    points = sample.points
     if len(points) < 2:
-        return Organs(np.full(len(points), AXIS), np.zeros((0, 3)))
-    graph = distance_graph(points, pairs)
+        return np.full(len(points), -1)
+    graph = distance_graph(points, touching_pairs(sample, NEIGHBORS_ON_SURFACE))
     distance = dijkstra(graph, indices=int(np.argmin((points**2).sum(axis=1))))
     numbers = branches(distance, graph, MIN_PERSISTENCE * float(distance.max()))
-    if numbers.max() < 0:
-        numbers[:] = 0  # a single organ, which meets no other one
-    members = (np.flatnonzero(numbers == number) for number in range(numbers.max() + 1))
-    centers = [points[of].mean(axis=0) for of in members if len(of) >= MIN_POINTS_OF_ORGAN]
-    return Organs(numbers, np.array(centers).reshape(-1, 3))
+    return numbers if numbers.max() >= 0 else np.zeros_like(numbers)  # one organ meets no other

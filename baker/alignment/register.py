@@ -1,4 +1,4 @@
-"""Coarse alignment of a series (section 3.1, ruling 19): every scan to its predecessor."""
+"""Coarse alignment of a series (section 3.1, ruling 19): left or brought together."""
 
 from __future__ import annotations
 
@@ -9,30 +9,19 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.frames import best_poses, shared_frames
-from baker.alignment.icp import trimmed_icp, trimmed_residual
-from baker.alignment.pose import Pose, candidate_poses, transform_onto
-from baker.alignment.sample import EvenSample, even_sample, touching_pairs
-from baker.alignment.stem_base import base_candidates
-from baker.alignment.up_axis_search import find_up_of, upright
-from baker.alignment.yaw import YawFit, wrapped
+from baker.alignment.frames import best_poses, common_base, frame_finding, share_frame
+from baker.alignment.icp import trimmed_icp
+from baker.alignment.pose import Pose, transform_onto
+from baker.alignment.sample import even_sample
+from baker.alignment.stem_base import stem_labels
+from baker.alignment.strangers import strangers
+from baker.alignment.up_axis_search import find_up
+from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
 from baker.scans.finding import Finding
 
 Progress = Callable[[str, int, int], None]
-
-MIN_POINTS_FOR_YAW = 10  # different points of a scan's sample
-
-
-@dataclass(frozen=True)
-class PairFit:
-    """How a scan was moved onto its predecessor."""
-
-    yaw: float  # degrees about the growing direction, right-handed
-    tilt: float  # degrees between the two growing directions
-    shift: float  # how far the stem's base was moved, in the scans' unit
-    residual: float  # root mean square distance from an even sample of the predecessor, best 4/5
 
 
 @dataclass(frozen=True)
@@ -41,9 +30,19 @@ class Alignment:
 
     up: str  # the direction of growth there: "x", "y", "z", "-x", "-y" or "-z"
     transforms: tuple[NDArray[np.float64], ...]  # (4, 4), from each scan's coordinates to that
-    drift: tuple[PairFit, ...]  # of each scan but the first; empty where nothing was looked for
-    notes: tuple[str, ...]  # what a user should know, one sentence each
+    bases: tuple[NDArray[np.float64], ...]  # (3,) each scan's plant base there
     findings: tuple[Finding, ...] = ()  # what was decided about the way up and the frame
+
+    @property
+    def moves(self) -> list[tuple[float, float]]:
+        """By how many degrees each scan was turned, and how far its plant base was moved."""
+        moves: list[tuple[float, float]] = []
+        for transform, base in zip(self.transforms, self.bases, strict=True):
+            before = np.linalg.solve(transform, np.append(base, 1.0))[:3]
+            cosine = (np.trace(transform[:3, :3]) - 1.0) / 2.0
+            angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+            moves.append((float(angle), float(np.linalg.norm(base - before))))
+        return moves
 
 
 def align(
@@ -51,6 +50,11 @@ def align(
     method: str = "auto",
     up: str = "auto",
     root: NDArray[np.floating] | None = None,
+    labels: Sequence[NDArray[np.integer] | None] | None = None,
+    names: Sequence[str] | None = None,
+    offsets: Sequence[NDArray[np.float64]] | None = None,
+    ground_up: Sequence[float] | None = None,
+    unit: str = "",
     progress: Progress | None = None,
     map: MapLike = map,
 ) -> Alignment:
@@ -59,15 +63,25 @@ def align(
     Parameters
     ----------
     clouds : sequence of (N, 3) float32 ndarray
-    method : {"auto", "icp", "none"}
-        "auto" keeps the vertical, puts the stems' bases on one another and looks for the yaw that
-        leaves most of the plant in its direction; scans that already stand in one frame stay there.
-        "icp" is the paper's: closest points from where the scans lie (it often locks on a wrong
-        yaw). "none" leaves everything where it is.
+    method : {"auto", "turn", "icp", "none"}
+        "auto" leaves scans that share a frame there, else does as "turn", which keeps the vertical,
+        puts the stems' bases on one another and looks for the yaw that leaves most organs in their
+        direction. "icp" is the paper's: closest points from where the scans lie (it often locks on
+        a wrong yaw). "none" leaves everything where it is.
     up : str
         The direction of growth, or "auto".
     root : (3,) float ndarray, optional
         Base of the first scan's stem, where it is known.
+    labels : sequence of (N,) int ndarray, optional
+        The organ of each point; the same number may mean another organ in another scan.
+    names : sequence of str, optional
+        The scans' names, for the findings.
+    offsets : sequence of (3,) float64 ndarray, optional
+        Of each scan's coordinates from the first one's; by default they are the same.
+    ground_up : (3,) float, optional
+        Unit vector away from the ground, where one was found.
+    unit : str
+        Of lengths, for the findings.
     progress : callable, optional
         Called with the stage, the steps done and all.
     map : MapLike
@@ -77,104 +91,68 @@ def align(
     ----------
     Section 3.1 of the paper.
     """
-    if method == "none" and up != "auto":
-        return Alignment(up, tuple(np.eye(4) for _ in clouds), (), ())
     tell = progress or (lambda stage, done, total: None)
-    total = 3 * len(clouds) - 1  # samples, poses, yaws, and what is left at the end
+    total = 2 * len(clouds)  # samples, poses
     map = reporting(map, lambda done, _: tell("aligning", done, total), total - 1)
-    samples = list(map(even_sample, clouds))
-    direction = find_up_of(samples) if up == "auto" else up
+    names = names or [f"scan {at + 1}" for at in range(len(clouds))]
+    offsets = [np.zeros(3)] * len(clouds) if offsets is None else offsets
+    known = [own for own in labels or () if own is not None]
+    labelled = len(known) == len(clouds)
+    samples = list(map(even_sample, clouds, known if labelled else [None] * len(clouds)))
+    direction, findings = find_up(samples, names, up, ground_up)
     vertical = Vertical.named(direction)
-    transforms, notes = [np.eye(4)] * len(clouds), []
-    steps = [np.eye(4)] * (len(clouds) - 1)
-    if method == "auto":
-        first = candidate_poses(samples[0], vertical, root)[0]
-        poses, yaws = best_poses(first, samples[1:], vertical, map)
-        frames = shared_frames(poses, yaws)
-        transforms = _brought_together(poses, yaws, frames)
-        steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
-        if len(clouds) > 1 and len(set(frames)) == 1:
-            notes.append("the scans stand in one frame already and were left there")
-        else:
-            notes += _jumps(frames) + _doubts(samples, yaws, frames)
-    elif method == "icp":
+    stems = stem_labels(samples, vertical) if labelled else [None] * len(clouds)
+    places, in_place = common_base(samples, stems, offsets, vertical)
+    if root is not None:
+        places[0] = [np.asarray(root, float)]
+    transforms = [_moved_by(offset) for offset in offsets]
+    bases = [place[0] for place in places]
+    if method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
-    drift = tuple(
-        _pair_fit(*pair, step, vertical)
-        for pair, step in zip(pairwise(samples), steps, strict=True)
-    )
-    if any(not np.array_equal(transform, np.eye(4)) for transform in transforms):
-        notes.insert(0, _moves(drift))
+    elif method != "none" and len(clouds) > 1:
+        poses = best_poses(samples, places, vertical, stems, map)
+        bases = [pose.base for pose in poses]
+        fit = fit_yaws(poses, labelled)
+        stays = method == "auto" and share_frame(fit, in_place)
+        transforms = _brought_together(poses, fit, transforms, in_place & stays)
+        findings.append(
+            frame_finding(poses, fit, transforms, in_place & stays, offsets, names, unit)
+        )
+    findings += strangers(samples, names)
     tell("aligning", total, total)
-    return Alignment(direction, tuple(transforms), drift, tuple(notes))
+    aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]
+    return Alignment(direction, tuple(transforms), tuple(aligned), tuple(findings))
 
 
 def _brought_together(
-    poses: Sequence[Pose], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
+    poses: Sequence[Pose],
+    fit: YawFit,
+    given: Sequence[NDArray[np.float64]],
+    stays: NDArray[np.bool_],
 ) -> list[NDArray[np.float64]]:
-    """Each scan's transform to the first: onto the one before, or with those of its own frame."""
-    transforms = [np.eye(4)]
-    first = {frames[0]: 0}
-    for at in range(1, len(poses)):
-        if frames[at] in first:
-            transforms.append(transforms[first[frames[at]]])
-            continue
-        first[frames[at]] = at
-        before, after = poses[at - 1 : at + 1]
-        step = transform_onto(before, after, yaws[at - 1][0].yaw)
-        transforms.append(transforms[-1] @ step)
-    return transforms
+    """Each scan's transform to the first one's frame: as given if it stays, else onto another.
+
+    That is the scan before it; of a series that shares a frame, the nearest scan that stays.
+    """
+    transforms = list(given)
+    if not stays.any():
+        for at, (pair, place) in enumerate(zip(pairwise(poses), fit.places, strict=True)):
+            yaw = exact_yaw(*pair, float(YAWS[place]), fit.by_label)
+            transforms[at + 1] = transforms[at] @ transform_onto(*pair, yaw)
+        return transforms
+    staying = np.flatnonzero(stays).tolist()
+    for at in np.flatnonzero(~stays).tolist():
+        near = sorted(staying, key=lambda other: abs(other - at))[:2]
+        curves = [direction_curve(poses[other], poses[at], fit.by_label) for other in near]
+        pair, most = (poses[near[0]], poses[at]), int(np.argmax(np.sum(curves, axis=0)))
+        yaw = exact_yaw(*pair, float(YAWS[most]), fit.by_label)
+        transforms[at] = given[near[0]] @ transform_onto(*pair, yaw)
+    to_first = np.linalg.inv(transforms[0])
+    return [np.eye(4), *(to_first @ transform for transform in transforms[1:])]
 
 
-def _jumps(frames: NDArray[np.intp]) -> list[str]:
-    """A sentence for the scans that jumped out of the frame that most of the series poses in."""
-    numbers, counts = np.unique(frames, return_counts=True)
-    if counts.max() == 1:
-        return []
-    jumped = ", ".join(str(at + 1) for at in np.flatnonzero(frames != numbers[np.argmax(counts)]))
-    return [f"most scans stand in one frame and were left there; these did not: scan {jumped}"]
-
-
-def _pair_fit(
-    earlier: EvenSample, later: EvenSample, step: NDArray[np.float64], vertical: Vertical
-) -> PairFit:
-    frame = upright(vertical)
-    turn = frame @ step[:3, :3] @ frame.T
-    base = base_candidates(later, vertical, touching_pairs(later))[0]
-    return PairFit(
-        yaw=float(np.degrees(np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))),
-        tilt=float(np.degrees(np.arccos(np.clip(turn[2, 2], -1.0, 1.0)))),
-        shift=float(np.linalg.norm(step[:3, :3] @ base + step[:3, 3] - base)),
-        residual=trimmed_residual(earlier, later, step),
-    )
-
-
-def _moves(drift: Sequence[PairFit]) -> str:
-    yaw, tilt, shift = (
-        max(abs(getattr(fit, name)) for fit in drift) for name in ("yaw", "tilt", "shift")
-    )
-    return (
-        f"the scans were turned onto their predecessors by up to {yaw:.1f} degrees, tilted by up "
-        f"to {tilt:.1f} degrees and moved by up to {shift:.4g}"
-    )
-
-
-def _doubts(
-    samples: Sequence[EvenSample], yaws: Sequence[Sequence[YawFit]], frames: NDArray[np.intp]
-) -> list[str]:
-    """A sentence for every scan that was turned and might as well stand another way round."""
-    doubts = []
-    for at, (pair, likely) in enumerate(zip(pairwise(samples), yaws, strict=True)):
-        if frames[at] == frames[at + 1]:
-            continue
-        if min(len(sample.points) for sample in pair) < MIN_POINTS_FOR_YAW:
-            doubts.append(f"scan {at + 2} or its predecessor has too few points to find its yaw")
-        elif len(likely) > 1:
-            further = abs(wrapped(likely[1].yaw - likely[0].yaw))
-            doubts.append(
-                f"scan {at + 2} fits its predecessor nearly as well when turned by a further "
-                f"{further:.0f} degrees (so much of the plant keeps its direction: "
-                f"{likely[0].overlap:.0%}, or {likely[1].overlap:.0%})"
-            )
-    return doubts
+def _moved_by(offset: NDArray[np.float64]) -> NDArray[np.float64]:
+    transform = np.eye(4)
+    transform[:3, 3] = offset
+    return transform

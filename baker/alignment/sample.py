@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.adjacency import Gaps, segment_adjacency
 from baker.geometry.graph import MIN_LENGTH, spanning_tree
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
 from baker.geometry.sampling import farthest_point_sample
@@ -29,20 +30,25 @@ class EvenSample:
     pool: NDArray[np.float64]  # (M, 3) without outliers, thinned at random if it is large
     points: NDArray[np.float64]  # (n, 3) the sample of it
     radii: NDArray[np.float64]  # (n,) distance of any point of the pool from the first 1, 2, ...
+    pool_labels: NDArray[np.integer]  # (M,) organ of each point; -1 where the scan has no labels
+    labels: NDArray[np.integer]  # (n,) those of the sample
+    gaps: Gaps  # between the labelled organs that touch
 
-    def within(self, radius: float) -> NDArray[np.float64]:
-        """As many points of the sample as it takes to come within `radius` of the whole pool."""
-        return self.points[: int(np.searchsorted(-self.radii, -radius)) + 1]
 
-
-def even_sample(cloud: NDArray[np.floating]) -> EvenSample:
-    """At most 1,500 points of an (N, 3) cloud, by farthest-point sampling."""
+def even_sample(
+    cloud: NDArray[np.floating], labels: NDArray[np.integer] | None = None
+) -> EvenSample:
+    """At most 1,500 points of an (N, 3) cloud with (N,) labels, by farthest-point sampling."""
+    labels = np.full(len(cloud), -1) if labels is None else labels
     if len(cloud) > POOL_SIZE:
-        cloud = cloud[np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)]
+        kept = np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)
+        cloud, labels = cloud[kept], labels[kept]
     pool = np.asarray(cloud, np.float64)
-    pool = pool[nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers]
+    neighbors = nearest_neighbors(pool, NEIGHBORS_FOR_REACH)
+    gaps = segment_adjacency(labels, neighbors)
+    pool, labels = pool[neighbors.inliers], labels[neighbors.inliers]
     indices, radii = farthest_point_sample(pool, SAMPLE_SIZE)
-    return EvenSample(pool, pool[indices], radii)
+    return EvenSample(pool, pool[indices], radii, labels, labels[indices], gaps)
 
 
 def touching_pairs(sample: EvenSample, k: int = 0) -> NDArray[np.intp]:

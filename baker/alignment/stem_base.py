@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import EvenSample, weighted_graph
+from baker.alignment.sample import (
+    NEIGHBORS_ON_SURFACE,
+    EvenSample,
+    touching_pairs,
+    weighted_graph,
+)
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
 
@@ -15,24 +21,53 @@ MAX_CANDIDATES = 3
 LOW_SHARE = 0.1  # of the height: the slab in which the stem's base is looked for
 MIN_PART_SHARE = 0.1  # of that slab's points: fewer are noise, not a stem
 BASE_SHARE = 0.04  # of the height: the part of the stem whose middle is the base
-MAX_OFFSET_RATIO = 4.0  # of a scan's base from the median one, to the median of these offsets
-MIN_OFFSET = 0.03  # of the plant's size: a base that is off by less stays
 
 
-def base_candidates(
-    sample: EvenSample, vertical: Vertical, pairs: NDArray[np.intp]
-) -> list[NDArray[np.float64]]:
+def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
+    """The label of each scan's stem: the organ that touches most others and stands lowest.
+
+    A hanging leaf may reach lower, but touches few others and is high up for the most part. What
+    the same label is in the other scans counts as much, and where labels are numbered anew in every
+    scan, that is about the same for all.
+    """
+    scores = [_stem_scores(sample, vertical) for sample in samples]
+    elsewhere = {}
+    for label in set().union(*scores):
+        elsewhere[label] = float(np.mean([own[label] for own in scores if label in own]))
+    return [max(own, key=lambda label: own[label] + elsewhere[label]) for own in scores]
+
+
+def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
+    labels, heights = sample.pool_labels, vertical.height(sample.pool)
+    touching = Counter(label for label, _ in sample.gaps)
+    most = max(touching.values(), default=1)
+    heights = (heights - heights.min()) / max(np.ptp(heights), np.finfo(float).tiny)
+    scores = {}
+    for label in np.unique(labels).tolist():
+        own = heights[labels == label]
+        scores[label] = touching[label] / most - float(own.min() + np.median(own))
+    return scores
+
+
+def stem_base(points: NDArray[np.float64], vertical: Vertical) -> NDArray[np.float64]:
+    """(3,) middle of the lowest points of a stem's (N, 3), at the height of the lowest one."""
+    heights = vertical.height(points)
+    low = heights <= heights.min() + BASE_SHARE * np.ptp(heights)
+    middle = points[low].mean(axis=0)[None]
+    return np.asarray(vertical.at_height(middle, float(heights.min()))[0], np.float64)
+
+
+def base_candidates(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float64]]:
     """Positions where a single scan's stem may leave the ground, the likeliest first.
 
     The tip of a hanging leaf may lie as low as the stem's base, or lower. But the paths from the
     base to the plant's points lead upwards, except where organs droop, and those from a tip have to
     come down from the leaf's own bend: low parts are ranked by the mean descent on the paths from
     them. That is not always decisive, so up to three stay in question.
-
-    pairs: (E, 2) points of the sample that touch, see `touching_pairs`.
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
+    pairs = touching_pairs(sample, NEIGHBORS_ON_SURFACE)
     count, heights = len(sample.points), vertical.height(sample.points)
     height = np.ptp(heights)
     low = heights <= heights.min() + LOW_SHARE * height
@@ -58,51 +93,19 @@ def base_candidates(
 def base_point(
     points: NDArray[np.floating],
     vertical: Vertical,
-    root: NDArray[np.floating] | None = None,
     neighbors: Neighbors | None = None,
+    near: NDArray[np.floating] | None = None,
 ) -> int:
-    """The point of a scan where the plant leaves the ground: its lowest one, outliers aside.
+    """The point of a scan where the plant leaves the ground; outliers aside.
 
     Parameters
     ----------
     points : (N, 3) float
     vertical : Vertical
-    root : (3,) float, optional
-        A position given by the user; then the point nearest to it.
     neighbors : Neighbors, optional
+    near : (3,) float, optional
+        The plant base, of which the nearest point is taken; by default it is the lowest point.
     """
-    if root is not None:
-        return int(np.argmin(((points - root) ** 2).sum(axis=1)))
     neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_REACH)
-    return int(np.argmin(np.where(neighbors.inliers, vertical.height(points), np.inf)))
-
-
-def agreed_base_points(
-    clouds: Sequence[NDArray[np.floating]], bases: Sequence[int], vertical: Vertical
-) -> list[int]:
-    """The base points of aligned scans, corrected where a single scan's is far from the others'.
-
-    The lowest point may be the tip of a leaf that hangs below the stem's base. Then it is far, seen
-    from above, from where most scans have it, and the lowest point around there is the base.
-
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float
-    bases : sequence of int
-        Each scan's `base_point`.
-    vertical : Vertical
-    """
-    found = np.array([cloud[base] for cloud, base in zip(clouds, bases, strict=True)])
-    found = vertical.at_height(found, 0.0)
-    median = np.median(found, axis=0)
-    offsets = np.linalg.norm(found - median, axis=1)
-    agreed = []
-    for cloud, base, offset in zip(clouds, bases, offsets, strict=True):
-        size = float(np.ptp(cloud, axis=0).max())
-        allowed = max(MAX_OFFSET_RATIO * float(np.median(offsets)), MIN_OFFSET * size)
-        if offset > allowed:
-            aside = np.linalg.norm(vertical.at_height(cloud, 0.0) - median, axis=1)
-            near = np.flatnonzero(aside <= allowed)
-            base = int(near[base_point(cloud[near], vertical)]) if len(near) else base
-        agreed.append(base)
-    return agreed
+    distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)
+    return int(np.argmin(np.where(neighbors.inliers, distance, np.inf)))

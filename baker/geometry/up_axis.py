@@ -24,8 +24,10 @@ class Vertical:
         """(N,) height of (N, 3) points."""
         return self.sign * points[:, self.axis]
 
-    def at_height(self, points: NDArray[np.floating], height: float) -> NDArray[np.floating]:
-        """A copy of (N, 3) points, each moved straight up or down to `height`."""
+    def at_height(
+        self, points: NDArray[np.floating], height: float | NDArray[np.floating]
+    ) -> NDArray[np.floating]:
+        """A copy of (N, 3) points, each moved straight up or down to `height`, or its (N,) own."""
         moved = points.copy()
         moved[:, self.axis] = self.sign * height
         return moved

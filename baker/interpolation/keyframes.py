@@ -22,6 +22,7 @@ class Keyframe:
     positions: NDArray[np.float32]  # (N, 3), relative to the clip's origin
     colors: NDArray[np.uint8] | None  # (N, 4), sRGB and alpha
     area: NDArray[np.floating] | None = None  # (N,); None where the density of movers stays
+    base: NDArray[np.float64] | None = None  # (3,), where the stem leaves the ground
 
 
 @dataclass(frozen=True)
@@ -53,21 +54,23 @@ class AlignedSeries:
 
     @property
     def floor(self) -> float:
-        """Height of the lowest point of all scans, to which lost organs fall."""
-        return min(float(self.vertical.height(cloud).min()) for cloud in self.clouds)
+        """Height of the lowest plant base, to which lost organs fall."""
+        bases = zip(self.clouds, self.bases, strict=True)
+        return min(float(self.vertical.height(cloud)[base]) for cloud, base in bases)
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
     """The scans, each moved by its transform."""
     keyframes = []
-    for scan, transform in zip(series.scans, alignment.transforms, strict=True):
+    found = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
+    for scan, transform, base in found:
         positions = scan.points
         if not np.array_equal(transform, np.eye(4)):  # scans that stay are kept bit for bit
             moved = scan.points @ transform[:3, :3].T + transform[:3, 3]
             positions = moved.astype(np.float32)
         opaque = np.full((len(scan), 1), 255, np.uint8)
         colors = None if scan.colors is None else np.hstack([scan.colors, opaque])
-        keyframes.append(Keyframe(positions, colors))
+        keyframes.append(Keyframe(positions, colors, base=base))
     return keyframes
 
 

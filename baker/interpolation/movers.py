@@ -76,11 +76,12 @@ def leaving(
 ) -> OrganMovers:
     """The movers of a lost organ, in their colours (section 3.3.1, decay).
 
-    They fall straight down to the height `floor`, or stay where they are until they have faded or
-    are removed.
+    They fall straight down to the height `floor`, or stay where they are (as what is lower does)
+    until they have faded or are removed.
     """
     origin = start.positions.take(task.start, axis=0)
-    landing = vertical.at_height(origin, floor) if decay is Motion.FALL else origin
+    lower = np.minimum(vertical.height(origin), floor)
+    landing = vertical.at_height(origin, lower) if decay is Motion.FALL else origin
     colors = None if start.colors is None else start.colors.take(task.start, axis=0)
     tracks = np.full(len(origin), task.organ)
     drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))

@@ -61,7 +61,7 @@ def describe_provenance(
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
-        "decisions": [found.sentence for found in findings] + [*alignment.notes],
+        "decisions": [found.sentence for found in findings],
         "notes": notes,
     }
 

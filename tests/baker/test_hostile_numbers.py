@@ -109,7 +109,7 @@ def test_alignment_of_any_shapes_is_rigid(shape):
             assert np.isfinite(transform).all()
             np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-6)
             assert np.linalg.det(turn) == pytest.approx(1.0)
-        assert len(found.drift) == 2
+        assert len(found.transforms) == len(found.bases) == 3
 
 
 @pytest.mark.parametrize("shape", SOUND)

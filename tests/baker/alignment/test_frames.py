@@ -1,4 +1,4 @@
-"""Scans that stand in one frame are left there, whatever single scans did."""
+"""Scans that share a frame are left there, whatever single organs or scans did."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,12 @@ def week(plant) -> list[np.ndarray]:
     return [plant(day)[::2] for day in range(5)]
 
 
-def aligned(clouds: list[np.ndarray]) -> Alignment:
-    return align([cloud.astype(np.float32) for cloud in clouds], up="z")
+def aligned(clouds: list[np.ndarray], method: str = "auto", **known) -> Alignment:
+    return align([cloud.astype(np.float32) for cloud in clouds], method, "z", **known)
+
+
+def stays(found: Alignment) -> list[bool]:
+    return [np.array_equal(transform, np.eye(4)) for transform in found.transforms]
 
 
 def farthest(transform: np.ndarray, cloud: np.ndarray, there: np.ndarray) -> float:
@@ -20,33 +24,85 @@ def farthest(transform: np.ndarray, cloud: np.ndarray, there: np.ndarray) -> flo
     return float(np.linalg.norm(moved - there, axis=1).max())
 
 
-@pytest.mark.parametrize(
-    ("number", "shift"),
-    [(1, (25.0, -10.0, 6.0)), (2, (0.0, 0.0, 0.0)), (4, (-3.0, 8.0, 0.0))],
-)
-def test_one_scan_that_jumped_is_brought_back_and_the_others_stay(week, posed, number, shift):
+def frame_finding(found: Alignment):
+    (finding,) = (finding for finding in found.findings if finding.topic == "frame")
+    return finding
+
+
+@pytest.mark.parametrize(("number", "shift"), [(1, (25.0, -10.0, 6.0)), (4, (-3.0, 28.0, 0.0))])
+def test_one_scan_from_elsewhere_is_brought_back_and_the_others_stay(week, posed, number, shift):
     jumped = [posed(each, 130.0, shift) if at == number else each for at, each in enumerate(week)]
     found = aligned(jumped)
-    for at, transform in enumerate(found.transforms):
-        assert np.array_equal(transform, np.eye(4)) == (at != number)
-    assert farthest(found.transforms[number], jumped[number], week[number]) < 3.0
-    assert f"scan {number + 1}" in " ".join(found.notes)
+    assert stays(found) == [at != number for at in range(5)]
+    assert farthest(found.transforms[number], jumped[number], week[number]) < 4.0
+    finding = frame_finding(found)
+    assert f"but for scan {number + 1}" in finding.found
+    assert "more than a fifth" in finding.doubt
+    assert finding.option == "--align none"
 
 
 def test_where_the_first_scan_jumped_the_others_follow_it_together(week, posed):
-    first = posed(week[0], -70.0, (9.0, 4.0, 2.0))
+    first = posed(week[0], -70.0, (29.0, 4.0, 2.0))
     found = aligned([first, *week[1:]])
     assert np.array_equal(found.transforms[0], np.eye(4))
     for transform in found.transforms[2:]:
-        assert np.array_equal(transform, found.transforms[1])
-    assert farthest(np.linalg.inv(found.transforms[1]), first, week[0]) < 3.0
+        assert np.allclose(transform, found.transforms[1])
+    assert farthest(np.linalg.inv(found.transforms[1]), first, week[0]) < 4.0
+
+
+def test_a_lone_turn_is_told_and_left(week, posed):
+    turned = [posed(each, 130.0 * (at == 2), (0, 0, 0)) for at, each in enumerate(week)]
+    found = aligned(turned)
+    assert all(stays(found))
+    assert "scan 3 would fit the scan before better turned by -135 degrees" in (
+        frame_finding(found).doubt
+    )
+    assert frame_finding(found).option == "--align turn"
+    brought = aligned(turned, "turn")
+    assert farthest(brought.transforms[2], turned[2], week[2]) < 4.0
 
 
 def test_an_organ_that_turned_is_no_jump(week, plant):
     turned = [*week[:2], plant(2, turned={3: 60.0})[::2], *week[3:]]
-    assert all(np.array_equal(each, np.eye(4)) for each in aligned(turned).transforms)
+    assert all(stays(aligned(turned)))
 
 
-def test_two_scans_apart_are_no_series_in_one_frame(week, posed):
-    found = aligned([week[0], posed(week[1], 80.0, (0.0, 0.0, 0.0))])
-    assert abs(found.drift[0].yaw + 80.0) < 2.0
+def test_turned_scans_of_which_none_says_so_are_brought_together(week, posed):
+    yaws = (0.0, 80.0, 200.0, -60.0, 130.0)
+    clouds = [posed(each, yaw, (0, 0, 0)) for each, yaw in zip(week, yaws, strict=True)]
+    found = aligned(clouds)
+    assert "do not share a frame" in frame_finding(found).found
+    for transform, cloud, there in zip(found.transforms, clouds, week, strict=True):
+        assert farthest(transform, cloud, there) < 5.0
+
+
+def test_a_scan_in_another_coordinate_system_comes_back_exactly(week):
+    far = np.array([5.4e5, 5.6e6, 300.0])
+    found = aligned(week, offsets=[np.zeros(3), far, far, far, far])
+    (first, *others) = found.transforms
+    assert np.array_equal(first, np.eye(4))
+    for transform, cloud in zip(others, week[1:], strict=True):
+        assert farthest(transform, cloud, cloud) < 4.0
+
+
+def test_a_scan_in_another_unit_is_named(week):
+    found = aligned([*week[:2], week[2] * 1000.0, *week[3:]], names=list("abcde"))
+    (finding,) = (finding for finding in found.findings if finding.topic == "plant")
+    assert "c is 1,0" in finding.doubt or "c is 9" in finding.doubt
+
+
+def test_labels_tell_organs_that_look_alike(plant, posed):
+    """Three equal leaves at even angles: only their labels tell how the plant was turned."""
+    rng = np.random.default_rng(0)
+    leaf = np.column_stack(
+        [1 + 20 * rng.random(600), rng.normal(0, 2, 600), rng.normal(20, 1, 600)]
+    )
+    stem = rng.normal(0, 0.3, (600, 3)) + np.outer(np.linspace(0, 22, 600), [0, 0, 1])
+    scan = np.concatenate([stem, *(posed(leaf, yaw, (0, 0, 0)) for yaw in (0, 120, 240))])
+    labels = np.repeat([0, 1, 2, 3], 600)
+    clouds = [posed(scan, yaw, (0, 0, 0)) for yaw in (0, 120, -120, 60)]
+    found = aligned(clouds, labels=[labels] * 4)
+    for transform, cloud in zip(found.transforms, clouds, strict=True):
+        assert farthest(transform, cloud, scan) < 1.0
+    anew = [rng.permutation(10)[labels] for _ in clouds]
+    assert "nearly as well" in frame_finding(aligned(clouds, "turn", labels=anew)).doubt

@@ -1,11 +1,13 @@
-"""The plant base: the lowest point that is no outlier, and on which most scans agree."""
+"""The plant base: of the stem where organs are known, else where the plant stands on most scans."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from baker.alignment.stem_base import agreed_base_points, base_point
+from baker.alignment import align
+from baker.alignment.sample import even_sample
+from baker.alignment.stem_base import base_point, stem_labels
 from baker.geometry.up_axis import Vertical
 
 SIZE = 100.0
@@ -22,36 +24,36 @@ def plant(seed: int, drooping: bool = False, at: np.ndarray = FOOT) -> np.ndarra
     return (np.concatenate([stem, leaf]) + at).astype(np.float32)
 
 
-def bases_of(clouds: list[np.ndarray], vertical: Vertical) -> list[int]:
-    return [base_point(cloud, vertical) for cloud in clouds]
+def labels_of(scan: np.ndarray) -> np.ndarray:
+    """4 on the stem, 7 on the leaf."""
+    return np.where(np.arange(len(scan)) < 400, 4, 7)
 
 
 @pytest.mark.parametrize("up", ["z", "-z", "y", "-x"])
-def test_a_leaf_that_hangs_below_the_foot_is_no_foot(up: str) -> None:
+@pytest.mark.parametrize("labelled", [False, True])
+def test_a_leaf_that_hangs_below_the_foot_is_no_foot(up: str, labelled: bool) -> None:
     vertical = Vertical.named(up)
     clouds = [plant(0), plant(1), plant(2), plant(3, drooping=True)]
     clouds = [vertical.sign * np.roll(cloud, vertical.axis - 2, axis=1) for cloud in clouds]
-    lowest = bases_of(clouds, vertical)
-    assert lowest[3] >= 400
-    found = agreed_base_points(clouds, lowest, vertical)
-    assert found[:3] == lowest[:3]
-    assert found[3] < 400
-    assert vertical.height(clouds[3])[found[3]] < 3.0
+    assert base_point(clouds[3], vertical) >= 400
+    labels = [labels_of(cloud) for cloud in clouds] if labelled else None
+    found = align(clouds, "none", up, labels=labels)
+    for cloud, base in zip(clouds, found.bases, strict=True):
+        point = base_point(cloud, vertical, near=base)
+        assert point < 400
+        assert vertical.height(cloud)[point] < 4.0
 
 
-def test_plants_that_stand_anywhere_keep_their_lowest_points() -> None:
-    vertical = Vertical.named("z")
-    places = np.random.default_rng(5).uniform(-500, 500, (6, 3))
-    clouds = [plant(k, drooping=k == 3, at=place) for k, place in enumerate(places)]
-    lowest = bases_of(clouds, vertical)
-    assert agreed_base_points(clouds, lowest, vertical) == lowest
-
-
-def test_two_scans_outvote_nobody() -> None:
-    vertical = Vertical.named("z")
-    clouds = [plant(0), plant(1, drooping=True)]
-    lowest = bases_of(clouds, vertical)
-    assert agreed_base_points(clouds, lowest, vertical) == lowest
+def test_the_stem_is_the_organ_that_carries_the_others() -> None:
+    rng = np.random.default_rng(1)
+    cloud = plant(0, drooping=True)
+    along = np.linspace([0, 0, 70], [-20, 0, 90], 200)
+    cloud = np.concatenate([cloud, rng.normal(0, 0.4, (200, 3)) + along + FOOT])
+    stem = np.repeat([True, False], [400, 400])
+    leaf = np.repeat([1, 2, 3], [400, 200, 200])
+    anew = np.where(stem, 9, leaf)
+    samples = [even_sample(cloud, labels) for labels in (leaf, leaf, leaf, anew)]
+    assert stem_labels(samples, Vertical.named("z")) == [1, 1, 1, 9]
 
 
 def test_an_outlier_below_ground_is_not_the_base() -> None:
@@ -59,7 +61,7 @@ def test_an_outlier_below_ground_is_not_the_base() -> None:
     points = np.vstack([cloud, [[0.5, 0.5, -30.0 - i] for i in range(5)]])
     up = Vertical.named("z")
     assert base_point(points, up) == np.argmin(cloud[:, 2])
-    assert base_point(points, up, np.array([0.5, 0.5, -29.0])) == 500
+    assert base_point(points, up, near=np.array([0.5, 0.5, 0.5])) < 500
 
 
 @pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])

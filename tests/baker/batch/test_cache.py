@@ -155,7 +155,7 @@ def test_the_alignment_is_kept_too(tmp_path):
         found = Cache(tmp_path).kept(align)(
             clouds, "icp", "z", None, progress=lambda *progress: reported.append(number)
         )
-        return [transform.tobytes() for transform in found.transforms], found.drift, found.notes
+        return [transform.tobytes() for transform in found.transforms], found.findings
 
     assert align_by_icp(1) == align_by_icp(2)
     assert set(reported) == {1}

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from baker.geometry.adjacency import agreed_gaps, segment_adjacency
 from baker.geometry.neighbors import nearest_neighbors
-from baker.segmentation.adjacency import agreed_gaps, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.segmentation.stage import labelled_hierarchies
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
+from baker.geometry.adjacency import MAX_GAP, segment_adjacency
 from baker.geometry.neighbors import nearest_neighbors
-from baker.segmentation.adjacency import MAX_GAP, segment_adjacency
 
 
 def blocks(gap, count=4000):
