@@ -79,6 +79,11 @@ FLAGS: dict[str, Any] = {
         help="Colours to carry: the scans' own, one for each scan's segments, or none."
     ),
     "label_field": typer.Option(metavar="NAME", help="The scans' field that holds the labels."),
+    "drop_label": typer.Option(metavar="L", help="Leave out the points of label L; of more: L,M."),
+    "columns": typer.Option(
+        metavar="NAMES", help="What a text's columns are, as x,y,z,r,g,b,-,label."
+    ),
+    "scale": typer.Option(metavar="FACTOR", help="Multiply all coordinates by this."),
     "ground": typer.Option(help="Soil or table under the plant: taken out (auto), or kept."),
     "voxel": typer.Option(metavar="SIZE", help="Keep one point per organ and cube of this size."),
     "every": typer.Option(min=1, metavar="N", help="Use only each N-th scan."),

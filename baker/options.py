@@ -53,6 +53,9 @@ class Options:
     root: tuple[float, float, float] | Literal["virtual"] | None = None
     times: Path | None = None
     label_field: str | None = None
+    drop_label: str = ""
+    columns: str = ""
+    scale: float = 1.0
     ground: Ground = "auto"
     voxel: float | None = None
     outliers: float | None = None
@@ -92,7 +95,13 @@ class Options:
             raise InputError(
                 f"--unit has {len(self.unit)} characters; at most {LONGEST_UNIT} are allowed."
             )
-        for name in ("voxel", "outliers"):
+        named = [name for name in self.columns.split(",") if name not in ("-", "_", "")]
+        if named and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
+            raise InputError(
+                f"--columns is {self.columns}; x, y, z and other names, each once, are needed, and "
+                "- for a column that is not used."
+            )
+        for name in ("voxel", "outliers", "scale"):
             value = getattr(self, name)
             if value is not None and not 0 < value < inf:
                 raise InputError(f"{name} is {value}; a number above 0 is needed.")

@@ -157,7 +157,8 @@ def survey_series(
     series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
     read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
-    labels = label_policy(read, names, aligned.clouds, aligned.bases, choices.labels)
+    where = (aligned.clouds, aligned.bases)
+    labels = label_policy(read, names, *where, choices.labels, found.label_field)
     return Survey(found, series, options, alignment, aligned, tuple(held_out), labels)
 
 
@@ -214,7 +215,7 @@ def bake_series(
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
-        track_table=describe_tracks(series.scans, organs, labels),
+        track_table=describe_tracks(series, organs, labels),
         origin=tuple(found.scans[0].origin.tolist()),
         up=alignment.up,
         unit=options.unit,

@@ -12,23 +12,23 @@ from baker.interpolation.colors import organ_colors
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
-from baker.scans import Scan, Series
+from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track
 from gclip.version import __version__
 
 
-def describe_tracks(
-    scans: Sequence[Scan], organs: Sequence[Organ], labels: LabelUse
-) -> tuple[Track, ...]:
+def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
     """The organs as tracks, called by their own labels only where these are the scans'."""
-    own = labels.consistent and not labels.renamed
+    own, scans = labels.consistent and not labels.renamed, series.scans
     times = [*(scan.time for scan in scans), None]
     return tuple(
         Track(
             id=index,
-            name=f"label {organ.label}" if own and organ.label is not None else f"organ {index}",
+            name=series.label_words.get(organ.label, f"label {organ.label}")
+            if own and organ.label is not None
+            else f"organ {index}",
             color=color,
             parent=organ.parent,
             born=scans[organ.first].time,

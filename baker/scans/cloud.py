@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ MAX_STEP_RATIO = 1e-5  # a float32 step larger than this fraction of a scan's si
 
 @dataclass(frozen=True)
 class Columns:
-    """All numeric fields of one file, as they stand in it.
+    """All fields of one file, as they stand in it.
 
-    values:  field name as written in the file -> (N,) numbers of any dtype, all the same length.
+    values:  field name as written in the file -> (N,) numbers of any dtype, all the same length;
+             or words, where it may be that of labels.
     notes:   what the reader had to decide, one sentence each.
     """
 
@@ -33,12 +34,14 @@ class Cloud:
     labels:  (N,) int64 or None.
     colors:  (N, 3) uint8 sRGB or None.
     notes:   one sentence for each thing found or dropped on the way.
+    fields:  name -> (N,) numbers or words, that may be labels; which ones the series decides.
     """
 
     points: NDArray
     labels: NDArray[np.int64] | None = None
     colors: NDArray[np.uint8] | None = None
     notes: tuple[str, ...] = ()
+    fields: dict[str, NDArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -47,7 +50,8 @@ class Cloud:
         """The points at the indices (or where the mask) `chosen`, with their labels and colours."""
         labels = None if self.labels is None else self.labels[chosen]
         colors = None if self.colors is None else self.colors[chosen]
-        return Cloud(self.points[chosen], labels, colors, self.notes)
+        fields = {name: values[chosen] for name, values in self.fields.items()}
+        return Cloud(self.points[chosen], labels, colors, self.notes, fields)
 
     def noting(self, sentence: str) -> Cloud:
         return replace(self, notes=(*self.notes, sentence))

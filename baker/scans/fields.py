@@ -1,4 +1,4 @@
-"""Which fields of a file are positions, colours and labels, and what their numbers mean."""
+"""Which fields of a file are positions and colours, and which may be labels."""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.scans.cloud import Cloud, Columns
-
-LABEL_NAMES = ("label", "class", "classification", "instance", "segment")
-"""The names under which labels are looked for, the first one found counts; `scalar_` may precede
-them (CloudCompare writes so), and lower and upper case are the same, here and for all fields."""
+from baker.scans.labels import label_rank
 
 COLOR_NAMES = tuple(
     tuple(names.split())
@@ -24,14 +21,14 @@ COLOR_NAMES = tuple(
 def choose_fields(
     columns: Columns, path: Path, label_field: str | None = None, use_labels: bool = True
 ) -> Cloud:
-    """Positions, labels and colours among the fields of a file.
+    """Positions and colours among the fields of a file, and all fields that may be labels.
 
     Parameters
     ----------
     columns, path : Columns, Path
         All fields of the file, and its name for messages.
     label_field : str, optional
-        The field to take as labels instead of the first of `LABEL_NAMES`.
+        The only field that may be labels.
     use_labels : bool
         False leaves labels unread.
 
@@ -43,7 +40,7 @@ def choose_fields(
     Raises
     ------
     InputError
-        There is no x, y or z, or no `label_field`, or labels are no integers.
+        There is no x, y or z, or no `label_field`.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
     found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
@@ -55,14 +52,9 @@ def choose_fields(
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     notes = [f"positions from {_quoted(used)}"]
 
-    labels = None
-    usual = [prefix + name for name in LABEL_NAMES for prefix in ("", "scalar_")]
-    candidates = usual if label_field is None else [label_field.lower()]
-    label = next((by_name[name] for name in candidates if name in by_name), None)
-    if use_labels and label is not None:
-        finite = np.asarray(np.isfinite(points).all(axis=1))
-        labels = _to_labels(columns.values[label], finite, label, path)
-        notes.append(f"labels from '{excerpt(label)}'")
+    labels = [name for name in columns.values if label_rank(name) is not None]
+    if label_field is not None:
+        labels = [by_name[label_field.lower()]] if use_labels else []
 
     colors = None
     triple = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
@@ -71,7 +63,9 @@ def choose_fields(
         colors, scale = to_srgb([columns.values[name] for name in used])
         notes.append(f"colours from {_quoted(used)} ({scale})")
 
-    return Cloud(points, labels, colors, (*columns.notes, "; ".join(notes) + "."))
+    notes = [*columns.notes, "; ".join(notes) + "."]
+    fields = {name: columns.values[name] for name in labels * use_labels}
+    return Cloud(points, None, colors, tuple(notes), fields)
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
@@ -104,22 +98,6 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
         return np.rint(values).astype(np.uint8), "8-bit"
     # By the high byte: right both for values scaled by 257 and, as LAS asks for, by 256.
     return (values / 256).astype(np.uint8), "16-bit"
-
-
-def _to_labels(values: NDArray, finite: NDArray, name: str, path: Path) -> NDArray[np.int64]:
-    """`values` as int64; those of points that are not `finite` (dropped later) don't matter."""
-    if values.dtype.kind == "i":
-        return values.astype(np.int64)
-    with np.errstate(invalid="ignore"):
-        is_label = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
-    bad = values[finite & ~is_label]
-    if len(bad):
-        raise InputError(
-            f"'{path}': the field '{excerpt(name)}' holds {bad[0]:g}, but labels must be whole "
-            "numbers; choose another field with --label-field, or read the scans without labels "
-            "(--labels ignore)."
-        )
-    return np.where(is_label, values, 0).astype(np.int64)
 
 
 def _quoted(names: Sequence[str]) -> str:

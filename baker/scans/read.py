@@ -18,11 +18,13 @@ from baker.scans import clean
 from baker.scans.cloud import Cloud, relative_to, shared_origin
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
-from baker.scans.formats import read_columns, suffix_of
+from baker.scans.formats import read_columns
 from baker.scans.ground import take_out_ground
+from baker.scans.labels import choose_labels, drop_labels
 from baker.scans.rgbd.camera import find_camera
 from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
+from baker.scans.size import require_one_unit
 from baker.scans.times import Entry, Schedule, schedule_scans
 from baker.scans.unchanged import read_unchanged
 from gclip.terminal.text import printable
@@ -69,12 +71,24 @@ def read_series(
     origin = shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
     read = partial(_read, origin=origin, listing=listing, options=options)
     found, digests = zip(*map(read, entries, chain([raw], repeat(None))), strict=True)
+    paths = [entry.path for entry in entries]
+    keep = options.ground == "keep"
+    clouds, field, words, labels = choose_labels(found, paths, options.label_field is not None)
+    clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
-    clouds, ground_up, findings = take_out_ground(found, up, options.ground == "keep", map)
+    clouds, ground_up, ground = take_out_ground(clouds, up, keep, map)
     scan = partial(_scan, origin=origin, options=options)
-    scans = _agree(list(map(scan, entries, clouds, digests)), options)
+    scans = _agree(list(map(scan, entries, clouds, digests)))
     series = listing.series(scans, options)
-    return replace(series, ground_up=ground_up, findings=(*series.findings, *findings))
+    unit = options.unit or series.length
+    size = require_one_unit([scan.points for scan in scans], [scan.name for scan in scans], unit)
+    return replace(
+        series,
+        label_field=field,
+        label_words=words,
+        findings=(*series.findings, *labels, *dropped, *ground, size),
+        ground_up=ground_up,
+    )
 
 
 def _read(
@@ -169,23 +183,14 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
 
 
 def _load(path: Path, options: Options) -> Cloud:
-    return choose_fields(read_columns(path), path, options.label_field, options.labels != "ignore")
+    use_labels = options.labels != "ignore" or bool(options.drop_label)
+    columns = read_columns(path, [*filter(None, options.columns.split(","))])
+    cloud = choose_fields(columns, path, options.label_field, use_labels)
+    return cloud if options.scale == 1 else replace(cloud, points=cloud.points * options.scale)
 
 
-def _agree(scans: list[Scan], options: Options) -> tuple[Scan, ...]:
-    """Labels in all scans or in none (else an error); colours in all or in none (else dropped)."""
-    if options.label_field is None and all(map(_is_never_classified, scans)):
-        note = "labels left out (classification is 0 everywhere)."
-        scans = [replace(scan, labels=None, notes=(*scan.notes, note)) for scan in scans]
-
-    unlabelled = [scan.name for scan in scans if scan.labels is None]
-    if 0 < len(unlabelled) < len(scans):
-        raise InputError(
-            f"{_list_names(unlabelled)} of the {len(scans)} scans: no labels found, while the "
-            "others have labels; add them, name their field with --label-field, or read all scans "
-            "without labels (--labels ignore)."
-        )
-
+def _agree(scans: list[Scan]) -> tuple[Scan, ...]:
+    """Colours in all scans or in none."""
     colorless = [scan.name for scan in scans if scan.colors is None]
     if 0 < len(colorless) < len(scans):
         note = f"colours left out ({_list_names(colorless)} without colours)."
@@ -194,12 +199,6 @@ def _agree(scans: list[Scan], options: Options) -> tuple[Scan, ...]:
             for scan in scans
         ]
     return tuple(scans)
-
-
-def _is_never_classified(scan: Scan) -> bool:
-    """Whether a scan is LAS whose labels, the classification, are 0 throughout."""
-    is_las = suffix_of(scan.path) in (".las", ".laz")
-    return is_las and scan.labels is not None and not scan.labels.any()
 
 
 def _list_names(names: Sequence[str]) -> str:

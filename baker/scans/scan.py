@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -53,6 +53,8 @@ class Series:
            stays where it is. Aligning them could only do harm.
     root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
     length: the unit of lengths, "" where unknown.
+    label_field: the field that labels were read from, "" where there are none.
+    label_words: what the scans call the labels, where it is by words.
     findings: what reading decided by itself for the whole series.
     ground_up: unit vector away from the ground in the scans' coordinates, where one was found.
     """
@@ -62,5 +64,7 @@ class Series:
     fixed: bool = False
     root: Literal["virtual"] | None = None
     length: str = ""
+    label_field: str = ""
+    label_words: dict[int, str] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
     ground_up: tuple[float, float, float] | None = None

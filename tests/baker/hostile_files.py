@@ -194,8 +194,9 @@ def _reading(kind: str, path: Path) -> Callable[[], None]:
 def _read_scan(path: Path) -> None:
     from baker.scans.fields import choose_fields
     from baker.scans.formats import read_columns
+    from baker.scans.labels import choose_labels
 
-    cloud = choose_fields(read_columns(path), path)
+    cloud = choose_labels([choose_fields(read_columns(path), path)], [path])[0][0]
     assert cloud.points.shape == (len(cloud), 3)
     assert cloud.labels is None or cloud.labels.shape == (len(cloud),)
     assert cloud.colors is None or cloud.colors.shape == (len(cloud), 3)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import gzip
 import shutil
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -49,12 +49,16 @@ def require_known(path: Path) -> None:
         raise InputError(f"'{path}' {what}; known are {KNOWN}.")
 
 
-def read_columns(path: Path, largest_unpacked: int = LARGEST_UNPACKED) -> Columns:
+def read_columns(
+    path: Path, names: Sequence[str] = (), largest_unpacked: int = LARGEST_UNPACKED
+) -> Columns:
     """All numeric fields of a scan; the suffix of `path` tells the format.
 
     Raises InputError: an unknown suffix, or a file that can't be opened or is not sound.
     """
     require_known(path)
+    if names and READERS[suffix_of(path)] != "text":
+        raise InputError(f"'{path}' is no text table: leave out --columns.")
     try:
         with asking(path):
             with path.open("rb") as file:  # libraries say little of folders and forbidden files
@@ -62,7 +66,7 @@ def read_columns(path: Path, largest_unpacked: int = LARGEST_UNPACKED) -> Column
                     raise FormatError("is an empty file.")
             reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
             with _unpacked(path, largest_unpacked) as plain:
-                columns: Columns = reader.read(plain)
+                columns: Columns = reader.read(plain, *([names] if names else []))
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
     return columns

@@ -3,9 +3,7 @@
 The decoder of LAZ makes room for whatever sizes the file announces, and ends the whole process
 where there is none: chunks are checked before. Format: the LAZ 1.4 specification, rapidlasso.
 
-Labels are looked for among the extra dimensions and in `classification`. A classification of 0
-means "created, never classified" (LAS specification 1.4, table 17): where it is 0 for all points
-of all scans, there are no labels.
+Labels are looked for among the extra dimensions and in `classification`.
 """
 
 from __future__ import annotations
@@ -18,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
-from baker.scans.fields import LABEL_NAMES
 from baker.scans.formats.faults import FormatError, library_faults, require_count, require_room
 
 CHUNK = 32 << 20  # bytes of points that are decoded at a time
@@ -53,8 +50,6 @@ def read(path: Path) -> Columns:
             for name in names:
                 columns[name] = np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
     unused = {name for name, values in columns.items() if values.ndim > 1}
-    if set(LABEL_NAMES) & {name.lower() for name in form.extra_dimension_names}:
-        unused |= {"classification"} if not columns["classification"].any() else set()
     colors = {"red", "green", "blue"}
     if colors <= set(columns) and not any(columns[name].any() for name in colors):
         unused |= colors  # room for colours that nobody filled in

@@ -5,13 +5,13 @@ before the first row. The header names the columns in any order; it may be a com
 header the number of columns decides:
 
     3  x y z
-    4  x y z label
-    5  x y z label, the fifth is not used
-    6  x y z red green blue       (normals instead of colours where one is negative)
-    7  x y z red green blue label (likewise)
+    4  x y z, labels
+    5  x y z, labels, or these in the fifth
+    6  x y z red green blue         (normals instead of colours where one is negative)
+    7  x y z red green blue, labels (likewise)
 
-A single whole number before the rows (as in PTS) is the number of points; after it, without a
-header, the fourth of 4 or 7 columns is the intensity that Leica's format has there.
+Labels may be words. A single whole number before the rows (as in PTS) is the number of points;
+after it, without a header, the fourth of 4 or 7 columns is the intensity of Leica's format.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from __future__ import annotations
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TextIO
@@ -30,8 +31,10 @@ from numpy.typing import NDArray
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, require_count
+from baker.scans.labels import label_rank
 
 LONGEST_LINE = 1 << 17
+SKIPPED = ("-", "_")  # for columns that are not used
 USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
 
 
@@ -50,36 +53,58 @@ class Lines:
             yield line
 
 
-def read(path: Path) -> Columns:
-    """All columns of numbers. Raises FormatError, with the line that doesn't fit."""
+def read(path: Path, asked: Sequence[str] = ()) -> Columns:
+    """All columns of numbers, and of words where they may be labels.
+
+    asked: names for the columns, whatever a header says; "-" or "_" for those to skip. Raises
+    FormatError, with the line that doesn't fit.
+    """
     with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = Lines(file)
-        names, delimiter, first, count = _read_head(lines)
+        names, delimiter, first, count = _read_head(lines, bool(asked))
         values = _split(first, delimiter)
         width = len(values)
-        if names is None and width not in USUAL_WIDTHS:
+        if asked and len(asked) != width:
+            reason = f"{width} columns, but --columns names {len(asked)}"
+            raise FormatError(f"{reason} ({excerpt(','.join(asked))}).", lines.number)
+        if not asked and names is None and width not in USUAL_WIDTHS:
+            example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
             raise FormatError(
-                f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are "
-                "understood, for others name the columns in a header line.",
+                f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are understood, "
+                f"for others say what they are, as in --columns {example} (- is not used).",
                 lines.number,
             )
+        names = [*asked] if asked else names
         numeric = [i for i, value in enumerate(values) if _is_number(value)]
-        if names is None and len(numeric) < width:
+        is_wanted = [name not in SKIPPED for name in names or values]
+        words = [
+            i
+            for i in range(3 if names is None else 0, width)
+            if re.search(r"[^\W\d_]", values[i])
+            and i not in numeric
+            and (names is None or label_rank(names[i]) is not None)
+        ]
+        chosen = [i for i in range(width) if i in {*numeric, *words} and is_wanted[i]]
+        unread = [i for i in range(width) if is_wanted[i] and i not in chosen]
+        if any(names is None or names[i].lower() in "xyz" for i in unread):
             raise _not_numbers(values, lines.number)
-        is_open_ended = delimiter is not None and first.rstrip().endswith(delimiter)
-        chosen = numeric if is_open_ended or len(numeric) < width else None
+        is_whole = chosen == [*range(width)] and not first.rstrip().endswith(delimiter or "\n")
         expected = names or [f"column {i + 1}" for i in range(width)]
-        rows = read_rows(lines, expected, first, delimiter, chosen)
+        texts: dict[int, dict[str, int]] = {i: {} for i in words}
+        rows = read_rows(lines, expected, first, delimiter, None if is_whole else chosen, texts)
     if count is not None:
         require_count(count, len(rows), "rows")
+    notes = []
     if names is None:
         names = usual_names(rows, is_leica=count is not None)
+        names = [f"column {i + 1}" if i in words else name for i, name in enumerate(names)]
         notes = [f"no header line: columns taken as {' '.join(names)}."]
-    else:
-        words = [names[i] for i in range(width) if i not in numeric]
-        listed = excerpt(", ".join(words))
-        notes = [f"columns passed over, as they hold no numbers: {listed}."] * bool(words)
-    return Columns({names[i]: rows[:, k] for k, i in enumerate(numeric)}, tuple(notes))
+    elif unread:
+        listed = excerpt(", ".join(names[i] for i in unread))
+        notes = [f"columns passed over, as they hold no numbers: {listed}."]
+    columns = {names[i]: rows[:, k] for k, i in enumerate(chosen)}
+    columns |= {names[i]: np.array([*texts[i]])[columns[names[i]].astype(int)] for i in words}
+    return Columns(columns, tuple(notes))
 
 
 def read_rows(
@@ -88,6 +113,7 @@ def read_rows(
     first: str = "",
     delimiter: str | None = None,
     columns: Sequence[int] | None = None,
+    texts: Mapping[int, dict[str, int]] | None = None,
 ) -> NDArray[np.float64]:
     """The numbers of all rows.
 
@@ -101,6 +127,8 @@ def read_rows(
         A row that was read already; what stands between values, None for any white space.
     columns : sequence of int, optional
         Which C values of a row to read, where not all are wanted.
+    texts : mapping of int to dict, optional
+        Of columns of words, the number that each word gets; those not in it are added.
 
     Returns
     -------
@@ -115,7 +143,12 @@ def read_rows(
         warnings.simplefilter("ignore", UserWarning)  # numpy warns where there are no rows
         try:
             rows = np.loadtxt(
-                chain([first], lines), delimiter=delimiter, quotechar='"', usecols=columns, ndmin=2
+                chain([first], lines),
+                delimiter=delimiter,
+                quotechar='"',
+                usecols=columns,
+                ndmin=2,
+                converters={i: partial(_number_of, known) for i, known in (texts or {}).items()},
             )
         except ValueError as error:  # at the line that numpy has asked for last
             raise _row_fault(str(error), names, lines.number) from error
@@ -125,13 +158,17 @@ def read_rows(
     return rows.reshape(-1, width)
 
 
+def _number_of(known: dict[str, int], word: str) -> int:
+    return known.setdefault(word.strip(), len(known))
+
+
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
     """Names for 3 to 7 columns without a header; see the module's text."""
     width = rows.shape[1]
     start = 4 if is_leica and width == 7 else 3
     are_normals = width >= 6 and (rows[:, start : start + 3] < 0).any()
     triple = ["nx", "ny", "nz"] if are_normals else ["red", "green", "blue"]
-    others = {4: ["label"], 5: ["label", "column 5"], 6: triple, 7: [*triple, "label"]}
+    others = {4: ["column 4"], 5: ["column 4", "column 5"], 6: triple, 7: [*triple, "column 7"]}
     if is_leica:
         others |= {4: ["intensity"], 7: ["intensity", *triple]}
     return ["x", "y", "z", *others.get(width, [])]
@@ -169,8 +206,13 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _read_head(lines: Lines) -> tuple[list[str] | None, str | None, str, int | None]:
-    """Names of the columns, delimiter, first row and announced count; None where not told."""
+def _read_head(
+    lines: Lines, are_named: bool
+) -> tuple[list[str] | None, str | None, str, int | None]:
+    """Names of the columns, delimiter, first row and announced count; None where not told.
+
+    are_named: the columns have names already, whatever a header says.
+    """
     comments: list[str] = []
     header: list[str] | None = None
     count: int | None = None
@@ -187,7 +229,7 @@ def _read_head(lines: Lines) -> tuple[list[str] | None, str | None, str, int | N
             count = int(values[0][:18])
         elif sum(map(_is_number, values)) >= min(3, len(values)):
             header = header or _names_in(comments, delimiter, len(values))
-            if header and len(header) != len(values):
+            if header and len(header) != len(values) and not are_named:
                 raise FormatError(
                     f"the header names {len(header)} columns, but the first row has "
                     f"{len(values)} values.",
@@ -197,7 +239,11 @@ def _read_head(lines: Lines) -> tuple[list[str] | None, str | None, str, int | N
             if times > 1:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
             return header, delimiter, line, count
-        elif header is None and _names_xyz(values) and not any(map(_is_number, values)):
+        elif (
+            header is None
+            and (are_named or _names_xyz(values))
+            and not any(map(_is_number, values))
+        ):
             header, header_line = values, lines.number
         else:
             raise _not_numbers(values, lines.number)

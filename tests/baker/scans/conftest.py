@@ -146,10 +146,11 @@ def make_sample() -> Callable[..., Sample]:
         colors: bool = True,
     ) -> Sample:
         random = np.random.default_rng(seed)
+        # Multiples of LAS' scale in the tests, so that every format can hold them exactly.
+        steps = random.integers(-(10**6), 10**6, (count, 3))
         return Sample(
-            # Multiples of LAS' scale in the tests, so that every format can hold them exactly.
-            (random.integers(-(10**6), 10**6, (count, 3)) * 1e-4 + offset).astype(dtype),
-            random.integers(-3, 10, count) if labels else None,
+            (steps * 1e-4 + offset).astype(dtype),
+            np.where(steps[:, 0] > 0, 9, -3) if labels else None,
             random.integers(0, 256, (count, 3)).astype(np.uint8) if colors else None,
         )
 

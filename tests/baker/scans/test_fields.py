@@ -17,44 +17,14 @@ def columns(**fields):
     return Columns(position | {name: np.asarray(values) for name, values in fields.items()})
 
 
-@pytest.mark.parametrize(
-    "name", ["label", "scalar_label", "class", "classification", "instance", "segment"]
-)
-@pytest.mark.parametrize("change", [str.lower, str.upper, str.title])
-def test_label_names(name, change):
-    cloud = choose_fields(columns(**{change(name): [5, -6]}), HERE)
-    assert cloud.labels.tolist() == [5, -6]
-    assert f"labels from '{change(name)}'" in cloud.notes[-1]
-
-
-def test_first_label_name_counts_unless_another_is_chosen():
-    both = columns(segment=[1, 2], label=[3, 4], organ=[5, 6])
-    assert choose_fields(both, HERE).labels.tolist() == [3, 4]
-    assert choose_fields(both, HERE, label_field="Organ").labels.tolist() == [5, 6]
+def test_fields_that_may_be_labels():
+    cloud = choose_fields(columns(segment=[1, 2], area=[3, 4], Organ=[5, 6]), HERE)
+    assert list(cloud.fields) == ["segment", "Organ"]
+    assert not choose_fields(columns(label=[1, 2]), HERE, use_labels=False).fields
+    asked = choose_fields(columns(label=[1, 2], Area=[3, 4]), HERE, label_field="area")
+    assert list(asked.fields) == ["Area"]
     with pytest.raises(InputError, match="no field 'leaf'; the fields found: x, y, z, segment"):
-        choose_fields(both, HERE, label_field="leaf")
-
-
-@pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i4", "i8", ">i4", "f4", "f8", ">f8"])
-def test_labels_of_any_type(kind):
-    labels = choose_fields(columns(label=np.array([0, 100], kind)), HERE).labels
-    assert labels.dtype == np.int64
-    assert labels.tolist() == [0, 100]
-
-
-@pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf])
-def test_labels_beyond_64_bits_are_none(beyond):
-    for kind in (np.float32, np.float64):
-        with np.errstate(over="ignore"), pytest.raises(InputError, match=r"'label' holds .*whole"):
-            choose_fields(columns(label=np.array([0, beyond]).astype(kind)), HERE)
-    assert choose_fields(columns(label=[0, 2.0**62]), HERE).labels.tolist() == [0, 2**62]
-
-
-def test_extreme_labels():
-    extreme = np.array([-(2**63), 2**63 - 1])
-    assert choose_fields(columns(label=extreme), HERE).labels.tolist() == extreme.tolist()
-    with pytest.raises(InputError, match="labels must be whole numbers"):
-        choose_fields(columns(label=np.array([0, 2**64 - 1], np.uint64)), HERE)
+        choose_fields(columns(segment=[1, 2]), HERE, label_field="leaf")
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_big_world_coordinates_are_kept(make_folder):
 
 
 def test_reading_twice_gives_the_same_bytes(make_folder):
-    text = "".join(f"{i % 7} {i % 5} {i % 3} {i % 2}\n" for i in range(200))
+    text = "x y z label\n" + "".join(f"{i % 7} {i % 5} {i % 3} {i % 2}\n" for i in range(200))
     folder = make_folder({"day1.txt": text, "day2.txt": text})
     options = Options(voxel=2.0, outliers=3.0)
     first, second = (read_series([folder], options) for _ in range(2))
@@ -56,11 +56,11 @@ def test_reading_twice_gives_the_same_bytes(make_folder):
 
 
 def test_cleaning_is_noted(make_folder):
-    text = "0 0 0 1\n0 0 0 2\nnan 0 0 1\n1 1 1 1\n1.1 1.1 1.1 1\n"
+    text = "x y z label\n0 0 0 1\n0 0 0 2\nnan 0 0 1\n1 1 1 3\n1.1 1.1 1.1 3\n"
     series = read_series([make_folder({"day1.txt": text, "day2.txt": text})], Options(voxel=0.5))
     assert [len(scan) for scan in series.scans] == [2, 2]
-    assert series.scans[0].labels.tolist() == [1, 1]
-    assert series.scans[0].notes[2:] == (
+    assert series.scans[0].labels.tolist() == [1, 3]
+    assert series.scans[0].notes[1:] == (
         "dropped 1 point with coordinates NaN, infinite or beyond 1e+12.",
         "dropped 1 point at exactly the place of another one.",
         "dropped 1 point to keep one for each voxel of 0.5.",
@@ -74,13 +74,41 @@ def test_coordinates_beyond_float32_are_dropped(make_folder):
 
 
 def test_labels_missing_in_some_scans(make_folder):
-    folder = make_folder(
-        {"day1.txt": "0 0 0 1\n1 0 0 1", "day2.txt": "0 0 0\n1 0 0", "day3.txt": "0 0 0 1\n1 0 0 1"}
-    )
-    with pytest.raises(InputError, match=r"^'day2\.txt' of the 3 scans: no labels"):
-        read_series([folder])
+    labelled = "0 0 0 1\n1 0 0 1\n8 0 0 2\n9 0 0 2"
+    folder = make_folder({"day1.txt": labelled, "day2.txt": "0 0 0\n9 0 0", "day3.txt": labelled})
+    series = read_series([folder])
+    assert [scan.labels is None for scan in series.scans] == [False, True, False]
+    assert series.label_field == "column 4"
     series = read_series([folder], Options(labels="ignore"))
     assert all(scan.labels is None for scan in series.scans)
+
+
+def test_words_soil_and_dropped_labels(make_folder):
+    text = "0 0 0 stem\n1 0 0 stem\n8 0 0 leaf1\n9 0 0 leaf1\n0 0 -5 soil\n1 0 -5 soil\n"
+    folder = make_folder({"day1.txt": text, "day2.txt": text})
+    series = read_series([folder])
+    assert series.label_words == {0: "leaf1", 1: "soil", 2: "stem"}
+    assert series.scans[0].labels.tolist() == [2, 2, 0, 0]
+    assert "labels: 'soil', 4 points, taken out." in [f.sentence for f in series.findings]
+    assert len(read_series([folder], Options(ground="keep")).scans[0]) == 6
+    only_soil = Options(ground="keep", drop_label="leaf1,stem", labels="ignore")
+    assert len(read_series([folder], only_soil).scans[0]) == 2
+
+
+def test_scale_multiplies_coordinates(make_folder):
+    folder = make_folder({"day1.txt": "0 0 0\n1 2 3", "day2.txt": "0 0 0\n1 2 3"})
+    series = read_series([folder], Options(scale=1000, unit="mm"))
+    assert series.scans[0].points.max() == 3000
+    assert "unit: mm; the last scan is 2,970 mm across." in [f.sentence for f in series.findings]
+
+
+def test_a_scan_in_another_unit_is_named(make_folder):
+    small, large = "0 0 0\n0.1 0.2 0.3", "0 0 0\n110 210 310"
+    folder = make_folder({"day1.txt": small, "day2.txt": large, "day3.txt": small})
+    with pytest.raises(InputError, match=r"'day2\.txt' is 307 across.*'day2\.txt' by 0\.001"):
+        read_series([folder])
+    folder = make_folder({"day1.txt": small, "day2.txt": "0 0 0\n1 2 3"}, "ten times as large")
+    assert "are they in one unit?" in read_series([folder]).findings[-1].sentence
 
 
 def test_label_field_is_used(make_folder):
@@ -99,18 +127,18 @@ def test_colors_missing_in_some_scans_are_left_out(make_folder):
     assert series.scans[0].notes[-1] == "colours left out ('day2.txt' without colours)."
 
 
-@pytest.mark.parametrize("later", [0, 2])
+@pytest.mark.parametrize("later", [0, 1, 2])
 def test_las_that_was_never_classified_has_no_labels(tmp_path, later):
     import laspy
 
-    for day, label in ((1, 0), (2, later)):
+    for day, label in ((1, later if later < 2 else 0), (2, later)):
         las = laspy.LasData(laspy.LasHeader(point_format=3, version="1.2"))
         las.x = las.y = las.z = np.arange(5.0)
         las.classification = np.full(5, label)
         las.write(tmp_path / f"day{day}.las")
     series = read_series([tmp_path])
-    # All 0 in one scan alone may be a plant that is all stem.
-    assert all((scan.labels is None) == (later == 0) for scan in series.scans)
+    # The same in one scan alone may be a plant that is all stem.
+    assert all((scan.labels is None) == (later < 2) for scan in series.scans)
     assert all(scan.colors is None for scan in series.scans)
 
 

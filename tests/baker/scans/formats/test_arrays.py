@@ -8,12 +8,14 @@ import pytest
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
+from baker.scans.labels import choose_labels
 
 POINTS = np.arange(12.0).reshape(4, 3)
 
 
 def read(path, **options):
-    return choose_fields(read_columns(path), path, **options)
+    cloud = choose_fields(read_columns(path), path, **options)
+    return choose_labels([cloud], [path], is_asked=True)[0][0]
 
 
 @pytest.mark.parametrize("name", ["points", "positions", "xyz"])
@@ -26,16 +28,16 @@ def test_colors_and_labels(tmp_path):
     colors = np.linspace(0, 1, 16, dtype=np.float32).reshape(4, 4)
     np.savez(tmp_path / "a.npz", points=POINTS, colors=colors, labels=[0, -1, 2, 3], organ=range(4))
     cloud = read(tmp_path / "a.npz")
-    assert cloud.labels.tolist() == [0, -1, 2, 3]
+    assert cloud.labels.tolist() == [0, 1, 2, 3]  # that of organs
     np.testing.assert_array_equal(cloud.colors, np.rint(colors[:, :3] * 255))
-    assert read(tmp_path / "a.npz", label_field="organ").labels.tolist() == [0, 1, 2, 3]
+    assert read(tmp_path / "a.npz", label_field="label").labels.tolist() == [0, -1, 2, 3]
 
 
 def test_columns_of_a_table(tmp_path):
     np.save(tmp_path / "a.npy", np.hstack([POINTS, [[5], [5], [6], [6]]]))
     cloud = read(tmp_path / "a.npy")
     assert cloud.labels.tolist() == [5, 5, 6, 6]
-    assert "columns taken as x y z label" in cloud.notes[0]
+    assert "columns taken as x y z column 4" in cloud.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,12 @@ from hypothesis import strategies as st
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import READERS, read_columns
+from baker.scans.labels import choose_labels
 
 
 def read(path: Path, **options):
-    return choose_fields(read_columns(path), path, **options)
+    cloud = choose_fields(read_columns(path), path, **options)
+    return choose_labels([cloud], [path], is_asked=True)[0][0]
 
 
 def read_or_fault(path: Path, **options):
@@ -71,7 +73,6 @@ def test_fields_used_are_noted(any_format, make_sample, tmp_path):
     write(tmp_path / f"scan{suffix}", make_sample())
     note = read(tmp_path / f"scan{suffix}").notes[-1]
     assert "'x', 'y', 'z'" in note
-    assert "labels from 'label'" in note
     assert "colours from 'red', 'green', 'blue'" in note
 
 

@@ -8,14 +8,16 @@ from hypothesis import strategies as st
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
+from baker.scans.labels import choose_labels
 
 
 @pytest.fixture
 def load(tmp_path):
-    def load(content: str | bytes, name: str = "scan.txt", **options):
+    def load(content: str | bytes, name: str = "scan.txt", names=(), is_asked=True, **options):
         path = tmp_path / name
         path.write_bytes(content.encode() if isinstance(content, str) else content)
-        return choose_fields(read_columns(path), path, **options)
+        cloud = choose_fields(read_columns(path, names), path, **options)
+        return choose_labels([cloud], [path], is_asked)[0][0]
 
     return load
 
@@ -49,7 +51,6 @@ def test_any_dialect_with_header(load, rows, order, delimiter, prefix, upper, ne
     [
         ("1 2 3", None, None),
         ("1 2 3 -7", [-7], None),
-        ("1 2 3 7.0 0.25", [7], None),
         ("1 2 3 10 20 30", None, [[10, 20, 30]]),
         ("1 2 3 65535 0 32768", None, [[255, 0, 128]]),
         ("1 2 3 1 0 0.5", None, [[255, 0, 128]]),
@@ -64,6 +65,11 @@ def test_columns_without_header(load, row, labels, colors):
     assert (None if cloud.labels is None else cloud.labels.tolist()) == labels
     assert (None if cloud.colors is None else cloud.colors.tolist()) == colors
     assert "no header line: columns taken as x y z" in cloud.notes[0]
+
+
+def test_labels_may_be_in_the_fifth_column(load):
+    assert load("1 2 3 7 0.25\n9 8 7 5 0.5\n", is_asked=False).labels.tolist() == [7, 5]
+    assert load("1 2 3 0.25 7\n9 8 7 0.5 5\n", is_asked=False).labels.tolist() == [7, 5]
 
 
 def test_point_count_before_rows_is_leicas_format(load):
@@ -81,12 +87,26 @@ def test_cloudcompare_header(load):
     assert cloud.colors.tolist() == [[10, 20, 30]]
 
 
-def test_columns_of_words_are_passed_over(load):
-    cloud = load("x,y,z,organ,class\n1,2,3,leaf,5\n4,5,6,stem,0\n", "scan.csv")
-    assert cloud.labels.tolist() == [5, 0]
-    assert cloud.notes[0] == "columns passed over, as they hold no numbers: organ."
-    with pytest.raises(InputError, match=r"no field 'organ'; the fields found: x, y, z, class"):
-        load("x,y,z,organ,class\n1,2,3,leaf,5\n", "scan.csv", label_field="organ")
+def test_words_are_labels_where_they_may_be(load):
+    rows = "1,2,3,leaf10,hot\n4,5,6,stem,cold\n7,8,9,leaf9,hot\n"
+    cloud = load("x,y,z,organ,state\n" + rows, "scan.csv")
+    assert cloud.labels.tolist() == [1, 2, 0]  # leaf9, leaf10, stem
+    assert cloud.notes[0] == "columns passed over, as they hold no numbers: state."
+    with pytest.raises(InputError, match=r"no field 'state'; the fields found: x, y, z, organ"):
+        load("x,y,z,organ,state\n" + rows, "scan.csv", label_field="state")
+    assert load("1 2 3 stem\n4 5 6 leaf1\n").labels.tolist() == [1, 0]
+    assert load("1 2 3 9 9 9 stem\n4 5 6 8 8 8 leaf1\n").colors.tolist() == [[9] * 3, [8] * 3]
+
+
+def test_columns_are_what_the_user_says(load):
+    text = "1 2 3 10 20 30 1 7\n4 5 6 40 50 60 1 8\n"
+    cloud = load(text, names=["x", "y", "z", "r", "g", "b", "-", "label"])
+    assert cloud.labels.tolist() == [7, 8]
+    assert cloud.colors.tolist() == [[10, 20, 30], [40, 50, 60]]
+    cloud = load("a b c\nleaf 1 2 3\n", names=["_", "z", "y", "x"])
+    assert cloud.points.tolist() == [[3, 2, 1]]
+    with pytest.raises(InputError, match=r"8 columns, but --columns names 4 \(x,y,z,label\)"):
+        load(text, names=["x", "y", "z", "label"])
 
 
 def test_comments_and_blank_lines_between_rows(load):
@@ -113,14 +133,15 @@ def test_quoted_values(load):
         ("x y z x\n1 2 3 4\n", r"names two columns 'x'"),
         ("a b c\n1 2 3\n", r"line 1: 'a' is not a number"),
         ("1 2\n3 4\n", r"line 1: 2 columns without a header line; 3 to 7 are understood"),
-        ("1 2 3 4 5 6 7 8\n", r"line 1: 8 columns without a header"),
+        ("1 2 3 4 5 6 7 8\n", r"line 1: 8 columns .* --columns x,y,z,-,-,-,-,label"),
+        ("1 2 three 4\n1 2 3 4\n", r"line 1: 'three' is not a number"),
         ("1,5;2,5;3,5\n", r"line 1: '1,5' is not a number; write decimals with a point"),
         ("1 2 3\n1,5 2,5 3,5\n", r"line 2: '1,5' is not a number; write decimals with a point"),
         ("x y z\n", r"holds no points"),
         ("# only words\n", r"holds no points"),
-        ("1 2 3 0.5\n", r"the field 'label' holds 0.5, but labels must be whole numbers"),
-        ("1 2 3 nan\n", r"the field 'label' holds nan"),
-        ("1 2 3 1e30\n", r"the field 'label' holds 1e\+30"),
+        ("1 2 3 0.5\n", r"the field 'column 4' holds 0.5, but labels must be whole numbers"),
+        ("1 2 3 nan\n", r"the field 'column 4' holds nan"),
+        ("1 2 3 1e30\n", r"the field 'column 4' holds 1e\+30"),
         ("x y label\n1 2 3\n", r"line 1: 'x' is not a number"),
     ],
 )
@@ -129,11 +150,6 @@ def test_faults_are_told_with_their_line(load, content, fault):
         load(content)
     assert "scan.txt'" in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_labels_of_points_that_are_dropped_do_not_matter(load):
-    cloud = load("1 2 3 4\nnan nan nan nan\n")
-    assert cloud.labels[0] == 4
 
 
 def test_labels_can_be_left_unread(load):

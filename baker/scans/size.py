@@ -1,0 +1,72 @@
+"""How large the plant is, in which unit, and whether all scans of it are in the same one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.errors import InputError
+from baker.scans.finding import Finding
+
+METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
+PLANT_SIZES = (2e-3, 100.0)  # meters
+# Of a scan against the one before: no plant grows so much, some may (a seedling and a grown plant).
+MAX_RATIO, LIKELY_RATIO = 30.0, 8.0
+MAX_SAMPLE = 20_000  # points of a scan that its size is found by
+
+
+def require_one_unit(
+    clouds: Sequence[NDArray[np.floating]], names: Sequence[str], unit: str
+) -> Finding:
+    """What the unit of a series is.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) ndarray
+    names : sequence of str
+        Of each, for messages.
+    unit : str
+        What the user calls it, "" where they don't.
+
+    Raises
+    ------
+    InputError
+        A scan is so much larger or smaller than its predecessor that its unit must be another one.
+    """
+    sizes = [_size(cloud) for cloud in clouds]
+    doubts = []
+    middle = float(np.median(sizes))
+    for first, second in pairwise(range(len(sizes))):
+        small, large = sorted((first, second), key=sizes.__getitem__)
+        ratio = sizes[large] / sizes[small] if sizes[small] else 1.0
+        if ratio < LIKELY_RATIO:
+            continue
+        odd, other = (large, small) if sizes[large] > middle else (small, large)
+        beside = f"'{names[other]}' {_short(sizes[other])}"
+        said = f"'{names[odd]}' is {_short(sizes[odd])} across, {beside}"
+        if ratio > MAX_RATIO:
+            factor = 10.0 ** np.rint(np.log10(sizes[other] / sizes[odd]))
+            raise InputError(
+                f"{said}: they seem to be in different units. Multiply the coordinates of "
+                f"'{names[odd]}' by {factor:g}, or leave it out."
+            )
+        doubts.append(f"{said}; are they in one unit?")
+    meters = sizes[-1] * METERS.get(unit.lower(), 0.0)
+    if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
+        doubts.append(f"that is {meters:.2g} m")
+    size = f"the last scan is {_short(sizes[-1])} {unit}".rstrip() + " across"
+    found = f"{unit}; {size}" if unit else f"not said; {size}; say it with --unit, as in --unit mm"
+    return Finding("unit", found, *doubts[:1])
+
+
+def _short(size: float) -> str:
+    return f"{float(f'{size:.3g}'):,g}"
+
+
+def _size(cloud: NDArray[np.floating]) -> float:
+    """The largest extent of a cloud, single stray points aside."""
+    low, high = np.quantile(cloud[:: -(-len(cloud) // MAX_SAMPLE)], [0.005, 0.995], axis=0)
+    return float((high - low).max())

@@ -1,0 +1,152 @@
+"""Which field is that of the labels, for all scans together, and what is dropped by label."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from baker.errors import InputError
+from baker.scans.cloud import Cloud
+from baker.scans.labels import choose_labels, drop_labels, label_rank
+
+PATHS = [Path("a.ply"), Path("b.ply"), Path("c.ply")]
+POINTS = np.arange(12.0).reshape(4, 3)
+
+
+def clouds(*scans):
+    return [
+        Cloud(POINTS, fields={name: np.asarray(values) for name, values in scan.items()})
+        for scan in scans
+    ]
+
+
+def chosen(*scans, is_asked=False):
+    """The labels of each scan, what they were read from, and what was said."""
+    labelled, field, _, findings = choose_labels(clouds(*scans), PATHS, is_asked)
+    labels = [None if cloud.labels is None else cloud.labels.tolist() for cloud in labelled]
+    return labels, field, " ".join(finding.sentence for finding in findings)
+
+
+@pytest.mark.parametrize("change", [str.lower, str.upper, str.title])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "label",
+        "scalar_label",
+        "class",
+        "classification",
+        "instance",
+        "segment",
+        "organ_id",
+        "leaf",
+        "semantic",
+        "instance_label",
+        "gt_instance_id",
+        "labels",
+        "column",
+    ],
+)
+def test_names_of_labels(name, change):
+    assert label_rank(change(name)) is not None
+    values = [5, 5, -6, -6]
+    assert chosen({change(name): values}) == ([values], change(name), "")
+
+
+@pytest.mark.parametrize(
+    "name", ["leaf_area", "Original cloud index", "intensity", "point_source_id", "user_data", "id"]
+)
+def test_names_of_other_things(name):
+    assert label_rank(name) is None
+
+
+def test_instances_come_before_classes():
+    names = ["instance", "organ", "leaf", "label", "segment", "class", "semantic", "column 4"]
+    for first, second in pairwise(names):
+        labels, field, _ = chosen({second: [1, 1, 2, 2], first: [3, 3, 4, 4]})
+        assert (labels, field) == ([[3, 3, 4, 4]], first)
+    assert label_rank("gt_instance_label") == label_rank("InstanceLabel") == label_rank("instance")
+
+
+def test_what_is_the_same_everywhere_is_no_label():
+    one, two = [1, 1, 1, 1], [1, 1, 2, 2]
+    assert chosen({"label": one, "class": two}, {"label": one, "class": one})[1] == "class"
+    labels, field, said = chosen({"classification": one}, {"classification": one})
+    assert (labels, field) == ([None, None], "")
+    assert said == "labels: 'classification' is not used, as it is 1 everywhere."
+    # One organ in the first scan, two in the second.
+    assert chosen({"label": one}, {"label": two})[0] == [one, two]
+
+
+def test_fractions_are_no_labels():
+    labels, _, said = chosen({"column 4": [0.25, 1, 1, 1]})
+    assert labels == [None]
+    assert "'column 4' is not used, as it holds 0.25" in said
+    with pytest.raises(InputError, match=r"'a.ply': the field 'area' holds 0.25"):
+        chosen({"area": [0.25, 1, 1, 1]}, is_asked=True)
+
+
+def test_intensities_are_no_labels():
+    rng = np.random.default_rng(0)
+    points, intensity = rng.random((5000, 3)), rng.integers(0, 256, 5000).astype(float)
+    organs = np.floor(4 * points[:, 0])
+    scans = [Cloud(points, fields={"column 4": values}) for values in (intensity, organs)]
+    found = [choose_labels([scan, scan], PATHS[:2]) for scan in scans]
+    assert found[0][0][0].labels is None
+    assert "--label-field 'column 4'" in found[0][3][0].sentence
+    assert found[1][0][0].labels.tolist() == organs.tolist()
+    named = Cloud(points, fields={"instance": intensity})
+    assert choose_labels([named, named], PATHS[:2])[1] == "instance"
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i4", "i8", ">i4", "f4", "f8", ">f8"])
+def test_labels_of_any_type(kind):
+    (cloud,), *_ = choose_labels(clouds({"label": np.array([0, 0, 100, 100], kind)}), PATHS)
+    assert cloud.labels.dtype == np.int64
+    assert cloud.labels.tolist() == [0, 0, 100, 100]
+
+
+@pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf, np.nan, 2**64 - 1])
+def test_labels_beyond_64_bits_are_none(beyond):
+    kind = np.uint64 if isinstance(beyond, int) else np.float64
+    assert chosen({"label": np.array([0, 0, 1, beyond], kind)})[0] == [None]
+    extreme = np.array([-(2**63), 0, 0, 2**63 - 1])
+    assert chosen({"label": extreme})[0] == [extreme.tolist()]
+
+
+def test_words_get_the_same_number_in_all_scans():
+    scans = clouds({"label": ["stem", "leaf2", "leaf2", "leaf10"]}, {"label": ["leaf2"] * 4})
+    (first, second), field, words, _ = choose_labels(scans, PATHS)
+    assert (field, words) == ("label", {0: "leaf2", 1: "leaf10", 2: "stem"})
+    assert first.labels.tolist() == [2, 0, 0, 1]
+    assert second.labels.tolist() == [0, 0, 0, 0]
+
+
+def test_scans_without_labels_among_others_stay_so():
+    labels, field, _ = chosen({"label": [1, 1, 2, 2]}, {}, {"class": [5, 5, 6, 6]})
+    assert labels == [[1, 1, 2, 2], None, [5, 5, 6, 6]]
+    assert field == "label, class"
+
+
+def test_labels_are_dropped():
+    scans, _, words, _ = choose_labels(
+        clouds({"label": [0, 0, 1, 2]}, {"label": [1, 1, 1, 0]}), PATHS
+    )
+    left, (finding,) = drop_labels(scans, PATHS[: len(scans)], words, "0", False)
+    assert [cloud.labels.tolist() for cloud in left] == [[1, 2], [1, 1, 1]]
+    assert finding.sentence == "labels: '0', 3 points, taken out."
+    assert drop_labels(scans, PATHS[: len(scans)], words, "", False) == (scans, ())
+    with pytest.raises(InputError, match=r"--drop-label 7: no scan has .* found: 0, 1, 2\."):
+        drop_labels(scans, PATHS[: len(scans)], words, "7", False)
+    with pytest.raises(InputError, match=r"'b\.ply': without the labels to drop"):
+        drop_labels(scans, PATHS[: len(scans)], words, "0,1", False)
+
+
+def test_soil_by_name_is_dropped_unless_it_is_kept():
+    scans, _, words, _ = choose_labels(
+        clouds({"label": ["Soil", "pot_2", "leaf", "potato"]}), PATHS
+    )
+    (left,), _ = drop_labels(scans, PATHS[: len(scans)], words, "", False)
+    assert len(left) == 2
+    assert drop_labels(scans, PATHS[: len(scans)], words, "", True)[1] == ()
+    assert len(drop_labels(scans, PATHS[: len(scans)], words, "SOIL", True)[0][0]) == 3
