@@ -43,7 +43,7 @@ def test_verbose_names_the_fields_and_the_solvers(write_scans, tmp_path, capsys)
     out = tmp_path / "plant.gclip"
     assert main([str(write_scans()), "-o", str(out), "--align", "none", "-v"]) == 0
     said = capsys.readouterr().err
-    for words in ("labels from", "movers", "segment pairs", "network simplex"):
+    for words in ("labels  sure", "movers", "segment pairs", "network simplex"):
         assert words in said
 
 

@@ -45,9 +45,15 @@ def test_few_points_bake(shape, count, tmp_path):
         # An empty root that meets a stem, that meets another one, that comes after a stem.
         (Series((Scan("same point", 5), Scan("upside down", 5)), {"root": "virtual"}), "baked"),
         (Series((Scan("line", 5), Scan("plant", 31)), {"root": "virtual"}), "baked"),
-        (Series((Scan("ring", 400, 3), Scan("parts", 400, 2))), "baked"),
+        (Series((Scan("ring", 400, 3, scale=40), Scan("parts", 400, 2))), "baked"),
         # Cells of the point spacing by the billion billion.
-        (Series((Scan("all sizes", 10, 3), Scan("cloud", 31, 1)), {"segment": "thin"}), "baked"),
+        (
+            Series(
+                (Scan("all sizes", 10, 3), Scan("cloud", 31, 1, scale=1e10)), {"segment": "thin"}
+            ),
+            "baked",
+        ),
+        (Series((Scan("plant", 200, scale=1000), Scan("plant", 200))), "'day00.pcd' .* by 0.001"),
         (Series((Scan("plant", 200),)), "only one scan"),
         (Series((Scan("plant", 9), Scan("nothing", 0), Scan("plant", 9))), "'.*day01.pcd' holds"),
         (Series((Scan("plant", 9), Scan("all NaN", 9))), "'.*day01.pcd': none of its 9 points"),
