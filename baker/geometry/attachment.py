@@ -32,7 +32,8 @@ def attachment(organ: NDArray[np.floating], parent: cKDTree) -> Attachment:
     nearest = parent.query(organ[:: max(1, len(organ) // SAMPLE_SIZE)])[0].min()
     bound = max(1.000001 * nearest, TINY)  # what is found is nearer than the bound, by its square
     distances = parent.query(organ, distance_upper_bound=bound)[0]
-    count = min(max(1, round(SHARE_AT_ATTACHMENT * len(organ))), int((distances < np.inf).sum()))
-    near = np.argsort(distances, kind="stable")[:count]
+    near = np.flatnonzero(distances < np.inf)
+    count = max(1, round(SHARE_AT_ATTACHMENT * len(organ)))
+    near = near[np.argsort(distances[near], kind="stable")][:count]
     point = organ[near].mean(axis=0, dtype=np.float64)
     return Attachment(int(near[0]), float(distances[near[0]]), point)

@@ -23,7 +23,7 @@ from baker.matching import IntervalOrgans, Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
 from baker.options import Options
 from baker.transport.correspondences import correspond
-from baker.transport.problem import Method, TransportOptions
+from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 from gclip.pack import pack_interval
@@ -97,7 +97,7 @@ def interval_jobs(
         timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
     chosen = InterpolationOptions(
         transport=TransportOptions(  # the paper's cost is the distance, on a kNN support as it is
-            method=Method.AUTO if options.whole else options.transport,
+            method="sinkhorn" if options.transport == "sinkhorn" else "exact",
             power=1 if options.paper else 2,
             neighbors=options.neighbors,
             feasible=not options.paper,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from baker.transport.masses import shared_masses
 from baker.transport.multiscale import MAX_POINTS_OF_ONE_CELL, MAX_POINTS_PRICED_AT_ONCE, couple
 from baker.transport.problem import (
-    Method,
     Plan,
     Points,
     TransportOptions,
-    checked,
     make_plan,
     uniform_masses,
 )
@@ -35,11 +35,6 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     -------
     Plan
 
-    Raises
-    ------
-    ValueError
-        A side is empty, not (n, 3), or not finite.
-
     References
     ----------
     Section 3.4 of the paper, equation 1.
@@ -51,8 +46,8 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     ([0, 1], [0, 1], 1.0)
     """
     options = options or TransportOptions()
-    start, end = checked(start), checked(end)
-    if options.method == Method.SINKHORN:
+    start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
+    if options.method == "sinkhorn":
         return regularized_plan(start, end, options)
 
     n, m = len(start), len(end)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from baker.transport.multiscale import couple
-from baker.transport.problem import Points, TransportOptions, checked, costs, uniform_masses
+from baker.transport.problem import Points, TransportOptions, costs, uniform_masses
 from baker.transport.solve import solve
 from baker.transport.space_partition import cut
 from baker.transport.support import balance, explained_cost
@@ -30,7 +32,7 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
     float
         Length units.
     """
-    start, end = checked(start), checked(end)
+    start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
     options = TransportOptions(seed=seed)
     if max(len(start), len(end)) <= samples:
         return solve(start, end, options).distance

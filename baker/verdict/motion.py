@@ -99,7 +99,7 @@ def order_kept(path: NDArray[np.float64], parent: NDArray[np.float64]) -> float:
     ]
     # The ranks here: importing scipy.stats takes a second.
     ranks = [np.argsort(np.argsort(distance, kind="stable")) for distance in along]
-    return float(np.corrcoef(ranks)[0, 1])
+    return float(np.asarray(np.corrcoef(ranks))[0, 1])
 
 
 def size_on_the_way(path: NDArray[np.float64]) -> float:

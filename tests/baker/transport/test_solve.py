@@ -172,23 +172,6 @@ def test_single_precision_input():
     assert solve(start, end).cost == pytest.approx(solve(start.astype(float), end).cost)
 
 
-@pytest.mark.parametrize(
-    "bad", [np.zeros((0, 3)), np.zeros((4, 2)), np.array([[0.0, np.nan, 0.0]]), np.zeros(3)]
-)
-def test_bad_segments_are_refused(bad):
-    with pytest.raises(ValueError, match="segment"):
-        solve(bad, np.zeros((2, 3)))
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [{"method": "magic"}, {"power": 3}, {"neighbors": 0}, {"gamma": 0.0}, {"iterations": 0}],
-)
-def test_bad_options_are_refused(bad):
-    with pytest.raises(ValueError):  # noqa: PT011
-        TransportOptions(**bad)
-
-
 def test_balancing_leaves_the_optimal_plan():
     start, end = grown_leaf(150, 210)
     here, there = balance(start, end)
