@@ -36,10 +36,6 @@ class OrganMotion:
     mid_nodes: Points
     end_nodes: Points
 
-    def deform(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) where points of the first scan come to lie in the second."""
-        return points + self._interpolated(points, self.deformed - self.sample)
-
     def deviation(self, points: NDArray[np.floating]) -> Points:
         """(n, 3) deviation at mid-interval of movers from these points from their chords."""
         return at_levels(self.deviations, self._interpolated(points, self.along))

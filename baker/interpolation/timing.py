@@ -54,19 +54,9 @@ def organ_timings(
 ) -> list[dict[int, Timing]]:
     """How far organs are beyond the middle of their paths at mid-interval.
 
-    Parameters
-    ----------
-    clouds, times : sequence of (N, 3) float, sequence of float
-        The scans' points, and when they were taken.
-    matches, organs : sequence of Match and IntervalOrgans
-        Of each interval.
-    spacing : float
-        Point spacing of the scans, in their unit.
-
-    Returns
-    -------
-    list of dict
-        For each interval, by organ, its timing; organs that move evenly are left out.
+    clouds, times: the scans' points, (N, 3), and when they were taken. spacing: point spacing of
+    the scans, in their unit. Returns for each interval, by organ, its timing; organs that move
+    evenly are left out.
 
     References
     ----------

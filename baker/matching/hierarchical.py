@@ -22,20 +22,6 @@ Distance = Callable[[Points, Points], float]
 
 
 @dataclass(frozen=True)
-class Merge:
-    """A child merged into its parent's segment, because that brought the match nearer.
-
-    Segments as the hierarchies that matching was given number them.
-    """
-
-    side: int  # 0 in the first scan, 1 in the second
-    head: int
-    child: int
-    before: float  # distance of the matched segments, in length units
-    after: float
-
-
-@dataclass(frozen=True)
 class GreedyRules:
     """What the paper leaves open (docs/method.md, rows 11 and 14)."""
 
@@ -53,27 +39,13 @@ def match_hierarchies(
     distance: Distance,
     rules: GreedyRules,
     report_matched: Callable[[int], None] = lambda segments: None,
-) -> tuple[Hierarchy, Hierarchy, list[tuple[int, int]], tuple[Merge, ...]]:
+) -> tuple[Hierarchy, Hierarchy, list[tuple[int, int]]]:
     """Match the segment hierarchies of two scans from the roots on.
 
-    Parameters
-    ----------
-    points : pair of (N, 3) float ndarray
-        Both scans, aligned.
-    hierarchies : pair of Hierarchy
-    distance : callable
-        Wasserstein distance of two segments, (n, 3) and (m, 3), in length units.
-    rules : GreedyRules
-    report_matched : callable
-        Called before each distance with how many segments of the second scan are matched or merged.
-
-    Returns
-    -------
-    first, second : Hierarchy
-        After merging.
-    pairs : list of (int, int)
-        Matched segments of these; all others are born or lost.
-    merges : tuple of Merge
+    points: (N, 3) of both scans, aligned; distance: of two segments, (n, 3) and (m, 3), in length
+    units; report_matched: called before each distance with how many segments of the second scan are
+    matched or merged. Returns both hierarchies after merging, and the pairs of matched segments of
+    these; all others are born or lost.
     """
 
     def measured(source: Points, target: Points) -> float:
@@ -83,17 +55,17 @@ def match_hierarchies(
     first, second = (_Scan(p, h) for p, h in zip(points, hierarchies, strict=True))
     descent = _Descent(first, second, measured, rules)
     queue = [(first.hierarchy.root, second.hierarchy.root)]
-    matched, merges = [], []
+    matched = []
     while queue:
         a, b = queue.pop(0)
         matched.append((a, b))
         first.groups[a], second.groups[b] = [a], [b]
-        merges += descent.merge(a, b)
+        descent.merge(a, b)
         queue += descent.match_children(a, b)
     merged_first, first_index = first.merged()
     merged_second, second_index = second.merged()
     pairs = [(first_index[a], second_index[b]) for a, b in matched]
-    return merged_first, merged_second, pairs, tuple(merges)
+    return merged_first, merged_second, pairs
 
 
 @dataclass
@@ -142,12 +114,11 @@ class _Descent:
     distance: Distance
     rules: GreedyRules
 
-    def merge(self, a: int, b: int) -> list[Merge]:
+    def merge(self, a: int, b: int) -> None:
         """Merge children into the matched segments, the largest gain first, while one gains."""
-        merges: list[Merge] = []
         source, target = self.first.groups[a], self.second.groups[b]
         if not (len(self.first.cloud(source)) and len(self.second.cloud(target))):
-            return merges
+            return
         current = self.distance(self.first.cloud(source), self.second.cloud(target))
         while True:
             trials = [(1, child) for child in self.second.children(b)]
@@ -163,10 +134,9 @@ class _Descent:
             ]
             nearest = min(distances, default=np.inf)
             if not nearest < current * (1.0 - self.rules.min_gain):
-                return merges
+                return
             side, child = trials[distances.index(nearest)]
             (target if side else source).append(child)
-            merges.append(Merge(side, b if side else a, child, current, nearest))
             current = nearest
 
     def match_children(self, a: int, b: int) -> list[tuple[int, int]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from baker.matching.hierarchical import Distance, GreedyRules, Merge, Points, match_hierarchies
+from baker.matching.hierarchical import Distance, GreedyRules, Points, match_hierarchies
 from baker.segmentation.hierarchy import Hierarchy
 
 
@@ -22,7 +22,6 @@ class Match:
     pairs: tuple[tuple[int, int], ...]  # segment of the first scan, segment of the second
     births: tuple[int, ...]  # new segments of the second scan, parents before their children
     losses: tuple[int, ...]  # segments of the first scan that the second no longer has
-    merges: tuple[Merge, ...] = ()  # in the order in which they were made
 
     def start_of(self, end: int) -> int | None:
         """The first scan's segment that becomes segment `end` of the second, if there is one."""
@@ -30,10 +29,7 @@ class Match:
 
 
 def match_from_pairs(
-    first: Hierarchy,
-    second: Hierarchy,
-    pairs: Sequence[tuple[int, int]],
-    merges: tuple[Merge, ...] = (),
+    first: Hierarchy, second: Hierarchy, pairs: Sequence[tuple[int, int]]
 ) -> Match:
     """The match of these pairs; every other segment is born or lost."""
     starts, ends = {a for a, _ in pairs}, {b for _, b in pairs}
@@ -43,7 +39,6 @@ def match_from_pairs(
         pairs=tuple(sorted(pairs)),
         births=tuple(segment for segment in second.from_the_root() if segment not in ends),
         losses=tuple(segment for segment in first.from_the_root() if segment not in starts),
-        merges=merges,
     )
 
 
@@ -93,14 +88,14 @@ def match_series(
         if by_label:
             match = match_by_label(current, following)
         else:
-            first, second, pairs, merges = match_hierarchies(
+            first, second, pairs = match_hierarchies(
                 (clouds[k], clouds[k + 1]),
                 (current, following),
                 distance,
                 rules or GreedyRules(),
                 partial(_report, report_progress, sum(sizes[:k]), sum(sizes)),
             )
-            match = match_from_pairs(first, second, pairs, merges)
+            match = match_from_pairs(first, second, pairs)
         matches.append(match)
         report_progress(sum(sizes[: k + 1]), sum(sizes))
     return matches

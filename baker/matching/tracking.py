@@ -29,21 +29,9 @@ def track_organs(
 ) -> list[NDArray[np.int64]]:
     """Number the organs of a series the same in all scans, whatever their labels.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-        The segments of each scan: its organs.
-    root_points : sequence of int
-        Point of each scan at the plant base.
-    stem : bool
-        Whether the organ there is known to be the stem of all others.
-
-    Returns
-    -------
-    list of (N,) int64 ndarray
-        Each point's track number, from 0 by first appearance; each organ of a scan has its own.
+    clouds: (N, 3) aligned scans. hierarchies: their organs. root_points: the point of each scan at
+    the plant base. stem: whether the organ there is known to be the stem of all others. Returns
+    each point's track number, (N,), from 0 by first appearance; each organ of a scan has its own.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]

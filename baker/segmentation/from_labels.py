@@ -30,15 +30,8 @@ def hierarchy_from_labels(
 ) -> Hierarchy:
     """Hang the labelled segments of a cloud into a tree under the one of `root_label`.
 
-    Parameters
-    ----------
-    points : (N, 3) float
-    labels : (N,) int
-    root_label : int
-    neighbors : Neighbors, optional
-        Of the points, where they are known.
-    agreed : Gaps, optional
-        `agreed_gaps` of all scans: these decide which segment grows from which, not this scan's.
+    points, labels: (N, 3) and (N,). neighbors: of the points, where they are known. agreed:
+    `agreed_gaps` of all scans, which decide instead of this scan's which segment grows from which.
     """
     names, segments = split_by_label(labels)
     neighbors = neighbors or nearest_neighbors(points)

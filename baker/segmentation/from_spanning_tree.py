@@ -25,17 +25,9 @@ def hierarchy_from_spanning_tree(
 ) -> Hierarchy:
     """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
 
-    Parameters
-    ----------
-    points : (N, 3) float
-    root : int
-        The point at the plant base.
-    k : int
-        Neighbors of a point in the graph that the tree spans.
-    threshold : int, optional
-        The paper's c: branches whose longest path has more edges count. By default 18 % of the
-        longest path from the root.
-    neighbors : Neighbors, optional
+    points: (N, 3). root: the one at the plant base. k: neighbors of a point in the graph that the
+    tree spans. threshold: the paper's c, branches whose longest path has more edges count; by
+    default 18 % of the longest path from the root.
     """
     tree = spanning_tree(points, root, k, neighbors)
     longest = longest_paths(tree)

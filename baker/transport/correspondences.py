@@ -20,7 +20,6 @@ class Correspondences:
 
     rows: Indices  # (M,) points of the start, M <= n + m; ordered by row, then column
     columns: Indices  # (M,) points of the end
-    weights: NDArray[np.float32]  # 1: the most mass of its row and of its column; 1/2: of one
     distance: float  # Wasserstein distance in length units, of all plans together
     marginal_error: float  # L1 error of the marginals, the largest of all plans
     solver: str  # what found the plan that moves the most
@@ -63,7 +62,6 @@ def correspond(
     return Correspondences(
         np.concatenate(rows)[order],
         np.concatenate(columns)[order],
-        np.concatenate([one.weights for one in found])[order],
         (sum(work) / len(end)) ** (1 / options.power),
         max(one.marginal_error for one in found),
         found[int(np.argmax(work))].solver,
@@ -77,37 +75,27 @@ def _correspond(
 ) -> Correspondences:
     """The pairs of one plan; their distance is that of the true positions."""
     plan = solve(start, end, options)
-    rows, columns, weights = largest_entries(plan, len(start), len(end))
+    rows, columns = largest_entries(plan, len(start), len(end))
     distance = plan.distance
     if start is not true[0]:
         cost = plan.mass @ costs(*true, (plan.rows, plan.columns), options.power)
         distance = float(cost) ** (1 / options.power)
-    return Correspondences(
-        rows, columns, weights, distance, plan.marginal_error, plan.solver, plan.notes
-    )
+    return Correspondences(rows, columns, distance, plan.marginal_error, plan.solver, plan.notes)
 
 
-def largest_entries(
-    plan: Plan, n: int, m: int
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The non-zero entries of T-hat = (T' + T'') / 2: the maxima of T's rows and of its columns.
 
-    Ties go to the lowest index. ValueError where the n by m plan leaves out a point.
+    Ties go to the lowest index. The n by m plan uses every point.
     """
-    rows, columns, mass = plan.rows, plan.columns, plan.mass
-    weights = np.zeros(len(mass), np.float32)
-    for name, side, count in (("start", rows, n), ("end", columns, m)):
-        entries = _maxima(side, mass, count)
-        if (entries < 0).any():
-            used = int((entries >= 0).sum())
-            raise ValueError(f"the plan uses {used} of the {count} points of the {name}")
-        weights[entries] += 0.5
-    chosen = np.flatnonzero(weights)
-    return rows[chosen], columns[chosen], weights[chosen]
+    sides = (plan.rows, n), (plan.columns, m)
+    maxima = [_maxima(side, plan.mass, count) for side, count in sides]
+    chosen = np.unique(np.concatenate(maxima))
+    return plan.rows[chosen], plan.columns[chosen]
 
 
 def _maxima(group: Indices, mass: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """(count,) the entry of the largest mass in each group, on ties the first one; -1 for none.
+    """(count,) the entry of the largest mass in each group, on ties the first one.
 
     Equivalent to ``[np.argmax(np.where(group == g, mass, -1)) for g in range(count)]``.
     """

@@ -79,24 +79,11 @@ def improve_cells(
 ) -> tuple[Edges, Masses]:
     """Make each cell of a feasible plan optimal for the masses that its points send and receive.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float64 ndarray
-    neighbors : pair of (n, k) and (m, k) int ndarray
-        Neighbours of each point on its own side, whose partners are priced first.
-    edges, mass : pair of (E,) int64 ndarray, and (E,) int64 ndarray
-        The plan, cell after cell; every row is in one cell only.
-    first : (cells + 1,) int ndarray
-        Where in the plan each cell begins.
-    power : {2, 1}
-        The cost of a pair is distance ** power.
-    exhaustive : bool
-        Price all pairs of a cell in the end, which makes it optimal for certain.
-
-    Returns
-    -------
-    edges, mass
-        The arcs of a spanning tree of each cell that carry flow.
+    start, end: (n, 3) and (m, 3). neighbors: (n, k) and (m, k) of each point on its own side, whose
+    partners are priced first. edges, mass: the plan, cell after cell; every row is in one cell
+    only. first: (cells + 1,) where in the plan each cell begins. power: the cost of a pair is
+    distance ** power. exhaustive: price all pairs of a cell in the end, which makes it optimal for
+    certain. Returns the arcs of a spanning tree of each cell that carry flow, and their mass.
     """
     local_rows = np.full(len(start), NO_NODE, np.uint32)
     local_columns = np.full(len(end), NO_NODE, np.uint32)

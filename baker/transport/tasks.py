@@ -50,29 +50,12 @@ def interval_tasks(
     attachment_points: int | None = None,
     min_attachment_points: int = MIN_ATTACHMENT_POINTS,
 ) -> list[Task]:
-    """The transport tasks between two scans.
+    """The transport tasks between two aligned scans, (N, 3) points (section 3.3.1).
 
-    Parameters
-    ----------
-    points : pair of (N, 3) float ndarray
-        The aligned scans.
-    match : Match
-    organs : IntervalOrgans
-        Which organ each segment is.
-    attachment_points : int, optional
-        Points that a new organ grows from, l; by default 1 % of its parent's, at most 100.
-    min_attachment_points : int
-        Then at least so many: in a sparse scan more would stretch far along the parent.
-
-    Returns
-    -------
-    list of Task
-        Every point of the first scan is in the start of a match or a loss, every point of the
-        second in the end of one task.
-
-    References
-    ----------
-    Section 3.3.1 of the paper, growth and decay.
+    Every point of the first scan is in the start of a match or a loss, every point of the second in
+    the end of one task. attachment_points: that a new organ grows from, l; by default 1 % of its
+    parent's, at most 100 and at least `min_attachment_points`: in a sparse scan more would stretch
+    far along the parent.
     """
     first, second = match.first, match.second
     tasks = [
