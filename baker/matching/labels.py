@@ -119,7 +119,7 @@ def _found(field: str, counts: Sequence[int], scans: int, consistent: bool, is_a
     name = f"'{field}', " if field else ""
     found = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
     if len(counts) < scans:
-        found += f"; in the {scans - len(counts)} scans without labels they are found by shape"
+        found += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
     return found
 
 

@@ -75,6 +75,8 @@ def test_wrong_usage(capsys, out):
     refused(["x", "-o", out, "--nope"], capsys, "--nope")
     refused(["x", "-o", out, "--root", "1,2"], capsys, "--root", "1,2")
     refused(["x", "-o", out, "--workers", "-1"], capsys, "workers")
+    refused(["x", "-o", out, "--columns", "x,y,label"], capsys, "x,y,label", "x, y, z")
+    refused(["x", "-o", out, "--scale", "0"], capsys, "scale is 0")
 
 
 def test_bad_outputs(capsys, write_scans, tmp_path):
@@ -102,9 +104,10 @@ def test_bad_inputs(capsys, write_scans, tmp_path, out):
     nans = write_scans(name="nans")
     (nans / "day01.txt").write_text("nan nan nan 0\n" * 5)
     refused([nans, "-o", out], capsys, "day01.txt")
-    some = write_scans(name="some")
-    np.savetxt(some / "day02.txt", np.loadtxt(some / "day02.txt")[:, :3])
-    refused([some, "-o", out], capsys, "day02.txt", "label")
+    units = write_scans(name="units")
+    np.savetxt(units / "day02.txt", np.loadtxt(units / "day02.txt") * [1000, 1000, 1000, 1])
+    refused([units, "-o", out], capsys, "day02.txt", "units", "0.001")
+    refused([units, "-o", out, "--drop-label", "soil"], capsys, "soil", "no scan has such a label")
     unknown = tmp_path / "scan.docx"
     unknown.write_text("x")
     refused([unknown, unknown, "-o", out], capsys, "scan.docx", ".ply")

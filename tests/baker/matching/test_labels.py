@@ -90,7 +90,7 @@ def test_scans_without_labels_get_those_of_their_tracks(series):
     given = [numbers[0], None, numbers[2], None, numbers[4]]
     use = label_policy(given, "abcde", clouds, bases, "auto")
     assert use.consistent
-    assert "2 scans without labels" in use.findings[0].sentence
+    assert "found by shape in 2 of 5 scans" in use.findings[0].sentence
     own = [given[k] if given[k] is not None else truth[k] + 7 for k in range(5)]
     hierarchies = [
         hierarchy_from_labels(cloud, labels, int(labels[0]))
