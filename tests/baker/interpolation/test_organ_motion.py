@@ -46,7 +46,7 @@ def error(rebuilt: Array, truth: Array) -> float:
 def errors(shape: Shape) -> tuple[float, float, float]:
     """Half-way: of another sample of the truth (the floor), moved straight, and on curves."""
     start, end = clouds(shape)
-    rows, columns, _ = largest_entries(solve(start, end), len(start), len(end))
+    rows, columns = largest_entries(solve(start, end), len(start), len(end))
     truth = sample(shape, 0.5, 20_000, 3)
     motion = motion_between(start, end)
     straight = (start[rows] + end[columns]) / 2

@@ -74,7 +74,7 @@ def test_mass_that_one_scan_alone_has_draws_nothing_out_of_its_place():
         own = total = 0
         for part in match_leaflets(before.points, after.points, feet):
             placed = part.registered or (before.points[part.start], after.points[part.end])
-            rows, columns, _ = largest_entries(solve(*placed), len(part.start), len(part.end))
+            rows, columns = largest_entries(solve(*placed), len(part.start), len(part.end))
             leaf = before.leaf[part.start[rows]]
             own += ((leaf == after.leaf[part.end[columns]]) & (leaf >= 0)).sum()
             total += (leaf >= 0).sum()
@@ -106,7 +106,7 @@ def test_an_organ_without_leaflets_has_the_plain_plan():
     rng = np.random.default_rng(0)
     start, end = rng.random((80, 3)) * [8, 1, 0], rng.random((90, 3)) * [9, 1, 0]
     plan = solve(start, end)
-    rows, columns, _ = largest_entries(plan, 80, 90)
+    rows, columns = largest_entries(plan, 80, 90)
     found = divided(start, end, (0, 0))
     np.testing.assert_array_equal(found.rows, rows)
     np.testing.assert_array_equal(found.columns, columns)

@@ -75,7 +75,7 @@ def test_infeasible_support_is_said_and_the_plan_stays_usable():
     assert "marginal error" in plan.notes[1]
     assert plan.marginal_error > 0.1
     assert np.isfinite(plan.mass).all()
-    rows, columns, _ = largest_entries(plan, 500, 640)
+    rows, columns = largest_entries(plan, 500, 640)
     assert (len(np.unique(rows)), len(np.unique(columns))) == (500, 640)
     assert len(rows) <= 1140
 
@@ -104,7 +104,7 @@ def test_a_point_without_mass_keeps_its_nearest_neighbour():
     options = TransportOptions("sinkhorn", power=1, feasible=False, neighbors=1, gamma=1e-3)
     plan = solve(start, end, options)
     assert np.isfinite(plan.mass).all()
-    rows, columns, _ = largest_entries(plan, 10, 10)
+    rows, columns = largest_entries(plan, 10, 10)
     assert set(rows) == set(columns) == set(range(10))
     assert columns[rows == 9] == [9]
 
@@ -145,7 +145,7 @@ def test_degenerate_clouds(options, start, end):
     plan = solve(start, end, options)
     assert np.isfinite(plan.mass).all()
     assert np.isfinite(plan.cost)
-    rows, columns, _ = largest_entries(plan, len(start), len(end))
+    rows, columns = largest_entries(plan, len(start), len(end))
     assert len(np.unique(rows)) == len(start)
     assert len(np.unique(columns)) == len(end)
 
