@@ -135,5 +135,5 @@ def _sample(points: Points) -> tuple[Points, Points]:
     cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * MAX_POINTS]]
     distance = cKDTree(cloud).query(cloud, k=DENSITY_NEIGHBORS + 1)[0][:, -1]
     # Weighted sampling without replacement: the largest u^(1/w) (Efraimidis and Spirakis 2006).
-    order = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(float).tiny)
+    order = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(np.float32).tiny)
     return cloud[np.sort(np.argsort(order, kind="stable")[-MAX_POINTS:])], cloud

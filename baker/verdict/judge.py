@@ -6,19 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-
 from baker.geometry.parallel import MapLike
 from baker.verdict.doubt import Doubt, provenance_of
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
-from baker.verdict.motion import (
-    is_measurable,
-    order_kept,
-    sampled_movers,
-    size_on_the_way,
-    torn_share,
-)
+from baker.verdict.motion import OrganMotion, sampled_motions
 from gclip import Clip
 
 # From these values on an organ's motion is doubtful (docs/method.md, "The verdict").
@@ -56,12 +47,12 @@ def find_doubts(
 def _doubts_in(clip: Clip, followed: FollowedOrgans | None, index: int) -> list[Doubt]:
     interval = clip.intervals[index]
     matched = {pair.track for pair in interval.segments if pair.event == "match"}
-    movers = sampled_movers(interval)
+    motions = sampled_motions(interval)
     doubts = []
-    for track, path in movers.items():
-        if track in matched and is_measurable(path):
+    for track, motion in motions.items():
+        if track in matched and motion.is_measurable:
             parent = clip.track_table[track].parent
-            found = _motion(path, movers.get(parent) if parent is not None else None)
+            found = _wrong(motion, motions.get(parent) if parent is not None else None)
             what, strength = max(found, key=lambda each: each[1])
             if strength >= 1.0:
                 said = what.format(name=called(clip, track))
@@ -75,16 +66,14 @@ def _doubts_in(clip: Clip, followed: FollowedOrgans | None, index: int) -> list[
     return doubts
 
 
-def _motion(
-    path: NDArray[np.float64], parent: NDArray[np.float64] | None
-) -> Iterator[tuple[str, float]]:
+def _wrong(motion: OrganMotion, parent: OrganMotion | None) -> Iterator[tuple[str, float]]:
     """What may be wrong with the motion of an organ called {name}, and how strongly each is."""
-    yield "{name} tears", torn_share(path) / MIN_TORN
-    change = size_on_the_way(path)
+    yield "{name} tears", motion.torn / MIN_TORN
+    change = motion.size_change
     what = "{name} swells on the way" if change > 0 else "{name} shrinks on the way"
     yield what, abs(change) / MIN_SIZE_CHANGE
     if parent is not None:
-        order = order_kept(path, parent)
+        order = motion.order_kept(parent)
         turned = "the tip and the base of {name} change places"
         what = turned if order < 0 else "parts of {name} change places"
         yield what, (1.0 - order) / (1.0 - MAX_ORDER)

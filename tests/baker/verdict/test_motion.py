@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.verdict.motion import is_measurable, order_kept, size_on_the_way, torn_share
+from baker.verdict.motion import OrganMotion
 
 SHARES = np.linspace(0, 1, 5)[:, None, None]
 
@@ -17,15 +17,15 @@ def leaf() -> np.ndarray:
 
 
 @pytest.fixture
-def stem() -> np.ndarray:
-    """(5, 200, 3) at rest, through the leaf's base."""
-    along = np.random.default_rng(1).random((200, 1))
-    return np.tile(along * [0, 0, 20] - [0, 0, 10] + [0, 1, 0], (5, 1, 1))
+def stem() -> OrganMotion:
+    """At rest, through the leaf's base."""
+    points = np.random.default_rng(1).random((200, 1)) * [0, 0, 20] - [0, -1, 10]
+    return moved(points, points)
 
 
-def moved(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """(5, n, 3) straight paths."""
-    return (1 - SHARES) * start + SHARES * end
+def moved(start: np.ndarray, end: np.ndarray) -> OrganMotion:
+    """Along straight paths."""
+    return OrganMotion((1 - SHARES) * start + SHARES * end)
 
 
 def turned(points: np.ndarray, degrees: float) -> np.ndarray:
@@ -37,37 +37,37 @@ def turned(points: np.ndarray, degrees: float) -> np.ndarray:
 @pytest.mark.parametrize("degrees", [0, 20, 40])
 @pytest.mark.parametrize("growth", [1, 1.5, 3])
 def test_growing_and_bending_is_nothing_wrong(leaf, stem, degrees, growth):
-    path = moved(leaf, turned(leaf * [growth, growth, 1], degrees))
-    assert is_measurable(path)
-    assert torn_share(path) == 0.0
-    assert order_kept(path, stem) > 0.95
-    assert abs(size_on_the_way(path)) < 0.1
+    motion = moved(leaf, turned(leaf * [growth, growth, 1], degrees))
+    assert motion.is_measurable
+    assert motion.torn == 0.0
+    assert motion.order_kept(stem) > 0.95
+    assert abs(motion.size_change) < 0.1
 
 
 def test_an_organ_that_is_slit_tears_and_so_does_one_that_comes_together(leaf):
     slit = leaf.copy()
     slit[leaf[:, 1] > 1] += [0, 0, 8]
-    assert torn_share(moved(leaf, slit)) > 0.02
-    assert torn_share(moved(slit, leaf)) == torn_share(moved(leaf, slit))
+    assert moved(leaf, slit).torn > 0.02
+    assert moved(slit, leaf).torn == moved(leaf, slit).torn
 
 
 def test_a_tip_that_becomes_the_base_is_out_of_order(leaf, stem):
-    assert order_kept(moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]), stem) < -0.9
+    assert moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]).order_kept(stem) < -0.9
 
 
 def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
-    assert size_on_the_way(moved(leaf - leaf.mean(axis=0), leaf.mean(axis=0) - leaf)) < -0.9
+    assert moved(leaf - leaf.mean(axis=0), leaf.mean(axis=0) - leaf).size_change < -0.9
 
 
 def test_an_organ_that_swells_is_larger_on_the_way(leaf):
     path = np.stack([leaf * k for k in (1, 1.2, 1.5, 1.2, 1)])
-    assert size_on_the_way(path) == pytest.approx(0.5)
+    assert OrganMotion(path).size_change == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("count", [3, 59])
 def test_few_points_tell_nothing(leaf, count):
-    assert not is_measurable(moved(leaf[:count], leaf[:count]))
+    assert not moved(leaf[:count], leaf[:count]).is_measurable
 
 
 def test_what_unfolds_from_few_points_is_not_judged(leaf):
-    assert not is_measurable(moved(leaf[np.arange(400) % 10], leaf))
+    assert not moved(leaf[np.arange(400) % 10], leaf).is_measurable
