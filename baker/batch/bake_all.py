@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import replace
@@ -13,7 +13,7 @@ from pathlib import Path
 from baker.batch.cluster import bake_on_cluster
 from baker.batch.job import Outcome, PlantJob, bake_plant
 from baker.batch.outputs import Outputs
-from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
+from baker.batch.parallel import WorkerDied, as_they_complete, process_pool
 from baker.batch.plants import Plant
 from baker.batch.progress import StageProgress
 from baker.batch.traits import TraitsTable
@@ -73,15 +73,24 @@ def bake_here(
 
     Outcomes come as they are ready. Close the iterator to stop at once.
     """
+    from pebble import ProcessExpired
+
     processes = max(1, min(workers, len(jobs)))
     cores = workers // processes
-    shared = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
-    with ProcessExecutor(processes) as executor:
-        for job, future in as_they_complete(executor, bake, shared, lambda: 2 * processes):
+    waiting = deque(replace(job, options=replace(job.options, workers=cores)) for job in jobs)
+    killed = set[str]()
+    with process_pool(processes) as pool:
+        for job, future in as_they_complete(
+            lambda job: pool.schedule(bake, [job]), waiting, lambda: 2 * processes
+        ):
             try:
                 yield future.result()
-            except WorkerDied as error:
-                yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(error))
+            except ProcessExpired:
+                if job.name in killed:
+                    yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(WorkerDied(2)))
+                else:  # once more
+                    killed.add(job.name)
+                    waiting.append(job)
 
 
 def _report(

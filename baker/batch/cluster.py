@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
@@ -59,7 +60,9 @@ def bake_on_cluster(
         bake = Checked(partial(bake_plant, solve=solve), _versions(), _folders(jobs))
         executor = client.get_executor(pure=False)
         under_way = as_they_complete(
-            executor, bake, map(_absolute, jobs), lambda: max(MIN_PLANTS_UNDER_WAY, 2 * cores())
+            partial(executor.submit, bake),
+            deque(map(_absolute, jobs)),
+            lambda: max(MIN_PLANTS_UNDER_WAY, 2 * cores()),
         )
         try:
             for job, future in under_way:

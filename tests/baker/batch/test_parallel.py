@@ -10,14 +10,16 @@ import sys
 import threading
 import time
 import warnings
+from collections import deque
 from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
+from pebble import ProcessExpired
 
 from baker.batch.bake_all import bake_here
-from baker.batch.job import PlantJob
-from baker.batch.parallel import ProcessExecutor, WorkerDied, as_they_complete
+from baker.batch.job import Outcome, PlantJob
+from baker.batch.parallel import as_they_complete, process_pool
 from baker.options import Options
 from tests.baker.batch.conftest import write_greenhouse
 
@@ -35,13 +37,8 @@ def fail(number: int) -> int:
     raise ArithmeticError(f"no {number}")
 
 
-def die(marker: Path | None) -> str:
-    """Be killed; where a marker is given, only the first time."""
-    if marker is None or not marker.exists():
-        if marker is not None:
-            marker.touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return "alive"
+def die() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def leave_marker(folder: Path) -> None:
@@ -59,49 +56,52 @@ def warn(number: int) -> int:
     return number
 
 
-def test_results_are_in_the_items_order_and_from_other_processes() -> None:
-    with ProcessExecutor(2) as executor:
-        assert list(executor.map(square, range(9))) == [k * k for k in range(9)]
-        processes = set(executor.map(whoami, range(4)))
+def test_results_are_from_other_processes() -> None:
+    with process_pool(2) as pool:
+        assert list(pool.map(square, range(9)).result()) == [k * k for k in range(9)]
+        processes = set(pool.map(whoami, range(4)).result())
     assert len(processes) == 2
     assert os.getpid() not in processes
 
 
 def test_errors_are_raised_here() -> None:
-    with pytest.raises(ArithmeticError, match="no 3"), ProcessExecutor(2) as executor:
-        list(executor.map(fail, [3, 4]))
+    with pytest.raises(ArithmeticError, match="no 3"), process_pool(2) as pool:
+        pool.schedule(fail, [3]).result()
 
 
 def test_only_a_window_of_items_is_under_way() -> None:
-    taken = 0
-
-    def items():
-        nonlocal taken
-        while taken < 50:
-            taken += 1
-            yield taken
-
-    with ProcessExecutor(1) as executor:
+    waiting = deque(range(50))
+    with process_pool(1) as pool:
         for count, (item, future) in enumerate(
-            as_they_complete(executor, square, items(), lambda: 3), start=1
+            as_they_complete(lambda item: pool.schedule(square, [item]), waiting, lambda: 3), 1
         ):
             assert future.result() == item * item
-            assert taken <= count + 3
+            assert 50 - len(waiting) <= count + 3
     assert count == 50
 
 
-def test_a_killed_process_is_replaced_and_its_task_done_again(tmp_path: Path) -> None:
-    with ProcessExecutor(2) as executor:
-        assert list(executor.map(die, [tmp_path / "0", tmp_path / "1"])) == ["alive", "alive"]
-
-
-def test_a_task_that_kills_its_process_each_time_fails_alone(tmp_path: Path) -> None:
-    with ProcessExecutor(2) as executor:
-        doomed, other = executor.submit(die, None), executor.submit(square, 3)
+def test_a_task_that_kills_its_process_fails_alone() -> None:
+    with process_pool(2) as pool:
+        doomed, other = pool.schedule(die), pool.schedule(square, [3])
         assert other.result() == 9
-        with pytest.raises(WorkerDied, match="need more memory"):
+        with pytest.raises(ProcessExpired):
             doomed.result()
-        assert executor.submit(square, 4).result() == 16
+        assert pool.schedule(square, [4]).result() == 16
+
+
+def test_a_killed_plant_is_baked_once_more(tmp_path: Path) -> None:
+    jobs = [PlantJob(f"p{k}", tmp_path, tmp_path / f"p{k}.gclip", Options()) for k in range(3)]
+    with closing(bake_here(jobs, 2, _bake_or_die_once)) as found:
+        assert {outcome.name: outcome.state for outcome in found} == dict.fromkeys(
+            ("p0", "p1", "p2"), "baked"
+        )
+
+
+def _bake_or_die_once(job: PlantJob) -> Outcome:
+    if not job.clip.exists():
+        job.clip.touch()
+        die()
+    return Outcome(job.name, "baked")
 
 
 def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
@@ -111,18 +111,16 @@ def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
     assert codes == {"p0": 0, "p1": 1, "p2": 0}
 
 
-def _bake_or_die(job: PlantJob):
-    from baker.batch.job import Outcome
-
+def _bake_or_die(job: PlantJob) -> Outcome:
     if job.name == "p1":
-        die(None)
+        die()
     return Outcome(job.name, "baked")
 
 
 def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
-    with suppress(KeyboardInterrupt), ProcessExecutor(2) as executor:
+    with suppress(KeyboardInterrupt), process_pool(2) as pool:
         for _ in range(8):
-            executor.submit(leave_marker, tmp_path)
+            pool.schedule(leave_marker, [tmp_path])
         processes = _wait_for_markers(tmp_path, 2)
         raise KeyboardInterrupt
     assert not any(map(alive, processes))
@@ -132,10 +130,10 @@ def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
 def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
     code = (
         "from pathlib import Path\n"
-        "from baker.batch.parallel import ProcessExecutor\n"
+        "from baker.batch.parallel import process_pool\n"
         "from tests.baker.batch.test_parallel import leave_marker\n"
-        "with ProcessExecutor(2) as executor:\n"
-        f"    list(executor.map(leave_marker, 2 * [Path({str(tmp_path)!r})]))\n"
+        "with process_pool(2) as pool:\n"
+        f"    pool.map(leave_marker, 2 * [Path({str(tmp_path)!r})]).result()\n"
     )
     command = subprocess.Popen([sys.executable, "-c", code])
     processes = _wait_for_markers(tmp_path, 2)
@@ -148,7 +146,7 @@ def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
 def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
     """While bars are drawn as fast as they can be, their locks are held nearly always."""
     code = (
-        "from baker.batch.parallel import ProcessExecutor\n"
+        "from baker.batch.parallel import process_pool\n"
         "from gclip.terminal.progress import ProgressBars\n"
         "from tests.baker.batch.test_parallel import warn\n"
         "bars = ProgressBars(False, '{task.description}')\n"
@@ -156,8 +154,8 @@ def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
         "with bars:\n"
         "    task = bars.bars.add_task('warning', total=40)\n"
         "    for _ in range(5):\n"
-        "        with ProcessExecutor(4) as executor:\n"
-        "            for number in executor.map(warn, range(8)):\n"
+        "        with process_pool(4) as pool:\n"
+        "            for number in pool.map(warn, range(8)).result():\n"
         "                bars.bars.update(task, advance=1)\n"
     )
     ours, terminal = pty.openpty()
