@@ -44,9 +44,9 @@ class Frame:
     litter: Frame | None = None  #: fallen organs on the ground that have not faded yet
 
     @property
-    def positions(self) -> NDArray[np.float32]:
+    def positions(self) -> NDArray[np.float64]:
         """(N, 3) in the frame of the input."""
-        return (self.local + np.asarray(self.origin)).astype(np.float32)
+        return self.local + np.asarray(self.origin)
 
     def __len__(self) -> int:
         return len(self.local)

@@ -137,8 +137,10 @@ def frame_finding(
         for t, pose, offset in zip(transforms, poses, offsets, strict=True)
     ]
     doubts, farthest = [], int(np.argmax(moves))
-    if moves[farthest] > LARGE_MOVE * size:
-        length = f"{moves[farthest]:.3g} {unit}".strip()
+    length = f"{moves[farthest]:.3g} {unit}".strip()
+    if any(offset.any() for offset in offsets):
+        doubts = [f"{names[farthest]} was in another coordinate system, {length} away"]
+    elif moves[farthest] > LARGE_MOVE * size:
         doubts = [f"{names[farthest]} was moved by {length}, more than a fifth of the plant's size"]
     if stays.any():
         found = "the scans share a frame and stay as they are"

@@ -110,7 +110,11 @@ def align(
     if method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
-    elif method != "none" and len(clouds) > 1:
+    elif method == "none":
+        far = ", ".join(name for name, by in zip(names, offsets, strict=True) if by.any())
+        doubt = f"{far} lies so far from the first scan that positions are rounded" if far else ""
+        findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
+    elif len(clouds) > 1:
         poses = best_poses(samples, places, vertical, stems, map)
         bases = [pose.base for pose in poses]
         fit = fit_yaws(poses, labelled)
@@ -119,7 +123,7 @@ def align(
         findings.append(
             frame_finding(poses, fit, transforms, in_place & stays, offsets, names, unit)
         )
-    findings += strangers(samples, names)
+    findings += strangers(samples, transforms, names)
     tell("aligning", total, total)
     aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]
     return Alignment(direction, tuple(transforms), tuple(aligned), tuple(findings))

@@ -17,7 +17,7 @@ from baker.scans.finding import Finding
 # 157 real pairs of scans with z up one leads by more than 0.2 along y, none by 0.5 elsewhere.
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
 CLOSE = 0.05  # a lead over the direction taken, from which on the other is named
-TURNED_OVER = 0.6  # lead of "upside down" in one scan of a series, from which on it is named
+TURNED_OVER = 0.35  # lead of "upside down" in one scan of a series, from which on it is named
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: should be bare stem
 SAMPLE_SIZE = 800
 
@@ -58,20 +58,17 @@ def find_up(
         found = int(np.argmin(total + needed))
         why = "as scans usually have it" if found == 0 else "along it the plants stand on stems"
         close = bool((np.delete(total, found) < total[found] + CLOSE).any())
-    up, doubt, option = directions[found], "", ""
+    up, option, doubts = directions[found], "", list[str]()
+    down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
+    over = np.flatnonzero(costs[:, found] - costs[:, down] > TURNED_OVER).tolist()
+    if 2 * len(over) < len(samples):
+        doubts = [f"{names[at]} seems to be upside down" for at in over]
     if close:
         total[found] = np.inf
         other = directions[int(np.argmin(total))]
-        doubt, option = f"by their shape they might as well grow along {other}", f"--up {other}"
-    down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
-    over = np.flatnonzero(costs[:, found] - costs[:, down] > TURNED_OVER).tolist()
-    findings = [Finding("up", f"{up}, {why}", doubt, option)]
-    if 0 < len(over) < len(samples) / 2:
-        scans = ", ".join(names[at] for at in over)
-        findings.append(
-            Finding("up", "the same in all scans", f"{scans} is upside down, it seems; turn it")
-        )
-    return up, findings
+        doubts.append(f"by their shape they might as well grow along {other}")
+        option = f"--up {other}"
+    return up, [Finding("up", f"{up}, {why}", "; ".join(doubts), option)]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 MAX_DISTANCE_RATIO = 16  # scans further from zero than so many of their sizes get an own origin
 MIN_COORDINATE = 1e-18  # nearer to the origin is zero: in 32 bits its square is nothing
 MAX_SAMPLES = 20_000  # points of a scan by which its place is found
-MAX_STEP_RATIO = 1e-5  # a float32 step larger than this fraction of a scan's size is worth a note
+MAX_STEP_RATIO = 1e-5  # of a scan's size: with larger float32 steps it gets its own origin
 
 
 @dataclass(frozen=True)
@@ -74,17 +74,20 @@ def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.round(np.floor(low / step) * step, max(digits, 0))
 
 
+def own_origin(points: NDArray[np.float64], shared: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The (3,) origin of one scan: the series', unless its (N, 3) world positions are far from it.
+
+    Then they are in another coordinate system, and float32 about its origin would lose them.
+    """
+    some = points[:: -(-len(points) // MAX_SAMPLES)] - shared
+    low, high = np.percentile(some, [1, 99], axis=0)
+    step = 2.0**-23 * max(np.abs(low).max(), np.abs(high).max())
+    return shared_origin(points) if step > MAX_STEP_RATIO * (high - low).max() > 0 else shared
+
+
 def relative_to(origin: NDArray[np.float64], cloud: Cloud) -> Cloud:
-    """`cloud` with points in float32 about `origin`; a note if this scan lies too far from it."""
+    """`cloud` with points in float32 about `origin`."""
     # Adding zero turns -0.0 into 0.0, so that equal points have equal bytes.
     exact = cloud.points - origin + 0.0
     local = np.where(np.abs(exact) < MIN_COORDINATE, 0.0, exact).astype(np.float32)
-    moved = replace(cloud, points=local)
-
-    low, high = np.percentile(exact[:: -(-len(exact) // MAX_SAMPLES)], [1, 99], axis=0)
-    step = 2.0**-23 * max(np.abs(low).max(), np.abs(high).max())
-    if step > MAX_STEP_RATIO * float((high - low).max()) > 0:
-        return moved.noting(
-            f"lies far from the series' first scan: its positions are kept to {step:.2g} only."
-        )
-    return moved
+    return replace(cloud, points=local)

@@ -15,7 +15,7 @@ from baker.errors import InputError
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans import clean
-from baker.scans.cloud import Cloud, relative_to, shared_origin
+from baker.scans.cloud import Cloud, own_origin, relative_to, shared_origin
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns
@@ -54,7 +54,8 @@ def read_series(
     Returns
     -------
     Series
-        All scans share one `origin`, chosen from the first one (`baker.scans.cloud.shared_origin`).
+        Scans share one `origin`, chosen from the first one (`baker.scans.cloud.shared_origin`),
+        but for those too far from it.
 
     Raises
     ------
@@ -70,15 +71,15 @@ def read_series(
     raw = listing.read(entries[0], options)
     origin = shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
     read = partial(_read, origin=origin, listing=listing, options=options)
-    found, digests = zip(*map(read, entries, chain([raw], repeat(None))), strict=True)
+    found, digests, origins = zip(*map(read, entries, chain([raw], repeat(None))), strict=True)
     paths = [entry.path for entry in entries]
     keep = options.ground == "keep"
     clouds, field, words, labels = choose_labels(found, paths, options.label_field is not None)
     clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
     clouds, ground_up, ground = take_out_ground(clouds, up, keep, map)
-    scan = partial(_scan, origin=origin, options=options)
-    scans = _agree(list(map(scan, entries, clouds, digests)))
+    scan = partial(_scan, options=options)
+    scans = _agree(list(map(scan, entries, clouds, digests, origins)))
     series = listing.series(scans, options)
     unit = options.unit or series.length
     size = require_one_unit([scan.points for scan in scans], [scan.name for scan in scans], unit)
@@ -98,16 +99,17 @@ def _read(
     origin: NDArray[np.float64],
     listing: Listing,
     options: Options,
-) -> tuple[Cloud, str]:
-    """A scan about the series' origin and its digest: from its files, or `raw` if they are read."""
+) -> tuple[Cloud, str, NDArray[np.float64]]:
+    """A scan about its origin, its digest and that: from its files, or `raw` if they are read."""
     cloud, sha256 = raw or listing.read(entry, options)
     cloud = clean.drop_non_finite(cloud, entry.path)
     clean.require_size(cloud, entry.path)
-    return clean.drop_duplicates(relative_to(origin, cloud)), sha256
+    origin = own_origin(cloud.points, origin)
+    return clean.drop_duplicates(relative_to(origin, cloud)), sha256, origin
 
 
 def _scan(
-    entry: Entry, cloud: Cloud, sha256: str, *, origin: NDArray[np.float64], options: Options
+    entry: Entry, cloud: Cloud, sha256: str, origin: NDArray[np.float64], options: Options
 ) -> Scan:
     """One scan, clean."""
     steps: tuple[tuple[Callable[..., Cloud], float | None], ...] = (

@@ -46,7 +46,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class Series:
-    """Scans of one plant in the order of time, at least two, all with the same `origin`.
+    """Scans of one plant in the order of time, at least two; what is near shares its `origin`.
 
     unit:  "days" where times are real, "scans" where they are only an order.
     fixed: whether all scans share one frame with z up, above the ground: those of a camera that

@@ -85,10 +85,16 @@ def test_a_scan_in_another_coordinate_system_comes_back_exactly(week):
         assert farthest(transform, cloud, cloud) < 4.0
 
 
-def test_a_scan_in_another_unit_is_named(week):
-    found = aligned([*week[:2], week[2] * 1000.0, *week[3:]], names=list("abcde"))
-    (finding,) = (finding for finding in found.findings if finding.topic == "plant")
-    assert "c is 1,0" in finding.doubt or "c is 9" in finding.doubt
+def plant_doubt(clouds: list[np.ndarray]) -> str:
+    found = aligned(clouds, names=[f"day{number}" for number in range(len(clouds))])
+    return " ".join(finding.doubt for finding in found.findings if finding.topic == "plant")
+
+
+def test_another_plant_is_named(week):
+    rng = np.random.default_rng(0)
+    other = rng.normal(0.0, 1.0, (2000, 3)) * [2.0, 30.0, 2.0] + [60.0, 0.0, 10.0]
+    assert not plant_doubt(week)
+    assert "day3 looks as unlike the scan before" in plant_doubt([*week[:3], other, week[4]])
 
 
 def test_labels_tell_organs_that_look_alike(plant, posed):

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from baker.errors import InputError
 from baker.scans import clean
-from baker.scans.cloud import Cloud, relative_to, shared_origin
+from baker.scans.cloud import Cloud, own_origin, relative_to, shared_origin
 
 HERE = Path("scan.ply")
 lattice = arrays(np.float32, st.tuples(st.integers(1, 30), st.just(3)), elements=st.integers(-2, 2))
@@ -132,9 +132,10 @@ def test_stray_points_do_not_move_the_origin():
     np.testing.assert_allclose(shared_origin(points), corner, atol=1)
 
 
-def test_a_scan_far_from_the_first_says_what_is_lost():
-    points = np.random.default_rng(0).random((100, 3)) + 1e6
-    assert "far from the series' first scan" in relative_to(np.zeros(3), Cloud(points)).notes[0]
+def test_a_scan_far_from_the_first_has_its_own_origin():
+    points = np.random.default_rng(0).random((100, 3))
+    assert own_origin(points + 1, np.zeros(3)).tolist() == [0, 0, 0]
+    assert own_origin(points + 1e6, np.zeros(3)).tolist() == [1e6, 1e6, 1e6]
 
 
 def test_resampling_comes_near_the_number_and_evens_the_density():
