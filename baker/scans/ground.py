@@ -41,7 +41,7 @@ MIN_IN_MIDDLE = 0.1  # of the points just above the ground: a quarter of a radiu
 # 300 % of the plant's size, sloped, rough or in mounds, it is 0.64 or more. Of two or more scans of
 # twenty plants without ground it is 0.45 at most, and 0.63 where a crown upside down looks so.
 MIN_SCORE, MIN_SCORE_OF_UNUSUAL, CERTAIN_SCORE = 0.5, 0.75, 0.6
-MIN_SCORE_OF_ONE = 0.25  # of a scan of a series that has a ground
+MIN_SCORE_OF_ONE = 0.25  # of any scan of a series that has a ground
 MIN_SHARE_OF_LABEL = 0.5  # of its points in the ground, for a label to be that of the ground
 MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that this label has
 
@@ -137,7 +137,7 @@ def _grounds(
             if score < (MIN_SCORE if up == directions[0] else MIN_SCORE_OF_UNUSUAL):
                 break
         else:
-            return [g if g and g.score >= MIN_SCORE_OF_ONE else None for g in found]
+            return found
     return [None] * len(clouds)
 
 
@@ -192,6 +192,8 @@ def _ground(sample: Points, up: Points, share: float) -> Ground | None:
     area = hull.volume + hull.area * width / 2 + width**2  # half a cell more on all sides
     narrow, wide = np.linalg.eigvalsh(np.cov(cells[:, :2].T))
     score = float(min(len(cells) * width**2 / area, 1.0) * np.sqrt(narrow / wide))
+    if score < MIN_SCORE_OF_ONE:
+        return None
     outline = hull.equations - [0.0, 0.0, width]
     rough = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
     turned, heights, inside = rough.seen(sample)

@@ -29,7 +29,8 @@ RANKS = {word: rank for rank, words in enumerate(LABEL_WORDS) for word in words.
 WORDS_BESIDE = {"scalar", "field", "id", "ids", "index", "number", "no", "gt", "pred", "true"}
 GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray", "turntable"}
 MIN_SHARED = 0.5  # of the points have the label of their nearest neighbour
-MIN_SAMPLE, MAX_SAMPLE = 100, 20_000  # points among which neighbours are looked for
+SCANS_TO_ASK = 3  # of the series
+MIN_SAMPLE, MAX_SAMPLE = 100, 10_000  # points among which neighbours are looked for
 
 
 def label_rank(name: str) -> int | None:
@@ -157,7 +158,8 @@ def _objection(name: str, clouds: Sequence[Cloud], bad: Sequence[float]) -> Find
     if len(distinct) == 1:
         return Finding("labels", f"{quoted}, as it is {distinct[0]} everywhere")
     if name.startswith("column "):
-        shared = [_share_with_neighbor(cloud.points, cloud.fields[name]) for cloud in clouds]
+        some = clouds[:: -(-len(clouds) // SCANS_TO_ASK)]
+        shared = [_share_with_neighbor(cloud.points, cloud.fields[name]) for cloud in some]
         if np.median(shared) < MIN_SHARED:
             mixed = f"its {len(distinct)} values are mixed among neighbours, as an intensity's are"
             return Finding("labels", quoted, mixed, f"--label-field '{name}'")
