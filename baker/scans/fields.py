@@ -21,26 +21,10 @@ COLOR_NAMES = tuple(
 def choose_fields(
     columns: Columns, path: Path, label_field: str | None = None, use_labels: bool = True
 ) -> Cloud:
-    """Positions and colours among the fields of a file, and all fields that may be labels.
+    """Positions and colours among the fields of a file, and all that may be labels.
 
-    Parameters
-    ----------
-    columns, path : Columns, Path
-        All fields of the file, and its name for messages.
-    label_field : str, optional
-        The only field that may be labels.
-    use_labels : bool
-        False leaves labels unread.
-
-    Returns
-    -------
-    Cloud
-        Points in float64; colours that make no sense are left out with a note.
-
-    Raises
-    ------
-    InputError
-        There is no x, y or z, or no `label_field`.
+    `label_field` is then the only one, and without `use_labels` there is none. Colours that make no
+    sense are left out with a note. Raises InputError: no x, y or z, or no `label_field`.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
     found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
@@ -69,21 +53,11 @@ def choose_fields(
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
-    """Colours in 8 bits, whatever numbers a file has them in.
+    """Red, green and blue in 8 bits, whatever numbers a file has them in, and how these were read.
 
-    Parameters
-    ----------
-    channels : sequence of three (N,) ndarrays
-        Red, green and blue. Bytes stay as they are. Other numbers count as 0–1 where none is above
-        1 and they are not of an integer type, as 8-bit where none is above 255, as 16-bit where
-        none is above 65535.
-
-    Returns
-    -------
-    colors : (N, 3) ndarray of uint8, or None
-        sRGB; None where numbers are beyond that, negative or not finite.
-    scale : str
-        How the numbers were read, for people.
+    Bytes stay as they are. Other numbers count as 0–1 where none is above 1 and they are not of an
+    integer type, as 8-bit where none is above 255, as 16-bit where none is above 65535. No colours
+    where some are beyond that, negative or not finite.
     """
     is_integer = all(channel.dtype.kind in "iu" for channel in channels)
     if all(channel.dtype == np.uint8 for channel in channels):

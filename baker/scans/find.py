@@ -21,27 +21,11 @@ IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
 def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
-    """The scans among `inputs`.
+    """The scans among `inputs`: one folder with one series, or files in order; at least two.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-        One folder with one series, or files in order. In a folder, hidden files, sub-folders, files
-        of unknown suffix, texts such as README.txt and the `times_file` are passed over; beside
-        point clouds, so are meshes and arrays.
-    times_file : Path, optional
-        A file with the scans' times. It says what belongs together: names may be any.
-
-    Returns
-    -------
-    FoundScans
-        At least two files.
-
-    Raises
-    ------
-    InputError
-        Nothing given, not there, a folder among files, a file given twice, an unknown suffix, a
-        link to nothing, fewer than two scans, or what looks like two series in one folder.
+    In a folder, hidden files, sub-folders, files of unknown suffix, texts such as README.txt and
+    the `times_file` are passed over; beside point clouds, so are meshes and arrays. A `times_file`
+    says what belongs together: names may be any. Raises InputError for anything else.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")

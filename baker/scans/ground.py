@@ -85,24 +85,9 @@ def take_out_ground(
 ) -> tuple[list[Cloud], tuple[float, float, float] | None, tuple[Finding, ...]]:
     """The scans of a series without the ground that they stand on, if most of them have one.
 
-    Parameters
-    ----------
-    clouds : sequence of Cloud
-        A label of which most points lie in the ground is taken out whole, and no other one then.
-    up : str
-        The direction of growth, if it is known.
-    keep : bool
-        Only find it.
-    map : MapLike
-        Maps a function over scans.
-
-    Returns
-    -------
-    clouds : list of Cloud
-    ground_up : tuple of float, or None
-        Unit vector away from the ground.
-    findings : tuple of Finding
-        One, or none where there is no ground.
+    Of scans with labels those go of which most points lie in the ground. `up` is the direction of
+    growth, "auto" where it is not known; `keep` only finds the ground. Also returned: the unit
+    vector away from the ground, and what was found, if there is one.
     """
     grounds = _grounds(clouds, DIRECTIONS if up == "auto" else (up,), map)
     found = [ground for ground in grounds if ground]

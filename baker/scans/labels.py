@@ -45,29 +45,9 @@ def choose_labels(
 ) -> tuple[list[Cloud], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    Parameters
-    ----------
-    clouds : sequence of Cloud
-        Those that come back have labels in place of fields.
-    paths : sequence of Path
-        Of each, for messages.
-    is_asked : bool
-        Whether the user chose the fields, whatever they hold.
-
-    Returns
-    -------
-    clouds : list of Cloud
-    field : str
-        Where labels are from, "" where there are none.
-    words : dict
-        What labels are called, where it is by words.
-    findings : tuple of Finding
-        Fields that were passed over.
-
-    Raises
-    ------
-    InputError
-        A field that the user chose holds neither whole numbers nor words.
+    Returned with the scans: where labels are from ("" where there are none), what they are called
+    where it is by words, and which fields were passed over; none where they are what the user
+    asked for. Raises InputError where such a field holds neither whole numbers nor words.
     """
     names = sorted({name for cloud in clouds for name in cloud.fields}, key=_order)
     findings: list[Finding] = []

@@ -21,20 +21,10 @@ MAX_SAMPLE = 20_000  # points of a scan that its size is found by
 def require_one_unit(
     clouds: Sequence[NDArray[np.floating]], names: Sequence[str], unit: str
 ) -> Finding:
-    """What the unit of a series is.
+    """How large the plant is in its unit ("" where the user has not said it).
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) ndarray
-    names : sequence of str
-        Of each, for messages.
-    unit : str
-        What the user calls it, "" where they don't.
-
-    Raises
-    ------
-    InputError
-        A scan is so much larger or smaller than its predecessor that its unit must be another one.
+    Raises InputError where a scan is so much larger or smaller than the one before it that its unit
+    must be another one.
     """
     sizes = [_size(cloud) for cloud in clouds]
     doubts = []

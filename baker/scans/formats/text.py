@@ -56,55 +56,46 @@ class Lines:
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     """All columns of numbers, and of words where they may be labels.
 
-    asked: names for the columns, whatever a header says; "-" or "_" for those to skip. Raises
-    FormatError, with the line that doesn't fit.
+    `asked` names the columns, whatever a header says, those to skip "-" or "_". Raises FormatError,
+    with the line that doesn't fit.
     """
     with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = Lines(file)
-        names, delimiter, first, count = _read_head(lines, bool(asked))
+        header, delimiter, first, count = _read_head(lines, bool(asked))
         values = _split(first, delimiter)
         width = len(values)
-        if asked and len(asked) != width:
+        if len(asked or values) != width:
             reason = f"{width} columns, but --columns names {len(asked)}"
             raise FormatError(f"{reason} ({excerpt(','.join(asked))}).", lines.number)
-        if not asked and names is None and width not in USUAL_WIDTHS:
+        named = [*asked] or header
+        if named is None and width not in USUAL_WIDTHS:
             example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
             raise FormatError(
                 f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are understood, "
                 f"for others say what they are, as in --columns {example} (- is not used).",
                 lines.number,
             )
-        names = [*asked] if asked else names
-        numeric = [i for i, value in enumerate(values) if _is_number(value)]
-        is_wanted = [name not in SKIPPED for name in names or values]
-        words = [
-            i
-            for i in range(3 if names is None else 0, width)
-            if re.search(r"[^\W\d_]", values[i])
-            and i not in numeric
-            and (names is None or label_rank(names[i]) is not None)
-        ]
-        chosen = [i for i in range(width) if i in {*numeric, *words} and is_wanted[i]]
-        unread = [i for i in range(width) if is_wanted[i] and i not in chosen]
-        if any(names is None or names[i].lower() in "xyz" for i in unread):
+        names = named or [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+        wanted = [i for i in range(width) if names[i] not in SKIPPED]
+        words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
+        chosen = [i for i in wanted if i in words or _is_number(values[i])]
+        unread = [names[i] for i in wanted if i not in chosen]
+        if unread and (named is None or set(unread) & {*"xyzXYZ"}):
             raise _not_numbers(values, lines.number)
-        is_whole = chosen == [*range(width)] and not first.rstrip().endswith(delimiter or "\n")
-        expected = names or [f"column {i + 1}" for i in range(width)]
-        texts: dict[int, dict[str, int]] = {i: {} for i in words}
-        rows = read_rows(lines, expected, first, delimiter, None if is_whole else chosen, texts)
+        is_open_ended = delimiter is not None and first.rstrip().endswith(delimiter)
+        columns = chosen if is_open_ended or len(chosen) < width else None
+        known: dict[int, dict[str, int]] = {i: {} for i in words}
+        rows = read_rows(lines, names, first, delimiter, columns, known)
     if count is not None:
         require_count(count, len(rows), "rows")
-    notes = []
-    if names is None:
-        names = usual_names(rows, is_leica=count is not None)
-        names = [f"column {i + 1}" if i in words else name for i, name in enumerate(names)]
+    notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
+    if named is None:
+        usual = usual_names(rows, is_leica=count is not None)
+        names = [names[i] if i in words else usual[i] for i in range(width)]
         notes = [f"no header line: columns taken as {' '.join(names)}."]
-    elif unread:
-        listed = excerpt(", ".join(names[i] for i in unread))
-        notes = [f"columns passed over, as they hold no numbers: {listed}."]
-    columns = {names[i]: rows[:, k] for k, i in enumerate(chosen)}
-    columns |= {names[i]: np.array([*texts[i]])[columns[names[i]].astype(int)] for i in words}
-    return Columns(columns, tuple(notes))
+    found = {names[i]: rows[:, k] for k, i in enumerate(chosen)}
+    found |= {names[i]: np.array([*known[i]])[found[names[i]].astype(int)] for i in words}
+    return Columns(found, tuple(notes if unread or named is None else ()))
 
 
 def read_rows(
@@ -113,31 +104,13 @@ def read_rows(
     first: str = "",
     delimiter: str | None = None,
     columns: Sequence[int] | None = None,
-    texts: Mapping[int, dict[str, int]] | None = None,
+    words: Mapping[int, dict[str, int]] | None = None,
 ) -> NDArray[np.float64]:
-    """The numbers of all rows.
+    """The numbers of all rows that follow `first`, one that was read already.
 
-    Parameters
-    ----------
-    lines : Lines
-        An open text, read up to its first row.
-    names : sequence of str
-        One for each value of a row.
-    first, delimiter : str, optional
-        A row that was read already; what stands between values, None for any white space.
-    columns : sequence of int, optional
-        Which C values of a row to read, where not all are wanted.
-    texts : mapping of int to dict, optional
-        Of columns of words, the number that each word gets; those not in it are added.
-
-    Returns
-    -------
-    (N, C) ndarray of float64
-
-    Raises
-    ------
-    FormatError
-        A row has other values, with its line.
+    `names` has one for each value of a row, `columns` those to read, where not all are wanted. Of
+    columns of `words` each word has a number; new ones get the next. Raises FormatError, with its
+    line, where a row has other values.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # numpy warns where there are no rows
@@ -148,7 +121,7 @@ def read_rows(
                 quotechar='"',
                 usecols=columns,
                 ndmin=2,
-                converters={i: partial(_number_of, known) for i, known in (texts or {}).items()},
+                converters={i: partial(_number_of, known) for i, known in (words or {}).items()},
             )
         except ValueError as error:  # at the line that numpy has asked for last
             raise _row_fault(str(error), names, lines.number) from error
@@ -276,6 +249,10 @@ def _split(line: str, delimiter: str | None) -> list[str]:
     while values and not values[-1]:
         values.pop()
     return values
+
+
+def _is_word(text: str) -> bool:
+    return not _is_number(text) and bool(re.search(r"[^\W\d_]", text))
 
 
 def _is_number(text: str) -> bool:
