@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.geometry.sampling import voxel_size_for
 from baker.scans.cloud import Cloud
 from gclip.morton import extent
 
 OUTLIER_NEIGHBORS = 16
 MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered : coordinates
-RESAMPLING_STEPS = 30
 BATCH_POINTS = 50_000  # whose neighbourhoods are held at a time
 
 MAX_COORDINATE = 1e12  # beyond are marks of points that weren't measured (1e30, -1e38, ...)
@@ -102,25 +102,13 @@ def downsample(cloud: Cloud, voxel: float) -> Cloud:
 
 
 def resampled(cloud: Cloud, count: int) -> Cloud:
-    """About `count` points, evenly over the surface: voxels grow until so few points stay.
-
-    A cloud with fewer stays as it is. The count is met within 2 % where points of several labels do
-    not share places.
-    """
+    """About `count` points, evenly over the surface; a cloud with fewer stays as it is."""
     if len(cloud) <= count:
         return cloud
-    low, high = 0.0, float(np.ptp(cloud.points, axis=0).max())
-    best = cloud
-    for _ in range(RESAMPLING_STEPS):
-        middle = (low + high) / 2
-        kept = downsample(replace(cloud, notes=()), middle)
-        if abs(len(kept) - count) < abs(len(best) - count):
-            best = kept
-        if abs(len(kept) - count) <= 0.02 * count:
-            break
-        low, high = (middle, high) if len(kept) > count else (low, middle)
-    return replace(best, notes=cloud.notes).noting(
-        f"resampled evenly from {len(cloud)} to {len(best)} points."
+    size = voxel_size_for(cloud.points.astype(np.float64), count)
+    kept = downsample(replace(cloud, notes=()), size)
+    return replace(kept, notes=cloud.notes).noting(
+        f"resampled evenly from {len(cloud)} to {len(kept)} points."
     )
 
 

@@ -142,7 +142,7 @@ def test_resampling_comes_near_the_number_and_evens_the_density():
     rng = np.random.default_rng(0)
     dense, sparse = rng.random((9000, 3)) * [1, 1, 0], rng.random((1000, 3)) * [1, 1, 0] + [1, 0, 0]
     kept = clean.resampled(Cloud(np.concatenate([dense, sparse])), 800)
-    assert len(kept) == pytest.approx(800, rel=0.02)
+    assert len(kept) == pytest.approx(800, rel=0.05)
     share = (kept.points[:, 0] < 1).mean()
     assert 0.45 < share < 0.6
     assert "resampled evenly from 10000" in kept.notes[-1]
