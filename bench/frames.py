@@ -267,16 +267,16 @@ def main() -> None:
     parser.add_argument("--size", default="1280x720")
     parser.add_argument("--jumps", type=int, default=40)
     parser.add_argument("--clock", choices=("cpu", "wall"), default="cpu")
-    asked = parser.parse_args()
-    movers = [int(float(text)) for text in asked.movers.split(",")]
-    width, height = map(int, asked.size.split("x"))
-    if asked.what == "draw":
-        clock = time.process_time if asked.clock == "cpu" else time.perf_counter
+    arguments = parser.parse_args()
+    movers = [int(float(text)) for text in arguments.movers.split(",")]
+    width, height = map(int, arguments.size.split("x"))
+    if arguments.what == "draw":
+        clock = time.process_time if arguments.clock == "cpu" else time.perf_counter
         draw(movers, (width, height), clock)
-    elif asked.what == "film":
-        film(asked.clips, (width, height))
-    elif asked.what == "seek":
-        seek(asked.clips, (width, height), asked.jumps)
+    elif arguments.what == "film":
+        film(arguments.clips, (width, height))
+    elif arguments.what == "seek":
+        seek(arguments.clips, (width, height), arguments.jumps)
     else:
         page(movers)
 

@@ -27,9 +27,9 @@ from baker.scans import Series, read_series
 from grow.series import Plan, write_series
 
 KINDS = ("maize", "tomato", "tree")
-GROWN = 9
+GROWN = 9  # plants; the others are these, turned
 MARKS = (0.1, 0.5, 1.0)
-MOST_GROWTH = 1.1
+MAX_GROWTH = 1.1
 
 
 def grow_plants(house: Path, plants: int, scans: int, points: int) -> None:
@@ -96,17 +96,17 @@ def main() -> None:
     parser.add_argument("--scans", type=int, default=3)
     parser.add_argument("--points", type=int, default=300, help="of each scan")
     parser.add_argument("--align", default="auto", help="as of bake; none is several times faster")
-    asked = parser.parse_args()
+    arguments = parser.parse_args()
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         house, clips = scratch / "house", scratch / "clips"
-        grow_plants(house, asked.plants, asked.scans, asked.points)
-        address, pids = stack.enter_context(started(asked.workers, scratch))
+        grow_plants(house, arguments.plants, arguments.scans, arguments.points)
+        address, pids = stack.enter_context(started(arguments.workers, scratch))
         command = [sys.executable, "-m", "baker", str(house), "-o", f"{clips}/", "-q"]
         began = time.perf_counter()
-        bake = subprocess.Popen([*command, "--align", asked.align, "--cluster", address])
+        bake = subprocess.Popen([*command, "--align", arguments.align, "--cluster", address])
         pids["bake"] = bake.pid
-        seen = watch(bake, clips, pids, asked.plants)
+        seen = watch(bake, clips, pids, arguments.plants)
         wall = time.perf_counter() - began
         if bake.wait():
             raise SystemExit("the bake failed")
@@ -114,14 +114,14 @@ def main() -> None:
         whole = [gclip.open(path) for path in sorted(clips.iterdir())]
         each = {name: seconds / len(whole) for name, seconds in spent.items()}
         print(
-            f"{len(whole)} of {asked.plants} plants in {wall:.1f} s: {len(whole) / wall:.2f} a "
+            f"{len(whole)} of {arguments.plants} plants in {wall:.1f} s: {len(whole) / wall:.2f} a "
             f"second; of processor each {sum(each.values()) - each['scheduler']:.3f} s by workers, "
             f"{each['scheduler']:.4f} s by the scheduler"
         )
-        if len(whole) != asked.plants:
+        if len(whole) != arguments.plants:
             raise SystemExit("plants were lost")
     first, last = seen[MARKS[0]], seen[MARKS[-1]]
-    grown = [name for name in first if name[0] == "w" and last[name] > MOST_GROWTH * first[name]]
+    grown = [name for name in first if name[0] == "w" and last[name] > MAX_GROWTH * first[name]]
     if grown:
         raise SystemExit(f"memory grew: {', '.join(grown)}")
 
@@ -136,8 +136,8 @@ def watch(
             time.sleep(0.05)
         if bake.poll() is None:
             seen[mark] = {name: memory(pid) for name, pid in pids.items()}
-            told = ", ".join(f"{name} {found:.0f} MB" for name, found in seen[mark].items())
-            print(f"{mark:4.0%} done: {told}", flush=True)
+            line = ", ".join(f"{name} {found:.0f} MB" for name, found in seen[mark].items())
+            print(f"{mark:4.0%} done: {line}", flush=True)
     return seen
 
 

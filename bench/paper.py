@@ -127,11 +127,11 @@ def time_recipe(folder: Path, options: dict) -> Plain:
     command = [sys.executable, "-m", "bench.recipe", str(folder), str(folder.parent / "pairs.npz")]
     alone = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     began = time.perf_counter()
-    told = subprocess.run(
+    done = subprocess.run(
         [*command, *arguments], check=True, env={**os.environ, **alone}, capture_output=True
     )
     whole = time.perf_counter() - began
-    segmentation, transport = map(float, told.stdout.split())
+    segmentation, transport = map(float, done.stdout.split())
     return Plain(segmentation, transport, whole)
 
 
@@ -139,10 +139,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("rows", nargs="*", help="parts of rows' names; all by default")
     parser.add_argument("--runs", type=int, default=1, help="of recipe and whole bake, best counts")
-    asked = parser.parse_args()
-    if asked.runs < 1:
-        parser.error(f"--runs is {asked.runs}; it is 1 or more.")
-    wanted = asked.rows
+    arguments = parser.parse_args()
+    if arguments.runs < 1:
+        parser.error(f"--runs is {arguments.runs}; it is 1 or more.")
+    wanted = arguments.rows
     head = (
         "row",
         "points",
@@ -162,7 +162,7 @@ def main() -> None:
             folder = Path(scratch) / "scans"
             row.write(folder)
             recipes, bakes = [], []
-            for _ in range(asked.runs):
+            for _ in range(arguments.runs):
                 recipes.append(time_recipe(folder, row.options))
                 bakes += [time_process(folder, row.options) for _ in range(2)]
             paper, points = time_bake(folder, Options(paper=True, **row.options))

@@ -52,11 +52,11 @@ def segment(points: np.ndarray) -> np.ndarray:
 def transport(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
     """Pairs (2, E) of points that move onto each other, and the plan's cost (section 3.4)."""
     n, m = len(start), len(end)
-    there, i = cKDTree(end).query(start, k=min(K, m))
+    forward, i = cKDTree(end).query(start, k=min(K, m))
     back, j = cKDTree(start).query(end, k=min(K, n))
     rows = np.r_[np.repeat(np.arange(n), min(K, m)), np.reshape(j, -1)]
     columns = np.r_[np.reshape(i, -1), np.repeat(np.arange(m), min(K, n))]
-    lengths = np.r_[np.reshape(there, -1), np.reshape(back, -1)]
+    lengths = np.r_[np.reshape(forward, -1), np.reshape(back, -1)]
     unique = np.unique(rows.astype(np.int64) * m + columns, return_index=True)[1]
     rows, columns, lengths = rows[unique], columns[unique], lengths[unique]
     kernel = sp.csr_matrix((np.exp(-lengths / max(lengths.max(), 1e-12)), (rows, columns)), (n, m))
@@ -86,8 +86,8 @@ def upsample(
         start = p[p_labels == label]
         if not len(start):
             start = p[np.argsort(cKDTree(end).query(p)[0])[:30]]
-        here, there = transport(start, end)[0]
-        moved.append(np.stack([start[here], end[there]], axis=1))
+        i, j = transport(start, end)[0]
+        moved.append(np.stack([start[i], end[j]], axis=1))
     return np.concatenate(moved)
 
 
@@ -98,15 +98,15 @@ def match(
     from scipy.optimize import linear_sum_assignment
 
     (p, p_labels), (q, q_labels) = first, second
-    ours, theirs = np.unique(p_labels), np.unique(q_labels)
+    before, after = np.unique(p_labels), np.unique(q_labels)
     costs = np.array(
-        [[transport(p[p_labels == a], q[q_labels == b])[1] for b in theirs] for a in ours]
+        [[transport(p[p_labels == a], q[q_labels == b])[1] for b in after] for a in before]
     )
     renamed = np.full(len(q), -1)
-    for new, label in enumerate(theirs):
+    for new, label in enumerate(after):
         renamed[q_labels == label] = p_labels.max() + 1 + new
     for i, j in zip(*linear_sum_assignment(np.nan_to_num(costs, nan=1e30)), strict=True):
-        renamed[q_labels == theirs[j]] = ours[i]
+        renamed[q_labels == after[j]] = before[i]
     return renamed
 
 
@@ -116,7 +116,7 @@ def main() -> None:
     parser.add_argument("pairs", type=Path)
     parser.add_argument("--labels", default="consistent", choices=("consistent", "ignore"))
     parser.add_argument("--every", type=int, default=1)
-    asked = parser.parse_args()
+    arguments = parser.parse_args()
     # Infeasible supports divide by zero in this recipe (docs/method.md, row 5).
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     np.seterr(all="ignore")
@@ -124,9 +124,9 @@ def main() -> None:
     from baker.options import Options
     from baker.scans import read_series
 
-    given = asked.labels == "consistent"
-    read = Options(every=asked.every, labels=asked.labels)
-    scans = read_series([asked.scans], read).scans
+    given = arguments.labels == "consistent"
+    read = Options(every=arguments.every, labels=arguments.labels)
+    scans = read_series([arguments.scans], read).scans
     began = time.perf_counter()
     labels = [scan.labels if given else segment(scan.points) for scan in scans]
     between = time.perf_counter()
@@ -137,7 +137,7 @@ def main() -> None:
             labels[k + 1] = match(first, second)
         pairs.append(upsample(first, (second[0], labels[k + 1])))
     print(between - began, time.perf_counter() - between)
-    np.savez(asked.pairs, *pairs)
+    np.savez(arguments.pairs, *pairs)
 
 
 if __name__ == "__main__":

@@ -132,7 +132,9 @@ def jumps(clip: Clip, least: int) -> dict[str, float]:
     return worst
 
 
-def judged(kind: str, seed: int, factor: float, least: int, verbose: bool) -> dict[str, list]:
+def measure_errors(
+    kind: str, seed: int, factor: float, least: int, verbose: bool
+) -> dict[str, list]:
     subject = plant(kind, seed)
     points = tuple(round(factor * n) for n in subject._scan_points)
     with tempfile.TemporaryDirectory() as folder:
@@ -201,7 +203,7 @@ def main() -> None:
     for kind in args.kinds:
         rows: dict[str, list[Error]] = {"scan": [], "fresh": [], "between": []}
         for seed in range(args.seeds):
-            found = judged(kind, seed, args.points, args.least, args.verbose)
+            found = measure_errors(kind, seed, args.points, args.least, args.verbose)
             for state, some in found.items():
                 rows[state] += some
         show(kind, rows)

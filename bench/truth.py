@@ -116,14 +116,14 @@ def gaps(clip: Clip) -> float:
         for day in days:
             frame = clip.at(day)
             for track in clip.track_table:
-                mine = frame.local[frame.tracks == track.id]
+                organ = frame.local[frame.tracks == track.id]
                 parent = (
                     frame.local[frame.tracks == track.parent]
                     if track.parent is not None
-                    else mine[:0]
+                    else organ[:0]
                 )
-                if len(mine) and len(parent):
-                    gap = float(cKDTree(parent).query(mine)[0].min())
+                if len(organ) and len(parent):
+                    gap = float(cKDTree(parent).query(organ)[0].min())
                     spans.setdefault(track.id, []).append(gap)
         for gap_of in spans.values():
             worst = max(worst, max(gap_of) - max(gap_of[0], gap_of[-1]))

@@ -12,7 +12,7 @@ from baker.scans.formats.faults import FormatError, library_faults, require_room
 
 PLACES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
-SMALLEST_POINT = 1 / 8  # bytes; coordinates are packed into as many bits as they need
+MIN_POINT_BYTES = 1 / 8  # bytes; coordinates are packed into as many bits as they need
 
 
 def read(path: Path) -> Columns:
@@ -30,7 +30,7 @@ def read(path: Path) -> Columns:
     with library_faults("E57"), closing(pye57.E57(str(path))) as file:
         numbers = range(file.scan_count)
         count = sum(file.get_header(k).point_count for k in numbers)
-        require_room(count, SMALLEST_POINT, path.stat().st_size)
+        require_room(count, MIN_POINT_BYTES, path.stat().st_size)
         wanted = {"colors": True, "ignore_missing_fields": True, "transform": True}
         scans = [file.read_scan(k, **wanted) for k in numbers]
     have_colors = all(set(COLORS) <= set(scan) for scan in scans)

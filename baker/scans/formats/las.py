@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults, require_count, require_room
 
-CHUNK = 32 << 20  # bytes of points that are decoded at a time
-SHORTEST_HEADER = 227  # bytes, LAS 1.0 to 1.2
-SHORTEST_RECORD = 54  # bytes of a variable length record without content
+BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
+MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2
+MIN_RECORD_BYTES = 54  # bytes of a variable length record without content
 LAYERED = 3  # the compressor that writes each field of a chunk as a layer of its own
 LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}
 """Layers of each kind of item: point, RGB, RGB and near infrared, wave packet; other items have
@@ -42,7 +42,7 @@ def read(path: Path) -> Columns:
         if header.are_points_compressed:
             _require_sound_chunks(path, header)
         # In chunks, so that memory is made only for points that are there.
-        chunks = list(file.chunk_iterator(max(1, CHUNK // form.size)))
+        chunks = list(file.chunk_iterator(max(1, BYTES_AT_A_TIME // form.size)))
         require_count(header.point_count, sum(map(len, chunks)))
         names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
         columns: dict[str, NDArray] = {}
@@ -59,15 +59,15 @@ def read(path: Path) -> Columns:
 def _check_beginning(path: Path) -> None:
     """Refuse what laspy would take minutes over: records by the million that can't be there."""
     with path.open("rb") as file:
-        start = file.read(SHORTEST_HEADER)
-    if len(start) < SHORTEST_HEADER or not start.startswith(b"LASF"):
+        start = file.read(MIN_HEADER_BYTES)
+    if len(start) < MIN_HEADER_BYTES or not start.startswith(b"LASF"):
         raise FormatError("is not a LAS file: it doesn't begin with 'LASF'.")
     header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
     size, room = path.stat().st_size, points_offset - header_size
     fault = ""
     if max(header_size, points_offset) > size:
         fault = f"says that the points begin at byte {points_offset}, and the file ends at {size}"
-    elif record_count * SHORTEST_RECORD > room:
+    elif record_count * MIN_RECORD_BYTES > room:
         records = f"{record_count} records before the points"
         fault = f"announces {records}, for which there are {max(room, 0)} bytes"
     if fault:

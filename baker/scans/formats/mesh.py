@@ -15,7 +15,7 @@ from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
 from baker.scans.formats.faults import FormatError, library_faults
 
-FEWEST_POINTS, MOST_POINTS = 20_000, 100_000
+MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """A mesh gives as many points as it has vertices, but no fewer and no more than these."""
 
 Faces = NDArray | Sequence[NDArray]
@@ -124,17 +124,17 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     if not len(total) or not 0.0 < total[-1] < np.inf:
         return Columns(dict(vertices))
 
-    wanted = int(np.clip(count, FEWEST_POINTS, MOST_POINTS))
+    sampled = int(np.clip(count, MIN_POINTS, MAX_POINTS))
     random = np.random.default_rng(0)
-    places = (np.arange(wanted) + random.random(wanted)) / wanted * total[-1]
+    places = (np.arange(sampled) + random.random(sampled)) / sampled * total[-1]
     chosen = corners[np.minimum(np.searchsorted(total, places, side="right"), len(total) - 1)]
     # Uniform in a triangle: R. Osada et al., Shape Distributions, ACM ToG 21, 2002, equation 1.
-    root, along = np.sqrt(random.random(wanted)), random.random(wanted)
+    root, along = np.sqrt(random.random(sampled)), random.random(sampled)
     weights = np.stack([1 - root, root * (1 - along), root * along], axis=1)
-    nearest = chosen[np.arange(wanted), weights.argmax(axis=1)]
+    nearest = chosen[np.arange(sampled), weights.argmax(axis=1)]
     columns = {name: values[nearest] for name, values in vertices.items()}
     for name in (name for name in columns if name.lower() in INTERPOLATED):
         mixed, kind = (vertices[name][chosen] * weights).sum(axis=1), vertices[name].dtype
         columns[name] = np.rint(mixed).astype(kind) if kind.kind in "iu" else mixed
-    note = f"a mesh of {len(corners)} triangles: {wanted} points sampled evenly on its surface."
+    note = f"a mesh of {len(corners)} triangles: {sampled} points sampled evenly on its surface."
     return Columns(columns, (note,))

@@ -22,8 +22,8 @@ from baker.scans.formats.lzf import decompress
 from baker.scans.formats.text import Lines, read_rows
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
-LONGEST_HEADER = 1 << 19  # bytes
-MOST_VALUES = 10_000  # of a point; the largest descriptors have some thousand
+MAX_HEADER_BYTES = 1 << 19  # bytes
+MAX_VALUES = 10_000  # of a point; the largest descriptors have some thousand
 LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
 
@@ -104,7 +104,7 @@ def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
 def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
     """The words of each line by its first one; the header's size in bytes and in lines."""
     with path.open("rb") as file:
-        head = file.read(LONGEST_HEADER)
+        head = file.read(MAX_HEADER_BYTES)
     end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", head, re.MULTILINE)
     if not end:
         raise FormatError("is not a PCD file: its header has no line 'DATA'.")
@@ -131,8 +131,8 @@ def _record(words: dict[str, list[str]]) -> np.dtype:
             raise _header_fault(f"{given} unknown type {unknown}")
         if not re.fullmatch("0*[1-9][0-9]{0,4}", count):
             raise _header_fault(f"{given} COUNT {excerpt(count)}")
-        if len(record) + int(count) > MOST_VALUES:
-            raise _header_fault(f"gives a point more than {MOST_VALUES} values")
+        if len(record) + int(count) > MAX_VALUES:
+            raise _header_fault(f"gives a point more than {MAX_VALUES} values")
         for i in range(int(count)):
             # Padding is named "_", as often as it occurs; other values of a field are numbered.
             unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name

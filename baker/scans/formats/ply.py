@@ -15,7 +15,7 @@ from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults, require_room
 from baker.scans.formats.mesh import Faces, points_on_surface
 
-LONGEST_HEADER = 1 << 20
+MAX_HEADER_BYTES = 1 << 20
 CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use
 
 
@@ -56,7 +56,7 @@ def read(path: Path) -> Columns:
 def _require_sound_header(path: Path) -> None:
     """Refuse a header that is none, or that announces more than the file can hold."""
     with path.open("rb") as file:
-        header = file.read(LONGEST_HEADER)
+        header = file.read(MAX_HEADER_BYTES)
     if not re.match(rb"ply\s", header):
         raise FormatError("is not a PLY file: its first line isn't 'ply'.")
     end = re.search(rb"^end_header\b", header, re.MULTILINE)

@@ -9,7 +9,7 @@ import trimesh
 from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
-from baker.scans.formats.mesh import FEWEST_POINTS, points_on_surface
+from baker.scans.formats.mesh import MIN_POINTS, points_on_surface
 
 SUFFIXES = (".obj", ".off", ".stl", ".glb", ".gltf", ".ply")
 
@@ -54,7 +54,7 @@ def mesh_file(request, tmp_path):
 
 def test_points_lie_evenly_on_the_surface(mesh_file):
     cloud = read(mesh_file)
-    assert len(cloud) == FEWEST_POINTS
+    assert len(cloud) == MIN_POINTS
     distance = np.abs(np.abs(cloud.points) - [1, 2, 4])
     np.testing.assert_allclose(distance.min(axis=1), 0, atol=1e-6)
     # Each side has its share of the points, to one of 12 triangles' rounding.
