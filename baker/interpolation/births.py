@@ -31,16 +31,16 @@ class Birth:
     size: float  # at mid-interval, as a share of that at the end
     parent: Timing | None = None  # of the organ that it grows on, where that doesn't move evenly
 
-    def control(self, start: Points, end: Points) -> NDArray[np.float32]:
-        """(N, 3) control points of degree 2, from points at the attachment point to the organ's.
+    def shift(self, start: Points, end: Points) -> NDArray[np.floating]:
+        """(N, 3) how far movers between these points are from the middle of their paths.
 
-        At mid-interval each mover is `size` of the distance from the attachment point to its end,
-        and the attachment point where its parent is.
+        At mid-interval each is `size` of the distance from the attachment point to its end, and the
+        attachment point where its parent is.
         """
-        unfolding = start / 2 + (1 - 2 * self.size) * self.attachment + (2 * self.size - 0.5) * end
+        unfolding = (self.size - 0.5) * (end - self.attachment)
         if self.parent is not None:
-            unfolding = unfolding + 2 * self.parent.shift(start, self.attachment)
-        return unfolding.astype(np.float32)
+            unfolding = unfolding + self.parent.shift(start, self.attachment)
+        return unfolding
 
 
 def births(

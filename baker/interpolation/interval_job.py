@@ -187,9 +187,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             leaflets = match_leaflets(start, end, (attached_at[0], attached_at[1]))
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), leaflets)
-        birth = born.get(task.organ) if task.event == "birth" else None
-        timing = job.timings.get(task.organ) if task.event == "match" else None
-        moved = moving(task, plan, job.start, job.end, birth, timing)
+        timing = (born if task.event == "birth" else job.timings).get(task.organ)
+        moved = moving(task, plan, job.start, job.end, timing)
         return moved, paths.deviation(moved) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.

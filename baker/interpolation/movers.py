@@ -38,23 +38,18 @@ def moving(
     plan: Correspondences,
     start: Keyframe,
     end: Keyframe,
-    birth: Birth | None = None,
-    timing: Timing | None = None,
+    timing: Birth | Timing | None = None,
 ) -> OrganMovers:
     """The movers of a matched or a new organ, by the plan between its points.
 
-    birth: how a new organ unfolds; by default in straight lines from its attachment point.
-    timing: of a matched organ that doesn't move evenly.
+    timing: how a new organ unfolds, or a matched one moves; by default evenly, in straight lines.
     """
     a, b = task.start[plan.rows], task.end[plan.columns]
     origin, target = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
-    curve: tuple[NDArray[np.float32], ...] = origin, target
-    if birth is not None:
-        curve = origin, birth.control(origin, target), target
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:
         colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
-    movers = Movers(Motion.MOVE, curve, np.full(len(a), task.organ), *colors)
+    movers = Movers(Motion.MOVE, (origin, target), np.full(len(a), task.organ), *colors)
     born, area = task.event == "birth", None
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.spine import OrganShape, Points, at_levels, fit_spine, unit
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 # Unevenness of a deformation, and movement of the attachment point in organ lengths, up to which an
 # organ turns evenly in time and from which on it turns as it grows (docs/method.md, "Motion").
@@ -32,34 +27,20 @@ class OrganMotion:
     sample: Points  # (n, 3), of the first scan
     along: NDArray[np.float64]  # (n,), their places along the spine, 0 to 1
     deformed: Points  # (n, 3), where they come to lie in the second scan
-    start_nodes: Points  # (LEVELS, 3), the spine
-    mid_nodes: Points
-    end_nodes: Points
+    deviations: Points  # (LEVELS, 3), at mid-interval, of the spine's nodes from their chords
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) deviation at mid-interval of movers from these points from their chords."""
-        return at_levels(self.deviations, self._interpolated(points, self.along))
+        """(n, 3) deviation at mid-interval of movers from these points from their chords.
 
-    @cached_property
-    def deviations(self) -> Points:
-        """(LEVELS, 3) the same of the spine's nodes."""
-        return self.mid_nodes - 0.5 * (self.start_nodes + self.end_nodes)
-
-    @cached_property
-    def _tree(self) -> cKDTree:
+        Their places along the spine are means of the sample's, weighted by inverse distance.
+        """
         from scipy.spatial import cKDTree
 
-        return cKDTree(self.sample)
-
-    def _interpolated(
-        self, points: NDArray[np.floating], values: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Values of the sample, (n, ...), weighted by inverse distance."""
-        count = min(4, len(self.sample))
-        distances, near = self._tree.query(points, k=[*range(1, count + 1)])
+        ranks = [*range(1, min(4, len(self.sample)) + 1)]
+        distances, near = cKDTree(self.sample).query(points, k=ranks)
         weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
-        weights /= weights.sum(axis=1, keepdims=True)
-        return np.einsum("nk,nk...->n...", weights, values[near])
+        along = (weights * self.along[near]).sum(axis=1) / weights.sum(axis=1)
+        return at_levels(self.deviations, along)
 
 
 def fit_motion(
@@ -70,8 +51,8 @@ def fit_motion(
     None where paths may be straight, as they deviate from their chords by less than
     `min_deviation`, or where the deformation is too uneven to be right.
     """
-    before, after = source.spine.nodes, target.spine.nodes
-    if max(_deviation(before, after, share) for share in (0.0, 1.0)) < min_deviation:
+    nodes = source.spine.nodes, target.spine.nodes
+    if max(_length(_deviations(*nodes, share)) for share in (0.0, 1.0)) < min_deviation:
         return None
     carried = spine_deformation(source.points, target.points, source.spine, target.spine)
     deformed = register_nonrigid(carried, target.points)
@@ -81,10 +62,10 @@ def fit_motion(
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
     share = growth_share(start, end, uneven)
-    if _deviation(start, end, share) < min_deviation:
+    deviation = _deviations(start, end, share)
+    if _length(deviation) < min_deviation:
         return None
-    middle = mid_spine(start, end, share)
-    return OrganMotion(source.points, along, deformed, start, middle, end)
+    return OrganMotion(source.points, along, deformed, deviation)
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:
@@ -140,10 +121,14 @@ def unevenness(sample: Points, deformed: Points) -> float:
     return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVENNESS_RANGE[1]
 
 
-def _deviation(start: Points, end: Points, share: float) -> float:
-    """The largest mid-interval deviation of a spine's nodes from their chords."""
-    deviation = mid_spine(start, end, share) - 0.5 * (start + end)
-    return float(np.linalg.norm(deviation, axis=1).max())
+def _deviations(start: Points, end: Points, share: float) -> Points:
+    """(LEVELS, 3) how far the mid-interval spine's nodes are from their chords."""
+    return mid_spine(start, end, share) - 0.5 * (start + end)
+
+
+def _length(vectors: Points) -> float:
+    """Of the longest one."""
+    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _ramp(value: float, zero: float, one: float) -> float:

@@ -198,4 +198,4 @@ def test_organs_of_any_shapes_get_one_name_each(shape):
 def test_births_from_and_to_one_point_are_finite():
     at = np.zeros((5, 3), np.float32)
     for size in (0.45, 0.5):
-        assert np.isfinite(Birth(np.zeros(3), size).control(at, at)).all()
+        assert np.isfinite(Birth(np.zeros(3), size).shift(at, at)).all()

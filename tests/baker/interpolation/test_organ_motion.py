@@ -75,10 +75,9 @@ def test_no_shape_is_worse_off(name: str) -> None:
 def test_the_spine_keeps_its_length(name: str) -> None:
     motion = motion_between(*clouds(SHAPES[name]))
     assert motion is not None
-    start, half, end = (
-        np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-        for nodes in (motion.start_nodes, motion.mid_nodes, motion.end_nodes)
-    )
+    nodes = [fit_spine(points, motion.along).nodes for points in (motion.sample, motion.deformed)]
+    spines = nodes[0], (nodes[0] + nodes[1]) / 2 + motion.deviations, nodes[1]
+    start, half, end = (np.linalg.norm(np.diff(spine, axis=0), axis=1) for spine in spines)
     np.testing.assert_allclose(half, half_way(start, end), rtol=1e-9)
     assert half.sum() == pytest.approx((start + end).sum() / 2, rel=0.01)
 
@@ -112,7 +111,7 @@ def test_a_motion_is_the_same_wherever_the_plant_stands() -> None:
     moved = fit_motion(shape_of(start[:1000] + shift, shift), shape_of(end[:1000] + shift, shift))
     assert here is not None
     assert moved is not None
-    np.testing.assert_allclose(moved.mid_nodes - shift, here.mid_nodes, atol=1e-6)
+    np.testing.assert_allclose(moved.deviations, here.deviations, atol=1e-6)
 
 
 def test_straight_spines_do_not_deviate() -> None:
