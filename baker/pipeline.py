@@ -139,20 +139,11 @@ def survey_series(
     options = options.for_series(found.fixed, found.length, found.root)
     choices = options.resolved()
     root = _local_root(found, options)
-    scans = found.scans
-    alignment = register(
-        [scan.points for scan in scans],
-        choices.align,
-        choices.up,
-        root,
-        [scan.labels for scan in scans],
-        [scan.name for scan in scans],
-        [scan.origin - scans[0].origin for scan in scans],
-        found.ground_up,
-        options.unit,
-        progress=progress,
-        map=map,
-    )
+    scans, first = found.scans, found.scans[0].origin
+    points, read = [scan.points for scan in scans], [scan.labels for scan in scans]
+    names, offsets = [scan.name for scan in scans], [scan.origin - first for scan in scans]
+    known = root, read, names, offsets, found.ground_up, options.unit
+    alignment = register(points, choices.align, choices.up, *known, progress=progress, map=map)
     keyframes = aligned_keyframes(found, alignment)
     series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
@@ -255,14 +246,11 @@ def _measure(
     if not options.paper:
         pairs = zip(series.scans, neighbors, strict=True)
         series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))
-    found = [None if options.paper else frame.base for frame in keyframes]
-    places = found if root is None else [root] * len(keyframes)
-    bases = [
-        base_point(cloud, vertical, near, place)
-        for cloud, near, place in zip(clouds, neighbors, places, strict=True)
-    ]
+    by_itself = root is None and not options.paper
+    places = [frame.base if by_itself else root for frame in keyframes]
+    bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, places))
     times = tuple(scan.time for scan in series.scans)
-    aligned = AlignedSeries(times, tuple(keyframes), tuple(neighbors), tuple(bases), vertical)
+    aligned = AlignedSeries(times, tuple(keyframes), tuple(neighbors), bases, vertical)
     return series, aligned
 
 
