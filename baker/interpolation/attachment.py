@@ -7,7 +7,7 @@ its attachment point, until it is as near to its parent as at the scans.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
@@ -45,12 +45,17 @@ def attachments(cloud: NDArray[np.floating], hierarchy: Hierarchy) -> dict[int, 
 
 
 def attached(
-    tasks: Sequence[OrganMovers], match: Match, organs: IntervalOrgans, spacing: float
+    tasks: Sequence[OrganMovers],
+    match: Match,
+    organs: IntervalOrgans,
+    at_end: Mapping[int, Attachment],
+    spacing: float,
 ) -> list[OrganMovers]:
     """The solved tasks of an interval, with organs that keep their distance from their parents.
 
     Parents come before their children, which follow them. Positions at the scans don't change; what
-    is lost is left alone. spacing: the point spacing of the scans, in their unit.
+    is lost is left alone. at_end: `attachments` of the second scan; spacing: the point spacing of
+    the scans, in their unit.
     """
     from scipy.spatial import cKDTree
 
@@ -67,26 +72,23 @@ def attached(
 
     for segment in match.second.from_the_root():
         parent = match.second.parents[segment]
-        if parent == NO_PARENT:
-            continue
-        index, carrier = (place.get(organs.second[s]) for s in (segment, parent))
-        if index is None or carrier is None:
-            continue
-        done[index] = _attached(done[index], partial(tree, carrier), spacing)
+        index = place.get(organs.second[segment])
+        carrier = None if parent == NO_PARENT else place.get(organs.second[parent])
+        if index is not None and carrier is not None:
+            gap = at_end[segment].gap
+            done[index] = _attached(done[index], partial(tree, carrier), gap, spacing)
     return done
 
 
 def _attached(
-    moved: OrganMovers, parent: Callable[[float], cKDTree], spacing: float
+    moved: OrganMovers, parent: Callable[[float], cKDTree], gap_at_end: float, spacing: float
 ) -> OrganMovers:
     """An organ shifted at mid-interval; parent: its parent's movers at a share of the interval."""
-    middle = position_at(moved.movers.curve, 0.5)
+    middle, start = position_at(moved.movers.curve, 0.5), moved.movers.curve[0]
     base, gap, _ = attachment(middle, parent(0.5))
-    allowed = 0.0
-    for u in (1.0, 0.0):
-        if gap <= allowed + MAX_WIDENING * spacing:
-            return moved
-        allowed = max(allowed, attachment(position_at(moved.movers.curve, u), parent(u)).gap)
+    if gap <= gap_at_end + MAX_WIDENING * spacing:
+        return moved
+    allowed = max(gap_at_end, attachment(start, parent(0.0)).gap)
     if gap <= allowed + MAX_WIDENING * spacing:
         return moved
     touched = parent(0.5).data[parent(0.5).query(middle[base])[1]]

@@ -197,7 +197,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
     solved = [*moved]
     if paths:
-        solved = attached(paths.curved(moved, deviations), job.match, job.organs, job.spacing)
+        curved = paths.curved(moved, deviations)
+        solved = attached(curved, job.match, job.organs, touching[1], job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even),

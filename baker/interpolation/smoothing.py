@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from baker.geometry.rigid import rotations_between
 from baker.interpolation.attachment import attachments
 from baker.interpolation.keyframes import Keyframe
+from baker.interpolation.spine import unit
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
@@ -48,8 +49,8 @@ def smooth_organs(
     for organ, course in arms.items():
         if len(course) >= MIN_SCANS:
             when = np.asarray([times[k] for k in course])
-            directions = _unit(np.array([*course.values()]))
-            smooth = _unit(local_regression(when, directions))
+            directions = unit(np.array([*course.values()]))
+            smooth = unit(local_regression(when, directions))
             rotations = rotations_between(directions, smooth)
             turns |= {(organ, k): turn for k, turn in zip(course, rotations, strict=True)}
     smoothed = []
@@ -95,7 +96,3 @@ def local_regression(
             break
         trust = np.maximum(1 - (residual / (OUTLIER_RATIO * usual)) ** 2, 0) ** 2 + 1e-6
     return fitted
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)

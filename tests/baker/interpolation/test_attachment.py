@@ -47,6 +47,12 @@ def tasks_of(
     return moved, match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
 
 
+def held(solved: list[OrganMovers], match: Match, organs: IntervalOrgans) -> list[OrganMovers]:
+    """The tasks with organs held at their parents, at a point spacing of 1."""
+    end = np.concatenate([moved.movers.curve[-1] for moved in solved])
+    return attached(solved, match, organs, attachments(end, match.second), 1.0)
+
+
 def widening(moved: list[OrganMovers]) -> float:
     """How far the leaf parts from the stem beyond the larger gap at the scans, at 50 instants."""
     gaps = [cKDTree(at(moved[0], u)).query(at(moved[1], u))[0].min() for u in np.linspace(0, 1, 52)]
@@ -62,7 +68,7 @@ def test_a_base_that_would_leave_its_stem_stays() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
     solved, match, organs = tasks_of(leaf)
     assert widening(solved) > TOLERANCE
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     assert widening(after) < TOLERANCE
     assert len(after[1].movers) == COUNT  # drawn to its stem, which needs no mover to span a gap
     for u in (0.0, 1.0):
@@ -75,7 +81,7 @@ def test_a_gap_that_the_scans_show_is_kept() -> None:
     """Drawn as near as at the scans, not onto the stem."""
     away = blade() + np.array([10.0, 0.0, 0.0])
     solved, match, organs = tasks_of((away, away + np.array([12.0, 0.0, 0.0]), away))
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     gap = cKDTree(at(after[0], 0.5)).query(at(after[1], 0.5))[0].min()
     assert gap == pytest.approx(10.5, abs=1.0)
 
@@ -95,7 +101,7 @@ def test_no_path_parts_an_organ_from_its_stem(degree: int) -> None:
     }[degree]
     solved, match, organs = tasks_of(leaf, swinging())
     assert widening(solved) > TOLERANCE
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     assert widening(after) < TOLERANCE
 
 
@@ -103,14 +109,14 @@ def test_what_is_born_unfolds_from_its_stem() -> None:
     bud = np.tile([0.0, 0.0, 25.0], (COUNT, 1))
     solved, match, organs = tasks_of((bud, (bud + blade()) / 2, blade()), swinging(), born=True)
     assert widening(solved) > TOLERANCE
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     assert widening(after) < TOLERANCE
 
 
 def test_the_tip_hardly_follows() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
     solved, match, organs = tasks_of(leaf)
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     moved = np.linalg.norm(at(after[1], 0.5)[:COUNT] - at(solved[1], 0.5), axis=1)
     assert moved[0] > 4
     assert moved[-1] < 0.01
@@ -118,7 +124,7 @@ def test_the_tip_hardly_follows() -> None:
 
 def test_what_is_attached_is_left_alone() -> None:
     solved, match, organs = tasks_of((blade(), blade()))
-    after = attached(solved, match, organs, 1.0)
+    after = held(solved, match, organs)
     assert after[1] is solved[1]
 
 
@@ -134,7 +140,7 @@ def test_a_child_follows_a_parent_that_is_itself_shifted() -> None:
     hierarchy = Hierarchy(segments, (0, 1, 2), (NO_PARENT, 0, 1), 0)
     names = {k: k for k in range(3)}
     match = Match(hierarchy, hierarchy, tuple(names.items()), (), ())
-    after = attached(solved, match, IntervalOrgans(names, names), 1.0)
+    after = held(solved, match, IntervalOrgans(names, names))
     assert widening(after) < TOLERANCE
     assert widening(after[1:]) < TOLERANCE
 
