@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from baker.errors import writing
 from baker.options import Options
@@ -19,7 +21,7 @@ from baker.report.figures import (
     scale_bar,
     scans_pictured,
 )
-from baker.report.pictures import NoPicture, Picture, take_pictures
+from baker.report.pictures import NoPicture, Picture, PictureRequest, take_pictures
 from baker.report.verification import HoldoutError, overall, verify
 from baker.verdict.doubt import between, doubts_in, grouped, headline
 from gclip import Clip
@@ -76,6 +78,7 @@ def write_report(
             headline=headline(clip, doubts),
             doubts=[(between(clip, own[0]), own) for own in by_interval],
             pictures=pictures,
+            windows=_windows(requests, pictures),
             no_pictures=no_pictures,
             shown=shown,
             bar=scale_bar(clip, first) if first else None,
@@ -91,6 +94,19 @@ def write_report(
         )
         part.write_bytes(page.encode())
     report_progress("report", 1, 1)
+
+
+def _windows(
+    requests: Mapping[str, PictureRequest], pictures: Mapping[str, Picture]
+) -> dict[str, tuple[float, float, float, float]]:
+    """The part of each picture of an interval that shows the plant, the same in all of these."""
+    found: dict[str, tuple[float, float, float, float]] = {}
+    for k in range(MAX_DOUBTS_PICTURED):
+        names = [name for name in pictures if name.startswith(f"doubt-{k}-")]
+        if names:
+            points = np.concatenate([requests[name].points for name in names])
+            found |= dict.fromkeys(names, pictures[names[0]].window(points))
+    return found
 
 
 def _template() -> Any:

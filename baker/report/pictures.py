@@ -26,6 +26,7 @@ from gclip.pack import Movers, pack_interval
 PLAYER_TIMEOUT = 600.0  # seconds
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
 PIXELS = 400_000  # of one picture
+MARGIN, MIN_WINDOW = 1.2, 0.35  # of a part that is shown: a share of the plant, of the picture
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
 
 
@@ -57,6 +58,14 @@ class Picture:
         """(N, 2) pixels from the top left corner at which (N, 3) local positions appear."""
         seen = np.column_stack([points, np.ones(len(points))]) @ self.view.T
         return np.asarray(self.size) * (1 + seen[:, :2] / seen[:, 3:] * [1, -1]) / 2
+
+    def window(self, points: NDArray[np.floating]) -> tuple[float, float, float, float]:
+        """The part of the picture, x, y, width and height, that shows (N, 3) local positions."""
+        pixels, size = self.project(points), np.array(self.size, float)
+        low, high = pixels.min(axis=0), pixels.max(axis=0)
+        extent = size * min(max((MARGIN * (high - low) / size).max(), MIN_WINDOW), 1.0)
+        x, y = np.clip((low + high - extent) / 2, 0.0, size - extent).round(1).tolist()
+        return x, y, *extent.round(1).tolist()
 
 
 def take_pictures(

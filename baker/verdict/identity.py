@@ -64,11 +64,9 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
     organs = [*(tracks.first[a] for a, _ in pairs), *(tracks.first[s] for s in lost)]
     organs += [tracks.second[s] for s in born]
     for organ, margin, rival, factor in zip(organs, margins, rivals, growth.tolist(), strict=False):
-        if margin < MIN_MARGIN:
-            what, other = "{name} may be a new organ", None
-            if rival >= 0:
-                what, other = "{name} and {other} may be mixed up", organs[rival]
-            yield IdentityDoubt(organ, what, 2.0 - margin / MIN_MARGIN, other)
+        if margin < MIN_MARGIN and rival >= 0:
+            what = "{name} and {other} may be mixed up"
+            yield IdentityDoubt(organ, what, 2.0 - margin / MIN_MARGIN, organs[rival])
         if factor > MAX_GROWTH:
             what = "{name} is suddenly much larger and may be two organs"
             yield IdentityDoubt(organ, what, factor / MAX_GROWTH)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from baker.report.pictures import NoPicture, PictureRequest, take_pictures
+from baker.report.pictures import NoPicture, Picture, PictureRequest, take_pictures
 
 
 @pytest.fixture
@@ -41,3 +41,16 @@ def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, 
 def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
     with pytest.raises(NoPicture, match="no EGL here"):
         take_pictures(requested, baked[0])
+
+
+def test_a_window_shows_the_plant_in_the_pictures_shape(requested):
+    """Seen straight from the front, a unit of length is 40 pixels wide and 80 high."""
+    picture = Picture(b"", (400, 800), np.diag([0.2, 0.2, 0.0, 1.0]))
+    for points in (requested["first"].points / 30, requested["last"].points / 30, np.zeros((1, 3))):
+        x, y, width, height = picture.window(points)
+        places = picture.project(points)
+        assert (places >= [x, y]).all()
+        assert (places <= [x + width, y + height]).all()
+        assert height == pytest.approx(2 * width, abs=0.2)
+        assert 0 <= x <= x + width <= 400
+        assert 0 <= y <= y + height <= 800
