@@ -13,7 +13,7 @@ from baker.verdict.motion import OrganMotion, sampled_motions
 from gclip import Clip
 
 # From these values on an organ's motion is doubtful (docs/method.md, "The verdict").
-MIN_TORN, MAX_ORDER, MIN_SIZE_CHANGE = 0.02, 0.8, 0.2
+MIN_TORN, MAX_ORDER, MIN_SIZE_CHANGE = 0.02, 0.85, 0.2
 
 
 def judged(clip: Clip, followed: FollowedOrgans | None, map: MapLike = map) -> Clip:
