@@ -7,6 +7,7 @@ that the whole moves before its parts.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.spine import Points, Spine, at_levels, unit
+from baker.interpolation.spine import Points, Spine, at_levels, levels, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -31,27 +32,37 @@ STIFFNESS = 0.1  # of the maps against stretching, as a share of the kernel's wi
 OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts half
 
 
-def spine_deformation(source: Points, target: Points, before: Spine, after: Spine) -> Points:
+def spine_deformation(
+    source: Points,
+    target: Points,
+    before: Spine,
+    after: Spine,
+    nodes: tuple[Sequence[float], Sequence[float]] = ((), ()),
+) -> Points:
     """Carry points, (n, 3), from one spine onto the other, each at its place along.
 
     Each level turns by the smallest rotation between its tangents and by a roll about the tangent,
     which changes evenly from attachment to tip. Of 35 rolls that one is taken which brings the
     clouds closest to each other, small ones first. target: the organ's points at the end, (m, 3).
+    nodes: places along both spines that correspond, ascending; what lies between two of them stays
+    between them.
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
 
-    turns = rotations_between(before.tangents, after.tangents)
+    ends = [0.0, *nodes[0], 1.0], [0.0, *nodes[1], 1.0]
+    tangents = unit(at_levels(after.tangents, np.interp(levels(), *ends)))
+    centers = at_levels(after.nodes, np.interp(before.along, *ends))
+    turns = rotations_between(before.tangents, tangents)
     offset = source - at_levels(before.nodes, before.along)
     across = target - at_levels(after.nodes, after.along)
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, across)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     turned = width * np.einsum("nij,nj->ni", at_levels(turns, before.along), offset)
-    center, tangent = (at_levels(v, before.along) for v in (after.nodes, after.tangents))
-    axis = unit(tangent)
+    axis = unit(at_levels(tangents, before.along))
     along_axis = axis * (axis * turned).sum(axis=1, keepdims=True)
     normal, binormal = turned - along_axis, np.cross(axis, turned)
-    center += along_axis
+    center = centers + along_axis
 
     def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
         angle = (roll + twist * before.along[chosen])[:, None]

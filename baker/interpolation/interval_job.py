@@ -15,6 +15,9 @@ from baker.interpolation.attachment import attached, attachments
 from baker.interpolation.births import Birth, births
 from baker.interpolation.keyframes import AlignedSeries, Keyframe
 from baker.interpolation.movers import OrganMovers, leaving, moving
+from baker.interpolation.organ_attachments import Attachments, organ_attachments
+from baker.interpolation.organ_motion import OrganMotion, fit_motion
+from baker.interpolation.organ_shapes import OrganShape, organ_shapes
 from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
@@ -34,7 +37,7 @@ class InterpolationOptions:
     """What the options say about the movers of all intervals."""
 
     transport: TransportOptions  # its `workers` does not count
-    leaflets: bool  # whether an organ's leaflets are matched and transported one by one
+    registered: bool  # whether organs are deformed onto each other before they are transported
     decay: Motion  # how lost organs leave
     # organs deform along curved paths, attached to their parents, or go in straight lines
     curved: bool
@@ -59,6 +62,7 @@ class IntervalJob:
     timings: Mapping[int, Timing]  # by organ, of those that don't move evenly
     vertical: Vertical
     floor: float  # height that lost organs fall to; 0 where none falls
+    attachments: tuple[Attachments, Attachments]  # of matched organs, in both scans
     spacing: float  # mean point spacing of the two scans
     options: InterpolationOptions
 
@@ -92,9 +96,10 @@ def interval_jobs(
         keyframes = [replace(k, area=point_area(k.positions, near)) for k, near in pairs]
     curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
+    clouds = [frame.positions for frame in keyframes]
     if curved:
-        clouds = [frame.positions for frame in keyframes]
         timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
+    registered = not (options.paper or options.whole)
     chosen = InterpolationOptions(
         transport=TransportOptions(  # the paper's cost is the distance, on a kNN support as it is
             method="sinkhorn" if options.transport == "sinkhorn" else "exact",
@@ -102,12 +107,15 @@ def interval_jobs(
             neighbors=options.neighbors,
             feasible=not options.paper,
         ),
-        leaflets=not options.paper and options.transport != "sinkhorn",
+        registered=registered,
         decay=decay,
         curved=curved,
         even=options.even or 0.0,
         precision=options.precision,
     )
+    attached_at: list[tuple[Attachments, Attachments]] = [({}, {}) for _ in matches]
+    if registered:
+        attached_at = organ_attachments(clouds, spacings, matches, tracks)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
@@ -121,6 +129,7 @@ def interval_jobs(
             timings=timings[k],
             vertical=series.vertical,
             floor=series.floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
+            attachments=attached_at[k],
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             options=chosen,
         )
@@ -167,29 +176,32 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    hierarchies = job.match.first, job.match.second
-    touching = [attachments(*scan) for scan in zip(clouds, hierarchies, strict=True)]
-    segments = {job.organs.second[b]: (a, b) for a, b in job.match.pairs}
     born, paths = dict[int, Birth](), None
     if options.curved:
-        born = births(clouds[1], touching[1], job.match, job.organs, job.timings)
-        paths = OrganPaths(clouds, job.match, job.organs, job.bases, job.spacing)
+        touching = attachments(clouds[1], job.match.second)
+        born = births(clouds[1], touching, job.match, job.organs, job.timings)
+        paths = OrganPaths(clouds, job.match, job.organs, job.spacing)
+    shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
+    if options.registered:
+        match, names = job.match, (job.organs.first, job.organs.second)
+        matched = [a for a, _ in match.pairs], [b for _, b in match.pairs]
+        sides = (match.first, match.second), job.bases, job.attachments, names, matched
+        shapes = list(map(organ_shapes, clouds, *sides))
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
     def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
         if task.event == "loss":
             return leaving(task, job.start, options.decay, job.vertical, job.floor), None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
-        leaflets: Sequence[LeafletPair] = ()
-        ends = zip(touching, segments[task.organ], strict=True) if task.event == "match" else ()
-        attached_at = [side[segment].nearest for side, segment in ends if segment in side]
-        if options.leaflets and len(attached_at) == 2:
-            leaflets = match_leaflets(start, end, (attached_at[0], attached_at[1]))
+        motion: OrganMotion | None = None
+        parts: Sequence[LeafletPair] = ()
+        if task.event == "match" and all(task.organ in side for side in shapes):
+            motion, parts = _registered(start, end, *(side[task.organ] for side in shapes))
         threads = workers if size * workers > sum(sizes) else 1
-        plan = correspond(start, end, replace(options.transport, workers=threads), leaflets)
+        plan = correspond(start, end, replace(options.transport, workers=threads), parts)
         timing = (born if task.event == "birth" else job.timings).get(task.organ)
         moved = moving(task, plan, job.start, job.end, timing)
-        return moved, paths.deviation(moved) if paths else None
+        return moved, paths.deviation(moved, motion) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]
@@ -206,3 +218,25 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         precision=options.precision,
         segments=tuple(m.pair for m in solved),
     )
+
+
+def _registered(
+    start: NDArray[np.floating],
+    end: NDArray[np.floating],
+    source: OrganShape,
+    target: OrganShape,
+) -> tuple[OrganMotion | None, Sequence[LeafletPair]]:
+    """How an organ deforms, and its points to pair: deformed as a whole, or leaflet by leaflet.
+
+    Through an organ with leaflets no one spine runs: it has no motion.
+    """
+    bases = [
+        int(((points - shape.attachment) ** 2).sum(axis=1).argmin())
+        for points, shape in ((start, source), (end, target))
+    ]
+    leaflets = match_leaflets(start, end, (bases[0], bases[1]))
+    if len(leaflets) > 1:
+        return None, leaflets
+    motion = fit_motion(source, target)
+    whole = np.arange(len(start)), np.arange(len(end))
+    return motion, (LeafletPair(*whole, motion.registered(start, end)),)

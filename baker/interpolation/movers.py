@@ -30,7 +30,6 @@ class OrganMovers:
     start_points: NDArray[np.intp] | None = None  # (M,), indices in the scans; None of what is lost
     end_points: NDArray[np.intp] | None = None
     born: bool = False  # they unfold from an attachment point
-    divided: bool = False  # the organ's leaflets are transported one by one
 
 
 def moving(
@@ -54,7 +53,7 @@ def moving(
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
     pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    moved = OrganMovers(movers, pair, area, a, b, born, plan.divided)
+    moved = OrganMovers(movers, pair, area, a, b, born)
     return moved if timing is None else shifted(moved, timing.shift(origin, target))
 
 

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
-from baker.interpolation.spine import OrganShape, Points, at_levels, fit_spine, unit
+from baker.interpolation.organ_shapes import OrganShape
+from baker.interpolation.spine import Points, at_levels, fit_spine, unit
 
 # Unevenness of a deformation, and movement of the attachment point in organ lengths, up to which an
 # organ turns evenly in time and from which on it turns as it grows (docs/method.md, "Motion").
 UNEVENNESS_RANGE = (0.04, 0.1)
 HINGE_RANGE = (0.1, 0.3)
 UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # of what grows by the factor e, besides
-MAX_UNEVENNESS = 0.4  # of a deformation that can be right
+MAX_UNEVENNESS = 0.8  # of a deformation that can be right
+MIN_ORDER = 0.9
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # whose distances show the stretch
 POINTS_COMPARED = 100
 
@@ -28,44 +30,77 @@ class OrganMotion:
     along: NDArray[np.float64]  # (n,), their places along the spine, 0 to 1
     deformed: Points  # (n, 3), where they come to lie in the second scan
     deviations: Points  # (LEVELS, 3), at mid-interval, of the spine's nodes from their chords
+    reversed: bool = False  # the sample was the second scan's
+
+    def registered(
+        self, start: NDArray[np.floating], end: NDArray[np.floating]
+    ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+        """The organ's points in both scans, those of one deformed onto the other."""
+        shift = self.deformed - self.sample
+        if self.reversed:
+            return start, end - _interpolated(end, self.deformed, shift)
+        return start + _interpolated(start, self.sample, shift), end
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) deviation at mid-interval of movers from these points from their chords.
-
-        Their places along the spine are means of the sample's, weighted by inverse distance.
-        """
-        from scipy.spatial import cKDTree
-
-        ranks = [*range(1, min(4, len(self.sample)) + 1)]
-        distances, near = cKDTree(self.sample).query(points, k=ranks)
-        weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
-        along = (weights * self.along[near]).sum(axis=1) / weights.sum(axis=1)
-        return at_levels(self.deviations, along)
+        """(n, 3) deviation at mid-interval of movers from these points from their chords."""
+        return at_levels(self.deviations, _interpolated(points, self.sample, self.along))
 
 
-def fit_motion(
-    source: OrganShape, target: OrganShape, min_deviation: float = 0.0
-) -> OrganMotion | None:
+def _interpolated(
+    points: NDArray[np.floating], sample: Points, values: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Values of the sample, (n, ...), at other points, weighted by inverse distance."""
+    from scipy.spatial import cKDTree
+
+    distances, near = cKDTree(sample).query(points, k=[*range(1, min(4, len(sample)) + 1)])
+    weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.einsum("nk,nk...->n...", weights, values[near])
+
+
+def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     """Deform an organ of the first scan onto that of the second, and place its spine in between.
 
-    None where paths may be straight, as they deviate from their chords by less than
-    `min_deviation`, or where the deformation is too uneven to be right.
+    The shorter of both is deformed, so that backwards the motion is the same. Non-rigid
+    registration is trusted where it is even and keeps the order along the organ; elsewhere points
+    keep their places along the spine and across it.
     """
-    nodes = source.spine.nodes, target.spine.nodes
-    if max(_length(_deviations(*nodes, share)) for share in (0.0, 1.0)) < min_deviation:
-        return None
-    carried = spine_deformation(source.points, target.points, source.spine, target.spine)
+    if source.length > target.length:
+        back = fit_motion(target, source)
+        return replace(back, sample=back.deformed, deformed=back.sample, reversed=True)
+    nodes = _common_nodes(source, target)
+    carried = spine_deformation(source.points, target.points, source.spine, target.spine, nodes)
     deformed = register_nonrigid(carried, target.points)
     uneven = unevenness(source.points, deformed)
-    if uneven > MAX_UNEVENNESS:
-        return None
+    if uneven > MAX_UNEVENNESS or _order_kept(source, target, deformed) < MIN_ORDER:
+        deformed = carried
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
-    share = growth_share(start, end, uneven)
-    deviation = _deviations(start, end, share)
-    if _length(deviation) < min_deviation:
-        return None
-    return OrganMotion(source.points, along, deformed, deviation)
+    deviations = mid_spine(start, end, growth_share(start, end, uneven)) - 0.5 * (start + end)
+    return OrganMotion(source.points, along, deformed, deviations)
+
+
+def _common_nodes(source: OrganShape, target: OrganShape) -> tuple[list[float], list[float]]:
+    """Where both shapes bear the same children, places along both spines, ascending in both."""
+    pairs = sorted((source.nodes[c], target.nodes[c]) for c in source.nodes if c in target.nodes)
+    kept: list[tuple[float, float]] = [(0.0, 0.0)]
+    for place in pairs:
+        if (
+            all(new - old > 0.02 for new, old in zip(place, kept[-1], strict=True))
+            and max(place) < 0.98
+        ):
+            kept.append(place)
+    return [a for a, _ in kept[1:]], [b for _, b in kept[1:]]
+
+
+def _order_kept(source: OrganShape, target: OrganShape, deformed: Points) -> float:
+    """Rank correlation of places along the organ, as they are and where the points come to lie."""
+    from scipy.spatial import cKDTree
+
+    nearest = cKDTree(target.points).query(deformed)[1]
+    places = source.spine.along, target.spine.along[nearest]
+    ranks = [place.argsort(kind="stable").argsort() for place in places]
+    return float(np.corrcoef(ranks)[0, 1])
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:
@@ -119,16 +154,6 @@ def unevenness(sample: Points, deformed: Points) -> float:
     after = np.linalg.norm(deformed[some, None] - deformed[near], axis=2)
     stretch = np.log(after[before > 0] / before[before > 0] + 1e-6)
     return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVENNESS_RANGE[1]
-
-
-def _deviations(start: Points, end: Points, share: float) -> Points:
-    """(LEVELS, 3) how far the mid-interval spine's nodes are from their chords."""
-    return mid_spine(start, end, share) - 0.5 * (start + end)
-
-
-def _length(vectors: Points) -> float:
-    """Of the longest one."""
-    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _ramp(value: float, zero: float, one: float) -> float:

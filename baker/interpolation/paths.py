@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.movers import OrganMovers, shifted
-from baker.interpolation.organ_motion import OrganMotion, fit_motion
-from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, at_levels, organ_shapes
+from baker.interpolation.organ_motion import OrganMotion
+from baker.interpolation.spine import at_levels
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
-MAX_DEVIATION = 0.25  # of the movers' displacement; turning by a right angle takes 0.21
+MAX_DEVIATION = 0.6  # of the movers' displacement; turning by a right angle takes 0.21
 MIN_DEVIATION = 0.25  # point spacings; less is below what a scan shows
 POINTS_COMPARED = 100  # of an organ that show where it touches its parent
 
@@ -26,43 +26,26 @@ Deviation = tuple[Points, dict[int, Points]]
 class OrganPaths:
     """Finds how the organs of an interval deviate from straight paths.
 
-    Straight go the root, organs of few points, what hardly deforms, and organs with leaflets,
-    through which no one spine runs.
+    Straight go the root, organs of few points, and what hardly deforms.
 
-    clouds, bases: points, (N, 3), and plant base, (3,), of both scans; match, organs: the
-    hierarchies, and which organ each segment is; spacing: relative to which deviations matter.
+    clouds: points, (N, 3), of both scans; match, organs: the hierarchies, and which organ each
+    segment is; spacing: relative to which deviations matter.
     """
 
     def __init__(
-        self,
-        clouds: Sequence[Points],
-        match: Match,
-        organs: IntervalOrgans,
-        bases: Sequence[Points],
-        spacing: float,
+        self, clouds: Sequence[Points], match: Match, organs: IntervalOrgans, spacing: float
     ) -> None:
         self._clouds, self._scan, self._spacing = clouds, match.second, spacing
         self._segments = {organ: segment for segment, organ in organs.second.items()}
-        pairs = [
-            (a, b)
-            for a, b in match.pairs
-            if a != match.first.root
-            and b != match.second.root
-            and min(len(match.first.segments[a]), len(match.second.segments[b]))
-            >= MIN_POINTS_FOR_SPINE
-        ]
-        first = organ_shapes(clouds[0], match.first, bases[0], [a for a, _ in pairs])
-        second = organ_shapes(clouds[1], match.second, bases[1], [b for _, b in pairs])
-        self._shapes = {b: (first[a], second[b]) for a, b in pairs}
 
-    def deviation(self, moved: OrganMovers) -> Deviation | None:
+    def deviation(self, moved: OrganMovers, motion: OrganMotion | None) -> Deviation | None:
         """How one task's movers deviate; None where they go straight."""
         segment = self._segments.get(_track(moved), NO_PARENT)
-        source, target = self._shapes.get(segment, (None, None))
-        if source is None or target is None or moved.born or moved.divided:
+        if motion is None or segment == self._scan.root:
             return None
-        motion = fit_motion(source, target, MIN_DEVIATION * self._spacing)
-        return self._of_motion(motion, moved, segment) if motion else None
+        if np.linalg.norm(motion.deviations, axis=1).max() < MIN_DEVIATION * self._spacing:
+            return None
+        return self._of_motion(motion, moved, segment)
 
     def curved(
         self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]

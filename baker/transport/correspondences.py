@@ -24,7 +24,6 @@ class Correspondences:
     marginal_error: float  # L1 error of the marginals, the largest of all plans
     solver: str  # what found the plan that moves the most
     notes: tuple[str, ...] = ()  # for the report, one sentence each
-    divided: bool = False  # the organ's leaflets were transported each on its own
 
 
 def correspond(
@@ -66,7 +65,6 @@ def correspond(
         max(one.marginal_error for one in found),
         found[int(np.argmax(work))].solver,
         (f"its leaflets moved each on its own, {len(parts)} parts in all",) * (len(parts) > 1),
-        len(parts) > 1,
     )
 
 

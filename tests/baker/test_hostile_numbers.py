@@ -14,13 +14,13 @@ from baker.interpolation.births import Birth
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import OrganMovers, mid_area
 from baker.interpolation.organ_motion import fit_motion
+from baker.interpolation.organ_shapes import OrganShape
 from baker.interpolation.resampling import (
     position_at,
     with_even_density,
 )
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
-    OrganShape,
     fit_spine,
     path_lengths,
 )
@@ -154,8 +154,7 @@ def test_no_area_is_too_odd_to_be_even():
 
 
 def organ(points: np.ndarray) -> OrganShape:
-    lengths = path_lengths(points, np.array([0]), np.zeros(1))
-    return OrganShape(points, fit_spine(points, lengths), lengths)
+    return OrganShape(points, fit_spine(points, path_lengths(points, 0)), points[0])
 
 
 @pytest.mark.parametrize("shape", SOUND)
@@ -172,8 +171,12 @@ def test_spines_and_warps_of_any_shapes_are_finite(shape):
             carried = spine_deformation(first.points, second.points, first.spine, second.spine)
             assert np.isfinite(register_nonrigid(carried, second.points)).all()
             few = min(len(first.points), len(second.points)) < MIN_POINTS_FOR_SPINE
-            motion = None if few else fit_motion(first, second)
-            if motion is not None:
+            if not few:
+                motion = fit_motion(first, second)
+                assert all(
+                    np.isfinite(side).all()
+                    for side in motion.registered(first.points, second.points)
+                )
                 assert np.isfinite(motion.deviation(first.points)).all()
 
 

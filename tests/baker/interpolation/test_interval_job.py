@@ -52,23 +52,23 @@ def test_progress_reaches_all_organs(write_scans, workers):
 
 
 @pytest.mark.parametrize(
-    ("options", "leaflets"),
+    ("options", "registered"),
     [
         (PLAIN, True),
-        (replace(PLAIN, transport="sinkhorn"), False),
+        (replace(PLAIN, transport="whole"), False),
         (replace(PLAIN, paper=True), False),
         (replace(PLAIN, paper=True, transport="exact"), False),
     ],
 )
-def test_the_paper_knows_of_no_leaflets(write_scans, options, leaflets):
+def test_the_paper_registers_no_organs(write_scans, options, registered):
     searched = []
 
     def solve(jobs, report_progress):
-        searched.extend(job.options.leaflets for job in jobs)
+        searched.extend(job.options.registered for job in jobs)
         return solve_intervals(jobs, report_progress)
 
     bake_recorded([write_scans()], options, solve=solve)
-    assert set(searched) == {leaflets}
+    assert set(searched) == {registered}
 
 
 @pytest.mark.parametrize("workers", [1, 3])

@@ -145,4 +145,4 @@ def test_scans_are_kept_whatever_is_added(tmp_path, even):
         scan = np.loadtxt(tmp_path / f"day{day}.txt")[:, :3]
         found = np.unique(np.round(clip.at(day).positions, 3), axis=0)
         assert len(found) == pytest.approx(len(np.unique(np.round(scan, 3), axis=0)), rel=0.01)
-    assert (len(clip.intervals[0]) > 600) == (even > 0)  # labels of a few points are mended
+    assert (len(clip.intervals[0]) > 800) == (even > 0)

@@ -10,10 +10,8 @@ from baker.interpolation.spine import (
     at_levels,
     fit_spine,
     levels,
-    organ_shapes,
     path_lengths,
 )
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 
 def rod(count: int = 400, seed: int = 0) -> np.ndarray:
@@ -24,20 +22,20 @@ def rod(count: int = 400, seed: int = 0) -> np.ndarray:
 def test_lengths_are_measured_along_the_organ() -> None:
     angle = np.linspace(0, np.pi, 300)
     arch = 50 * np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
-    lengths = path_lengths(arch, np.array([0]), np.zeros(1))
+    lengths = path_lengths(arch, 0)
     np.testing.assert_allclose(lengths, 50 * angle, atol=0.1)
 
 
 def test_parts_that_are_apart_are_reached_across_the_gap() -> None:
     points = np.concatenate([rod(), rod(seed=1) + np.array([150.0, 0.0, 0.0])])
-    lengths = path_lengths(points, np.array([int(np.argmin(points[:, 0]))]), np.zeros(1))
+    lengths = path_lengths(points, int(np.argmin(points[:, 0])))
     assert np.isfinite(lengths).all()
     assert lengths.max() == pytest.approx(250, rel=0.1)
 
 
 def test_points_that_coincide_are_no_gap() -> None:
     points = np.repeat(rod(60), 3, axis=0)
-    assert np.isfinite(path_lengths(points, np.array([0]), np.zeros(1))).all()
+    assert np.isfinite(path_lengths(points, 0)).all()
 
 
 def test_a_rods_spine_is_its_axis_to_the_ends() -> None:
@@ -52,20 +50,3 @@ def test_a_rods_spine_is_its_axis_to_the_ends() -> None:
 def test_values_at_levels_are_read_between_them() -> None:
     values = np.column_stack([levels(), 2 * levels(), 0 * levels()])
     np.testing.assert_allclose(at_levels(values, np.array([0.33]))[0], [0.33, 0.66, 0.0])
-
-
-def test_a_leaf_is_measured_from_its_stem() -> None:
-    stem, leaf = rod(500)[:, [2, 1, 0]], rod(300, 1) + np.array([0.0, 0.0, 60.0])
-    cloud = np.concatenate([stem, leaf]).astype(np.float32)
-    few = np.zeros((5, 3), np.float32)
-    parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
-    hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
-    lowest = stem[np.argmin(stem[:, 2])]
-    shapes = organ_shapes(np.concatenate([cloud, few]), hierarchy, lowest, range(3))
-    of_leaf, of_stem, of_few = (shapes[segment] for segment in (1, 0, 2))
-    assert of_few is None
-    assert of_stem is not None
-    assert of_leaf is not None
-    assert of_leaf.lengths.min() == pytest.approx(60, abs=8)
-    np.testing.assert_allclose(of_leaf.spine.nodes[0], [0, 0, 60], atol=4)
-    np.testing.assert_allclose(of_leaf.spine.nodes[-1], [98, 0, 60], atol=4)

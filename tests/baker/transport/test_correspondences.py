@@ -60,8 +60,6 @@ def test_leaves_born_take_no_points_of_the_old_ones(seed):
     assert own_share(leaflets, before, after) > 0.85
     assert own_share(plain, before, after) < 0.7
     assert "each on its own" in leaflets.notes[0]
-    assert leaflets.divided
-    assert not plain.divided
 
 
 def test_mass_that_one_scan_alone_has_draws_nothing_out_of_its_place():

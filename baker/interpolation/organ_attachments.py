@@ -1,0 +1,112 @@
+"""Where each organ is attached to its parent, decided for the whole series at once.
+
+In one scan an organ may touch its parent at several places: a leaf whose tip hangs against the stem
+does so at its base and at its tip. The attachment moves little from scan to scan; tips don't stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, sampled
+from baker.matching import IntervalOrgans, Match
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+Points = NDArray[np.floating]
+Attachments = dict[int, Points]
+"""By organ, the point (3,) at which it is attached."""
+
+CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
+MAX_STEP = 3.0  # spacings between neighbouring points of one contact
+
+
+def organ_attachments(
+    clouds: Sequence[Points],
+    spacings: Sequence[float],
+    matches: Sequence[Match],
+    organs: Sequence[IntervalOrgans],
+) -> list[tuple[Attachments, Attachments]]:
+    """Find where the matched organs of each interval are attached, in both of its scans.
+
+    Of all places at which an organ touches its parent in each scan, those are chosen that move
+    least through the series, by a shortest path through the scans. In an interval its attachment is
+    the pair of points of these places that are nearest to each other.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
+    spacings : sequence of float
+        Their point spacings.
+    matches, organs : sequence of Match and IntervalOrgans
+        Of each interval.
+    """
+    from scipy.spatial import KDTree
+
+    hierarchies = [match.first for match in matches] + [matches[-1].second]
+    names = [organ.first for organ in organs] + [organs[-1].second]
+    found = list(map(_contacts, clouds, spacings, hierarchies))
+    appearances: dict[int, list[tuple[int, int]]] = {}
+    for scan, contacts in enumerate(found):
+        for segment in contacts:
+            appearances.setdefault(names[scan][segment], []).append((scan, segment))
+    chosen: list[dict[int, Points]] = [{} for _ in clouds]
+    for organ, places in appearances.items():
+        choices = [found[scan][segment] for scan, segment in places]
+        for (scan, _), contact in zip(places, _least_moving(choices), strict=True):
+            chosen[scan][organ] = contact
+    intervals = []
+    for before, after in pairwise(chosen):
+        first, second = Attachments(), Attachments()
+        for organ in before.keys() & after.keys():
+            distances, nearest = KDTree(after[organ]).query(before[organ])
+            k = int(np.argmin(distances))
+            first[organ], second[organ] = before[organ][k], after[organ][nearest[k]]
+        intervals.append((first, second))
+    return intervals
+
+
+def _contacts(cloud: Points, spacing: float, hierarchy: Hierarchy) -> dict[int, list[Points]]:
+    """Of each segment the connected groups of its points that touch its parent."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
+
+    trees: dict[int, KDTree] = {}
+    found: dict[int, list[Points]] = {}
+    for segment, members in enumerate(hierarchy.segments):
+        parent = hierarchy.parents[segment]
+        if parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
+            continue
+        if not len(hierarchy.segments[parent]):
+            continue
+        if parent not in trees:
+            trees[parent] = KDTree(cloud[sampled(hierarchy.segments[parent])])
+        own = cloud[sampled(members)].astype(np.float64)
+        step = spacing * (len(members) / len(own)) ** 0.5  # the spacing of the sample
+        gap = trees[parent].query(own)[0]
+        near = own[gap <= gap.min() + CONTACT_RADIUS * step]
+        pairs = KDTree(near).query_pairs(MAX_STEP * step, output_type="ndarray")
+        graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(near), len(near)))
+        count, group = connected_components(graph, directed=False)
+        found[segment] = [near[group == k] for k in range(count)]
+    return found
+
+
+def _least_moving(choices: Sequence[Sequence[Points]]) -> list[Points]:
+    """One choice a scan, so that the distances between successive ones have the smallest sum."""
+    from scipy.spatial.distance import cdist
+
+    cost, steps = np.zeros(len(choices[0])), []
+    for before, after in pairwise(choices):
+        through = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost
+        steps.append(through.argmin(axis=1))
+        cost = through.min(axis=1)
+    picked = [int(cost.argmin())]
+    for step in reversed(steps):
+        picked.append(int(step[picked[-1]]))
+    return [groups[k] for groups, k in zip(choices, reversed(picked), strict=True)]

@@ -1,0 +1,58 @@
+"""Attachments that belong to the series: a tip that hangs against the stem is no base."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from baker.interpolation.organ_attachments import organ_attachments
+from baker.matching import IntervalOrgans, Match
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+STEM, LEAF = 400, 300
+HEIGHT = 30.0  # at which the leaf is attached
+
+
+def arch(reach: float, droop: float) -> np.ndarray:
+    """(LEAF, 3) a leaf; with droop 1 its tip hangs against the stem, below its base."""
+    angle = np.linspace(0, 1, LEAF) * np.pi * (0.4 + 0.6 * droop)
+    return np.column_stack(
+        [reach * np.sin(angle), np.zeros(LEAF), HEIGHT + 12 * (np.cos(angle) - 1)]
+    )
+
+
+def plant(droop: float) -> np.ndarray:
+    stem = np.column_stack([np.zeros((STEM, 2)), np.linspace(0, 50, STEM)])
+    return np.concatenate([stem, arch(15.0, droop)])
+
+
+def attachments_of(clouds: list[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
+    parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
+    hierarchy = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0)
+    match = Match(hierarchy, hierarchy, ((0, 0), (1, 1)), (), ())
+    organs = IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
+    count = len(clouds) - 1
+    found = organ_attachments(clouds, [0.15] * len(clouds), [match] * count, [organs] * count)
+    return [(first[1], second[1]) for first, second in found]
+
+
+@pytest.mark.parametrize("droops", [(0.0, 1.0), (1.0, 0.0), (0.0, 1.0, 1.0), (1.0, 1.0, 0.0)])
+def test_a_tip_that_touches_the_stem_is_no_attachment(droops: tuple[float, ...]) -> None:
+    for before, after in attachments_of([plant(droop) for droop in droops]):
+        assert before[2] == pytest.approx(HEIGHT, abs=1.5)
+        assert after[2] == pytest.approx(HEIGHT, abs=1.5)
+
+
+def test_an_attachment_that_does_not_move_is_one_point() -> None:
+    ((before, after),) = attachments_of([plant(0.2), plant(0.2)])
+    np.testing.assert_array_equal(before, after)
+
+
+def test_what_is_born_has_none() -> None:
+    parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
+    second = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0)
+    first = Hierarchy(parts[:1], (0,), (NO_PARENT,), 0)
+    match = Match(first, second, ((0, 0),), (1,), ())
+    organs = IntervalOrgans({0: 0}, {0: 0, 1: 1})
+    clouds = [plant(0.0)[:STEM], plant(0.0)]
+    assert organ_attachments(clouds, [0.15, 0.15], [match], [organs]) == [({}, {})]

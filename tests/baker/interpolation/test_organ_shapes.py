@@ -1,0 +1,34 @@
+"""Shapes of organs: spines from their attachments, and where their children are attached."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from baker.interpolation.organ_shapes import organ_shapes
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+
+
+def rod(count: int, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.column_stack([rng.uniform(0, 100, count), rng.normal(0, 1, (count, 2))])
+
+
+def test_a_leaf_is_measured_from_its_stem() -> None:
+    stem, leaf = rod(500, 0)[:, [2, 1, 0]], rod(300, 1) + np.array([0.0, 0.0, 60.0])
+    cloud = np.concatenate([stem, leaf, np.zeros((5, 3))]).astype(np.float32)
+    parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
+    hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
+    attachments = {11: np.array([0.0, 0.0, 60.0]), 12: np.zeros(3)}
+    names = {0: 10, 1: 11, 2: 12}
+    shapes = organ_shapes(cloud, hierarchy, np.zeros(3), attachments, names, range(3))
+    assert set(shapes) == {10, 11}  # too few points have no shape
+    np.testing.assert_allclose(shapes[11].spine.nodes[0], [0, 0, 60], atol=4)
+    np.testing.assert_allclose(shapes[11].spine.nodes[-1], [98, 0, 60], atol=4)
+    assert shapes[10].nodes[11] == pytest.approx(0.61, abs=0.05)
+
+
+def test_what_is_attached_nowhere_has_no_shape() -> None:
+    cloud = np.concatenate([rod(100, 0), rod(100, 1)]).astype(np.float32)
+    hierarchy = Hierarchy((np.arange(100), np.arange(100, 200)), (0, 1), (NO_PARENT, 0), 0)
+    assert set(organ_shapes(cloud, hierarchy, cloud[0], {}, {0: 0, 1: 1}, [0, 1])) == {0}
