@@ -119,10 +119,12 @@ def growth_curves(clip: Clip) -> list[Curve]:
     return sorted(curves, key=lambda curve: -max(curve.lengths))
 
 
-def scale_bar(clip: Clip, picture: Picture) -> ScaleBar:
+def scale_bar(clip: Clip, picture: Picture) -> ScaleBar | None:
     """A bar of 1, 2 or 5 times a power of ten for a picture of the whole plant."""
     low, high = clip.bounds
     middle, width = (low + high) / 2, float(np.linalg.norm(high - low))
+    if width == 0.0:
+        return None  # a plant of one point
     # Seen from any side: of all directions across the view the longest appears unshortened.
     steps = picture.project(middle + width * 1e-3 * np.eye(3)) - picture.project(middle[None])
     pixels = float(np.linalg.svd(steps)[1][0]) / (width * 1e-3)

@@ -20,6 +20,7 @@ from baker.segmentation.hierarchy import Hierarchy
 # From these values on it is doubtful which organ one is (docs/method.md, "The verdict").
 MIN_MARGIN = 0.4  # of the score: what a turn by 75 degrees costs
 OUT_OF_THE_QUESTION = -1.0  # the least score that counts; a pair may be matched for other reasons
+MIN_SIZE = 1e-100  # of an organ: its square is still a number
 MAX_GROWTH = 2.5  # of an organ's size, over that of the plant's organs; or one by that
 MAX_LOST_SHARE = 0.05  # of a scan's points, in an organ that the next scan lacks
 MAX_BORN_SHARE = 0.1  # likewise in a new organ
@@ -58,7 +59,7 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
     rows, columns = [row[a] for a, _ in pairs], [column[b] for _, b in pairs]
     gone, new = [row[s] for s in lost], [column[s] for s in born]
     margins, rivals = second_best(match_scores(first, second), rows, columns, gone, new)
-    sizes = [np.maximum(organs.sizes, np.finfo(float).tiny) for organs in (first, second)]
+    sizes = [np.maximum(organs.sizes, MIN_SIZE) for organs in (first, second)]
     before, after = (own / np.linalg.norm(own) * np.sqrt(len(own)) for own in sizes)
     growth = after[columns] / before[rows]
     organs = [*(tracks.first[a] for a, _ in pairs), *(tracks.first[s] for s in lost)]

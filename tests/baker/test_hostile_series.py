@@ -135,8 +135,6 @@ def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
         record,
         title="plant",
         errors=errors,
-        seconds={},
-        workers=1,
         report_progress=lambda stage, done, total: None,
     )
     assert (tmp_path / "traits.csv").stat().st_size
