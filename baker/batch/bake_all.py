@@ -130,7 +130,8 @@ def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> l
     for one in outcomes:
         counts = [f"{count:,}" for count in (one.scans, one.tracks, one.points)]
         counts = counts if one.state != "failed" else [""] * 3
-        lines.append(row(one.name, *counts, f"{one.seconds:.1f}", one.state))
+        result = f"{one.state}: {one.looks}" if one.looks else one.state
+        lines.append(row(one.name, *counts, f"{one.seconds:.1f}", result))
     states = Counter(one.state for one in outcomes)
     found = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
     plants = f"{len(outcomes):,} plant{'s' * (len(outcomes) != 1)}"

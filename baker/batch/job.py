@@ -61,6 +61,7 @@ class Outcome:
     error: str = ""
     traits: str = ""  # rows of the table; empty where not wanted, or known already
     notes: tuple[str, ...] = ()  # what was decided and found
+    looks: str = ""  # "7 of 8 intervals look right"
 
 
 def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
@@ -82,6 +83,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
             traceback.print_exc()
         seconds = time.perf_counter() - began
         return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
+    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old have none
     return Outcome(
         job.name,
         state,
@@ -90,7 +92,8 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         points=sum(scan.points for scan in clip.scans),
         seconds=time.perf_counter() - began,
         traits=table.getvalue().partition("\n")[2],
-        notes=tuple(clip.provenance["decisions"] + clip.provenance["notes"]),
+        notes=(*clip.provenance["decisions"], *clip.provenance["notes"], line),
+        looks=line.partition(";")[0].rstrip("."),
     )
 
 
