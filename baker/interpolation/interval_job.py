@@ -178,8 +178,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     clouds, options = (job.start.positions, job.end.positions), job.options
     born, paths = dict[int, Birth](), None
     if options.curved:
-        touching = attachments(clouds[1], job.match.second)
-        born = births(clouds[1], touching, job.match, job.organs, job.timings)
+        at_end = attachments(clouds[1], job.match.second)
+        born = births(clouds[1], at_end, job.match, job.organs, job.timings)
         paths = OrganPaths(clouds, job.match, job.organs, job.spacing)
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
     if options.registered:
@@ -210,7 +210,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     solved = [*moved]
     if paths:
         curved = paths.curved(moved, deviations)
-        solved = attached(curved, job.match, job.organs, touching[1], job.spacing)
+        solved = attached(curved, job.match, job.organs, at_end, job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even),
