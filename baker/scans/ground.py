@@ -28,7 +28,7 @@ DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # that may be up, the usual ones
 SCANS_TO_ASK = 3  # of a series, whether there may be a ground across a direction at all
 MAX_SAMPLE = 20_000  # points of a scan that its ground is found by
 CELLS = 16  # of the grid along its longer side; the plane is met within the width of one
-LOW_SHARES = (0.1, 0.25)  # of the height, in which a small or a wide ground is looked for
+LOW_SHARES = (0.05, 0.25)  # of the height, in which a small or a wide ground is looked for
 TRIES, SEED = 300, 0  # of RANSAC
 BELOW_COST = 4  # cells in the plane that one cell below it outweighs
 MAX_SLOPE = 0.5  # of the ground against the axis that may be up: 27 degrees
@@ -38,9 +38,9 @@ MAX_BELOW = 0.05  # of the points that may lie below the ground
 MAX_COVERED = 0.5  # of the ground, by what lies just above it
 MIN_IN_MIDDLE = 0.1  # of the points just above the ground: a quarter of a radius from its edge
 # Score of the median scan, across the usual direction and others. With discs of soil from 3 to
-# 300 % of the plant's size, sloped, rough or in mounds, it is 0.64 or more. Of two or more scans of
-# twenty plants without ground it is 0.45 at most, and 0.63 where a crown upside down looks so.
-MIN_SCORE, MIN_SCORE_OF_UNUSUAL, CERTAIN_SCORE = 0.5, 0.75, 0.6
+# 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan has less than 0.57. Of two
+# or more scans of twenty plants without ground it is 0.45 at most, and 0.63 upside down.
+MIN_SCORE, MIN_SCORE_OF_UNUSUAL, CERTAIN_SCORE = 0.5, 0.7, 0.55
 MIN_SCORE_OF_ONE = 0.25  # of any scan of a series that has a ground
 MIN_SHARE_OF_LABEL = 0.5  # of its points in the ground, for a label to be that of the ground
 MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that this label has

@@ -41,10 +41,15 @@ def shares(left, whole):
 
 @pytest.mark.parametrize("up", TURNS)
 @pytest.mark.parametrize(
-    ("radius", "count", "roughness", "slope"),
-    [(12, 700, 0.5, 0), (30, 3000, 1, 0), (70, 900, 1, 0.2), (200, 9000, 3, 0), (50, 4000, 0, 0.1)],
+    ("radius", "count", "roughness", "slope", "is_labelled"),
+    [
+        (12, 700, 0.5, 0, False),
+        (30, 3000, 1, 0, True),
+        (70, 900, 1, 0.2, False),
+        (200, 9000, 3, 0, False),
+        (50, 4000, 0, 0.1, True),
+    ],
 )
-@pytest.mark.parametrize("is_labelled", [False, True])
 def test_soil_is_taken_out_and_the_plant_stays(up, radius, count, roughness, slope, is_labelled):
     rng = np.random.default_rng(2)
     grown = [plant(rng, size).astype(np.float32) @ TURNS[up].T for size in (60, 80, 100)]
