@@ -16,7 +16,7 @@ from baker.scans.finding import Finding
 # taken: z is usual, some programs write y; others speak through a ground, or beyond any doubt. Of
 # 157 real pairs of scans with z up one leads by more than 0.2 along y, none by 0.5 elsewhere.
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
-CLOSE = 0.05  # a lead over the direction taken, from which on the other is named
+CLOSE = 0.1  # a lead over the direction taken, from which on the other is named
 TURNED_OVER = 0.35  # lead of "upside down" in one scan of a series, from which on it is named
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: should be bare stem
 SAMPLE_SIZE = 800
