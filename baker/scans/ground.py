@@ -241,12 +241,10 @@ def _plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:
 
 
 def _frame(up: Points) -> Points:
-    """A rotation whose third row is along `up`; the identity for z."""
-    up = up / np.linalg.norm(up)
-    first = np.eye(3)[np.argmin(np.abs(up))]
-    first = first - (first @ up) * up
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(up, first), up])
+    """The rotation that turns `up` to z."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix())
 
 
 def _median_of_medians(groups: Points, values: Points) -> float:

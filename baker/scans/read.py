@@ -138,13 +138,17 @@ class Listing:
 
     def read(self, entry: Entry, options: Options) -> tuple[Cloud, str]:
         """What a scan's files hold, and their digest."""
+        use_labels = options.labels != "ignore" or bool(options.drop_label)
+        names = [*filter(None, options.columns.split(","))]
 
         def read() -> Cloud:
             if self.images:
-                return self.images.read(entry.path, options.labels != "ignore")
-            return _load(entry.path, options)
+                return self.images.read(entry.path, use_labels)
+            columns = read_columns(entry.path, names)
+            return choose_fields(columns, entry.path, options.label_field, use_labels)
 
-        return read_unchanged(self.files(entry), read)
+        cloud, sha256 = read_unchanged(self.files(entry), read)
+        return replace(cloud, points=cloud.points * options.scale), sha256
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""
@@ -182,13 +186,6 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
         finding = replace(schedule.finding, found=found)
         schedule = replace(schedule, entries=kept, finding=finding)
     return Listing(schedule, images)
-
-
-def _load(path: Path, options: Options) -> Cloud:
-    use_labels = options.labels != "ignore" or bool(options.drop_label)
-    columns = read_columns(path, [*filter(None, options.columns.split(","))])
-    cloud = choose_fields(columns, path, options.label_field, use_labels)
-    return cloud if options.scale == 1 else replace(cloud, points=cloud.points * options.scale)
 
 
 def _agree(scans: list[Scan]) -> tuple[Scan, ...]:
