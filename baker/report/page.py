@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from baker.report.figures import (
 )
 from baker.report.pictures import NoPicture, Picture, PictureRequest, take_pictures
 from baker.report.verification import HoldoutError, overall, verify
-from baker.verdict.doubt import between, doubts_in, grouped, headline
+from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 
@@ -77,6 +78,7 @@ def write_report(
             record=record,
             headline=headline(clip, doubts),
             doubts=[(between(clip, own[0]), own) for own in by_interval],
+            command=partial(command_for, path=title),
             pictures=pictures,
             windows=_windows(requests, pictures),
             no_pictures=no_pictures,

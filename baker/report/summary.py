@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from baker.verdict.doubt import doubts_in, where_to_look
+from baker.verdict.doubt import command_for, doubts_in, grouped
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,6 +62,7 @@ def print_summary(
 
 
 def print_verdict(console: Console, clip: Clip, path: Path) -> None:
-    """Print which intervals look right, and where to look at those that don't."""
-    line, look = clip.provenance["verdict"]["line"], where_to_look(doubts_in(clip), path)
-    console.print(f"{line} {look}".strip(), markup=False, highlight=False)
+    """Print which intervals look right, and how to look at the most doubtful one."""
+    line, doubts = clip.provenance["verdict"]["line"], grouped(doubts_in(clip))
+    look = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
+    console.print(line + look, markup=False, highlight=False)

@@ -69,12 +69,9 @@ def clauses_of(doubts: Sequence[Doubt]) -> list[str]:
     return list(dict.fromkeys(doubt.what for doubt in doubts))
 
 
-def where_to_look(doubts: Sequence[Doubt], path: Path) -> str:
-    """The command that shows the most doubtful interval half-way; "" where there is none."""
-    if not doubts:
-        return ""
-    worst = grouped(doubts)[0][0]
-    return f"Look: play {shlex.quote(str(path))} --day {(worst.start + worst.end) / 2:g}"
+def command_for(doubt: Doubt, path: str | Path) -> str:
+    """The command that shows a doubtful interval half-way."""
+    return f"play {shlex.quote(str(path))} --day {(doubt.start + doubt.end) / 2:.10g}"
 
 
 def grouped(doubts: Sequence[Doubt]) -> list[list[Doubt]]:

@@ -11,7 +11,7 @@ import pytest
 from baker import Options
 from baker.pipeline import bake_recorded
 from baker.verdict import Doubt, provenance_of
-from baker.verdict.doubt import doubts_in, line_of, where_to_look
+from baker.verdict.doubt import command_for, doubts_in, line_of
 from gclip import Clip
 
 
@@ -20,12 +20,11 @@ def clip(write_scans) -> Clip:
     return bake_recorded([write_scans(days=range(5))], Options(align="none", up="z"))[0]
 
 
-def test_a_clean_film_is_said_to_be_right_and_where_to_look_is_not_said(clip):
+def test_a_clean_film_is_said_to_be_right(clip):
     assert line_of(clip, []) == "All 4 intervals look right."
-    assert where_to_look([], Path("x.gclip")) == ""
 
 
-def test_what_is_wrong_is_named_by_time_and_the_worst_is_to_be_looked_at(clip):
+def test_what_is_wrong_is_named_by_time_the_worst_of_each_first(clip):
     doubts = [
         Doubt(3, 4, 2, "organ 2 tears", 2.0),
         Doubt(1, 2, 1, "organ 1 tears", 1.5),
@@ -35,8 +34,12 @@ def test_what_is_wrong_is_named_by_time_and_the_worst_is_to_be_looked_at(clip):
         "2 of 4 intervals look right; day 1 to 2: organ 1 tears; "
         "day 3 to 4: parts of organ 1 change places, organ 2 tears."
     )
-    look = where_to_look(doubts, Path("my clips/x.gclip"))
-    assert look == "Look: play 'my clips/x.gclip' --day 3.5"
+
+
+@pytest.mark.parametrize(("start", "day"), [(3.0, "3.5"), (19790.0, "19790.5")])
+def test_the_command_shows_the_interval_half_way(start: float, day: str):
+    doubt = Doubt(start, start + 1, 0, "it tears", 1.0)
+    assert command_for(doubt, Path("my clips/x.gclip")) == f"play 'my clips/x.gclip' --day {day}"
 
 
 def test_of_many_doubts_the_line_names_a_few(clip):
