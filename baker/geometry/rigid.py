@@ -46,10 +46,9 @@ def rotations_between(
     -------
     (n, 3, 3) float64, the identity where two directions are nearly opposite.
     """
-    from scipy.spatial.transform import Rotation
-
     axes, cosines = np.cross(origin, target), (origin * target).sum(axis=1)
-    sines = np.linalg.norm(axes, axis=1)
-    angles = np.where(cosines < MIN_COSINE, 0.0, np.arctan2(sines, cosines))
-    scale = np.divide(angles, sines, out=np.zeros_like(sines), where=sines > 0)
-    return Rotation.from_rotvec(axes * scale[:, None]).as_matrix()
+    skew = np.swapaxes(np.cross(axes[:, None], np.eye(3)), 1, 2)  # skew @ x is the cross product
+    # Rodrigues' formula without the angle: Rotation would be imported for this alone.
+    turns = np.eye(3) + skew + skew @ skew / np.maximum(1.0 + cosines, 1e-9)[:, None, None]
+    turns[cosines < MIN_COSINE] = np.eye(3)
+    return turns

@@ -154,12 +154,12 @@ def _neighbors(points: NDArray[np.float64], k: int, workers: int) -> NDArray[np.
     """(n, k) the nearest other points of each point."""
     if k == 0:
         return np.empty((len(points), 0), np.int32)
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     # In the order of a bisection the tree need not be balanced. Of points in one place any may come
     # first: one that is its own neighbour does no harm here.
-    tree = KDTree(points, leafsize=16, balanced_tree=False)
-    return tree.query(points, np.arange(2, k + 2), workers=workers)[1]
+    tree = cKDTree(points, leafsize=16, balanced_tree=False)
+    return np.asarray(tree.query(points, np.arange(2, k + 2), workers=workers)[1])
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> Indices:
