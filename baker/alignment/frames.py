@@ -25,7 +25,7 @@ MAX_BASE_OFFSET = 0.06  # of the plant's largest size: bases so near are in one 
 # least 0.53.
 MIN_GAIN = 0.35
 CLOSE_GAIN = 0.2  # of one scan, from which on it is told
-LARGE_MOVE = 0.2  # of the plant's largest size: a move that is told
+LARGE_MOVE, LARGE_TURN = 0.2, 15.0  # of the plant's largest size, and degrees: moves that are told
 MOST_TOLD = 3  # scans with doubts
 
 Points = NDArray[np.float64]
@@ -144,17 +144,20 @@ def frame_finding(
         doubts = [f"{names[farthest]} was moved by {length}, more than a fifth of the plant's size"]
     if stays.any():
         found = "the scans share a frame and stay as they are"
-        if not stays.all():
-            out = ", ".join(name for name, stay in zip(names, stays, strict=True) if not stay)
-            found = f"the scans share a frame, but for {out}, brought onto the others"
+        out = [name for name, stay in zip(names, stays, strict=True) if not stay]
+        if out:
+            found = f"the scans share a frame, but for {', '.join(out)}, brought onto the others"
         doubts += [
             f"{name} would fit the scan before better turned by {wrapped(YAWS[place]):.0f} degrees"
             for name, place, gain in zip(names[1:], fit.places, fit.gains, strict=True)
-            if gain > CLOSE_GAIN
+            if gain > CLOSE_GAIN and name not in out
         ]
         option = "--align turn" if stays.all() else "--align none"
     else:
         found = "the scans do not share a frame; each was turned and set on the one before"
+        turns = np.abs(wrapped(YAWS[fit.places]))
+        if not doubts and turns.max() > LARGE_TURN:
+            doubts = [f"{names[1 + int(turns.argmax())]} was turned by {turns.max():.0f} degrees"]
         doubts += [
             f"{name} fits the scan before nearly as well turned by a further {other:.0f} degrees"
             for name, curve, place in zip(names[1:], fit.curves, fit.places, strict=True)
