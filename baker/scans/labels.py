@@ -22,11 +22,12 @@ from baker.scans.times import natural_key
 # What fields of labels are called: first those that tell organs apart, then those that tell their
 # kinds, at last columns of texts without a header.
 LABEL_WORDS = (
-    "instance inst", "organ", "leaf leaflet", "label labels", "segment segmentation",
-    "class category", "semantic semantics", "classification", "column",
+    "instance inst ins", "organ", "leaf leaflet", "label labels", "segment segmentation cluster",
+    "class category type", "semantic semantics sem", "classification", "column",
 )  # fmt: skip
+INSTANCE, CLASS = 0, 5  # of these words
 RANKS = {word: rank for rank, words in enumerate(LABEL_WORDS) for word in words.split()}
-WORDS_BESIDE = {"scalar", "field", "id", "ids", "index", "number", "no", "gt", "pred", "true"}
+WORDS_BESIDE = {"scalar", "field", "id", "ids", "index", "number", "gt", "pred", "preds", "true"}
 GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray", "turntable"}
 MIN_SHARED = 0.5  # of the points have the label of their nearest neighbour
 SCANS_TO_ASK = 3  # of the series
@@ -36,8 +37,12 @@ MIN_SAMPLE, MAX_SAMPLE = 100, 10_000  # points among which neighbours are looked
 def label_rank(name: str) -> int | None:
     """How early a field of this name counts as labels; None where it never does."""
     words = re.findall("[a-z]+", re.sub("(?<=[a-z])(?=[A-Z])", " ", name).lower())
+    words = [word.removesuffix("id") or word for word in words]
     ranks = [RANKS[word] for word in words if word in RANKS]
-    return min(ranks) if ranks and set(words) <= RANKS.keys() | WORDS_BESIDE else None
+    if not ranks or not set(words) <= RANKS.keys() | WORDS_BESIDE:
+        return None
+    tells_kinds = max(ranks) >= CLASS and INSTANCE not in ranks  # an organ's class, not the organ
+    return max(ranks) if tells_kinds else min(ranks)
 
 
 def choose_labels(

@@ -65,6 +65,8 @@ def test_instances_come_before_classes():
     for first, second in pairwise(names):
         labels, field, _ = chosen({second: [1, 1, 2, 2], first: [3, 3, 4, 4]})
         assert (labels, field) == ([[3, 3, 4, 4]], first)
+    assert label_rank("leafID") == label_rank("leafid") == label_rank("leaf")
+    assert label_rank("organ_class") == label_rank("class") > label_rank("ins_label")
     assert label_rank("gt_instance_label") == label_rank("InstanceLabel") == label_rank("instance")
 
 
