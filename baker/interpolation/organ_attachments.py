@@ -18,7 +18,7 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 Points = NDArray[np.floating]
 Attachments = dict[int, Points]
-"""By organ, the point (3,) at which it is attached."""
+"""By organ, the points (c, 3) by which it touches its parent."""
 
 CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 MAX_STEP = 3.0  # spacings between neighbouring points of one contact
@@ -33,8 +33,7 @@ def organ_attachments(
     """Find where the matched organs of each interval are attached, in both of its scans.
 
     Of all places at which an organ touches its parent in each scan, those are chosen that move
-    least through the series, by a shortest path through the scans. In an interval its attachment is
-    the pair of points of these places that are nearest to each other.
+    least through the series, by a shortest path through the scans.
 
     Parameters
     ----------
@@ -45,8 +44,6 @@ def organ_attachments(
     matches, organs : sequence of Match and IntervalOrgans
         Of each interval.
     """
-    from scipy.spatial import KDTree
-
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     names = [organ.first for organ in organs] + [organs[-1].second]
     found = list(map(_contacts, clouds, spacings, hierarchies))
@@ -54,20 +51,12 @@ def organ_attachments(
     for scan, contacts in enumerate(found):
         for segment in contacts:
             appearances.setdefault(names[scan][segment], []).append((scan, segment))
-    chosen: list[dict[int, Points]] = [{} for _ in clouds]
+    chosen: list[Attachments] = [{} for _ in clouds]
     for organ, places in appearances.items():
         choices = [found[scan][segment] for scan, segment in places]
         for (scan, _), contact in zip(places, _least_moving(choices), strict=True):
             chosen[scan][organ] = contact
-    intervals = []
-    for before, after in pairwise(chosen):
-        first, second = Attachments(), Attachments()
-        for organ in before.keys() & after.keys():
-            distances, nearest = KDTree(after[organ]).query(before[organ])
-            k = int(np.argmin(distances))
-            first[organ], second[organ] = before[organ][k], after[organ][nearest[k]]
-        intervals.append((first, second))
-    return intervals
+    return list(pairwise(chosen))
 
 
 def _contacts(cloud: Points, spacing: float, hierarchy: Hierarchy) -> dict[int, list[Points]]:

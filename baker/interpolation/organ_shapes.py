@@ -29,6 +29,7 @@ class OrganShape:
     points: Points  # (n, 3), at most MAX_SAMPLE
     spine: Spine
     attachment: Points  # (3,)
+    lengths: NDArray[np.float64]  # (n,), geodesic distances from the plant base
     nodes: dict[int, float] = field(default_factory=dict)  # by child organ, where it is attached
 
     @property
@@ -47,33 +48,43 @@ def organ_shapes(
 ) -> dict[int, OrganShape]:
     """The shapes of organs of a scan that have enough points, by organ.
 
+    Geodesics run through the parents, from the plant base: an organ that leaves its parent over a
+    long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
+
     Parameters
     ----------
     points : (N, 3) float ndarray
     hierarchy : Hierarchy
     base : (3,) float ndarray
         The plant base, from which the root's spine begins.
-    attachments : mapping of int to (3,) float ndarray
+    attachments : mapping of int to (c, 3) float ndarray
         By organ; those without one have no shape.
     names : mapping of int to int
         The organ of each segment.
     segments : iterable of int
-        Those whose shapes are wanted.
+        Those whose shapes, and whose ancestors', are wanted.
     """
     from scipy.spatial import KDTree
 
     shapes: dict[int, OrganShape] = {}
-    for segment in segments:
-        members, organ = hierarchy.segments[segment], names[segment]
-        start = base if hierarchy.parents[segment] == NO_PARENT else attachments.get(organ)
-        if start is not None and len(members) >= MIN_POINTS_FOR_SPINE:
-            sample = points[sampled(members)].astype(np.float64)
-            seed = int(np.argmin(((sample - start) ** 2).sum(axis=1)))
-            lengths = path_lengths(sample, seed, nearest_neighbors(sample, NEIGHBORS))
-            shapes[organ] = OrganShape(sample, fit_spine(sample, lengths), sample[seed])
-    for segment, parent in enumerate(hierarchy.parents):
-        place, above = attachments.get(names[segment]), shapes.get(names.get(parent, NO_PARENT))
-        if place is not None and above is not None:
-            nearest = KDTree(above.points).query(place)[1]
-            above.nodes[names[segment]] = float(above.spine.along[nearest])
+    needed = {above for segment in segments for above in (segment, *hierarchy.ancestors(segment))}
+    for segment in hierarchy.from_the_root():
+        members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
+        organ, above = names[segment], shapes.get(names.get(parent, NO_PARENT))
+        if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE:
+            continue
+        contact = base[None] if parent == NO_PARENT else attachments.get(organ)
+        if contact is None:
+            continue
+        sample = points[sampled(members)].astype(np.float64)
+        seeds = np.unique(KDTree(sample).query(contact)[1])
+        offsets = np.zeros(len(seeds))
+        if above is not None:
+            gaps, touched = KDTree(above.points).query(sample[seeds])
+            offsets = above.lengths[touched] + gaps
+            above.nodes[organ] = float(above.spine.along[touched[np.argmin(offsets)]])
+        lengths = path_lengths(sample, seeds, offsets, nearest_neighbors(sample, NEIGHBORS))
+        first = sample[seeds[np.argmin(offsets)]]
+        spine, lengths = fit_spine(sample, lengths), lengths + offsets.min()
+        shapes[organ] = OrganShape(sample, spine, first, lengths)
     return shapes

@@ -38,14 +38,17 @@ def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def path_lengths(
-    points: Points, seed: int, neighbors: Neighbors | None = None
+    points: Points,
+    seeds: NDArray[np.intp],
+    offsets: NDArray[np.float64],
+    neighbors: Neighbors | None = None,
 ) -> NDArray[np.float64]:
-    """(n,) geodesic distances from a point, by its index.
+    """(n,) geodesic distances from the seeds, above the smallest of their offsets.
 
-    neighbors: the NEIGHBORS nearest ones, where these are known.
+    offsets: distances at the seeds; neighbors: the NEIGHBORS nearest ones, where these are known.
     """
     graph, _, _ = connected_knn_graph(points, NEIGHBORS, neighbors)
-    return geodesic_distances(graph, np.array([seed]))
+    return geodesic_distances(graph, seeds, offsets - offsets.min())
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:

@@ -74,23 +74,23 @@ def test_a_scan_that_vanishes_is_named(write_scans):
 def test_a_scan_that_changes_while_it_is_read_is_named(write_scans, monkeypatch, harm):
     from baker.scans import read
 
-    load = read._load
+    load = read.read_columns
 
-    def load_and_change(path, options):
+    def load_and_change(path, names):
         if path.name != "day01.txt":
-            return load(path, options)
+            return load(path, names)
         if harm == "breaks":
             path.write_text("1 2 3 0\n4 5")
-            return load(path, options)
-        cloud = load(path, options)
+            return load(path, names)
+        columns = load(path, names)
         text = path.read_text()
         if harm == "goes":
             path.unlink()
         else:
             path.write_text(text + "0 0 0 0\n" if harm == "grows" else text[:-9])
-        return cloud
+        return columns
 
-    monkeypatch.setattr(read, "_load", load_and_change)
+    monkeypatch.setattr(read, "read_columns", load_and_change)
     said = "can't be read" if harm == "goes" else "changed while it was read"
     with pytest.raises(InputError, match=rf"day01\.txt' {said}"):
         bake_recorded([write_scans()], PLAIN)

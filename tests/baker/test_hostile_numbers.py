@@ -154,7 +154,8 @@ def test_no_area_is_too_odd_to_be_even():
 
 
 def organ(points: np.ndarray) -> OrganShape:
-    return OrganShape(points, fit_spine(points, path_lengths(points, 0)), points[0])
+    lengths = path_lengths(points, np.array([0]), np.zeros(1))
+    return OrganShape(points, fit_spine(points, lengths), points[0], lengths)
 
 
 @pytest.mark.parametrize("shape", SOUND)

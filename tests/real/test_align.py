@@ -87,7 +87,7 @@ def test_every_pair_is_turned_rightly(series, name, up):
     assert_steps_agree(found.transforms, truth, up)
 
 
-@pytest.mark.parametrize("name", ALIGNED)
+@pytest.mark.parametrize("name", [GROWN, *present(*ALIGNED)])
 @pytest.mark.parametrize("labelled", [True, False])
 @pytest.mark.parametrize("few", [False, True])
 def test_series_in_one_frame_stay(series, name, labelled, few):

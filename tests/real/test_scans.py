@@ -100,4 +100,4 @@ def test_laz(laz_files):
         cloud = choose_fields(read_columns(path), path)
         assert len(cloud) == count
         np.testing.assert_allclose(cloud.points.min(axis=0), low, atol=step)
-        assert not cloud.labels.any()  # never classified; a series of such scans has no labels
+        assert cloud.labels is None

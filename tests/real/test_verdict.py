@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from baker import Options, bake
 from baker.verdict.doubt import doubts_in
 from gclip import Clip
-from tests.real.series import present
+from tests.real.series import labelled, present
 
 
 def test_the_example_is_what_its_verdict_says(example: Clip) -> None:
@@ -21,16 +21,17 @@ def test_the_example_is_what_its_verdict_says(example: Clip) -> None:
     assert said_right == (not verdict["doubts"])
 
 
-@pytest.mark.parametrize("name", present("maize_control_plant1"))
-def test_a_leaf_that_turns_round_is_named(series: Callable[[str], Path], name: str) -> None:
-    """The paper's choices exchange the base and the tip of the lowest leaf from day 7 to 8."""
-    clip = bake([series(name)], Options(align="none", paper=True, workers=2))
-    worst = max(doubts_in(clip), key=lambda doubt: doubt.strength)
-    assert (worst.start, worst.track) == (7.0, 1)
-    assert "the tip and the base of label 1 change places" in worst.what
+if present("maize_control_plant1"):  # no other series is known to turn a leaf round
+
+    def test_a_leaf_that_turns_round_is_named(series: Callable[[str], Path]) -> None:
+        """The paper's choices exchange the base and the tip of the lowest leaf from day 7 to 8."""
+        clip = bake([series("maize_control_plant1")], Options(align="none", paper=True, workers=2))
+        worst = max(doubts_in(clip), key=lambda doubt: doubt.strength)
+        assert (worst.start, worst.track) == (7.0, 1)
+        assert "the tip and the base of label 1 change places" in worst.what
 
 
-@pytest.mark.parametrize("name", present("tobacco_control_plant1"))
+@pytest.mark.parametrize("name", labelled("tobacco_control_plant1"))
 def test_no_organ_becomes_another_in_silence(series: Callable[[str], Path], name: str) -> None:
     folder = series(name)
     clip = bake([folder], Options(align="none", labels="ignore", workers=2))

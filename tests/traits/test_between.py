@@ -50,11 +50,11 @@ def test_between_scans_sure_traits_are_true(grown: Clip) -> None:
             if "area" in one.sure:
                 off.append([one.length / true.length - 1.0, one.area / true.area - 1.0])
     lengths, areas = np.abs(off).T
-    assert len(off) >= 7
+    assert len(off) >= 6
     # A leaf that two of three scans show, and that doubles in between, is farthest off.
     assert lengths.mean() < 0.025
     assert areas.mean() < 0.03
-    assert max(lengths.max(), areas.max()) < 0.08
+    assert max(lengths.max(), areas.max()) < 0.1
 
 
 def test_a_leaf_that_stands_still_keeps_its_area(tmp_path: Path) -> None:

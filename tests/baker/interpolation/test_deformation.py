@@ -16,7 +16,8 @@ from tests.baker.interpolation.shapes import leaf, sample
 
 
 def spine_of(points: np.ndarray):
-    return fit_spine(points, path_lengths(points, int(np.argmin((points**2).sum(axis=1)))))
+    nearest = np.array([np.argmin((points**2).sum(axis=1))])
+    return fit_spine(points, path_lengths(points, nearest, np.zeros(1)))
 
 
 def test_a_spine_carries_its_points_along() -> None:

@@ -33,7 +33,7 @@ def attachments_of(clouds: list[np.ndarray]) -> list[tuple[np.ndarray, np.ndarra
     organs = IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
     count = len(clouds) - 1
     found = organ_attachments(clouds, [0.15] * len(clouds), [match] * count, [organs] * count)
-    return [(first[1], second[1]) for first, second in found]
+    return [(first[1].mean(axis=0), second[1].mean(axis=0)) for first, second in found]
 
 
 @pytest.mark.parametrize("droops", [(0.0, 1.0), (1.0, 0.0), (0.0, 1.0, 1.0), (1.0, 1.0, 0.0)])
@@ -43,11 +43,6 @@ def test_a_tip_that_touches_the_stem_is_no_attachment(droops: tuple[float, ...])
         assert after[2] == pytest.approx(HEIGHT, abs=1.5)
 
 
-def test_an_attachment_that_does_not_move_is_one_point() -> None:
-    ((before, after),) = attachments_of([plant(0.2), plant(0.2)])
-    np.testing.assert_array_equal(before, after)
-
-
 def test_what_is_born_has_none() -> None:
     parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
     second = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0)
@@ -55,4 +50,6 @@ def test_what_is_born_has_none() -> None:
     match = Match(first, second, ((0, 0),), (1,), ())
     organs = IntervalOrgans({0: 0}, {0: 0, 1: 1})
     clouds = [plant(0.0)[:STEM], plant(0.0)]
-    assert organ_attachments(clouds, [0.15, 0.15], [match], [organs]) == [({}, {})]
+    ((before, after),) = organ_attachments(clouds, [0.15, 0.15], [match], [organs])
+    assert not before
+    assert set(after) == {1}

@@ -24,8 +24,8 @@ POINTS = 1500
 
 def shape_of(points: Array, base: Array) -> OrganShape:
     nearest = int(np.argmin(((points - base) ** 2).sum(axis=1)))
-    spine = fit_spine(points, path_lengths(points, nearest))
-    return OrganShape(points, spine, points[nearest])
+    lengths = path_lengths(points, np.array([nearest]), np.zeros(1))
+    return OrganShape(points, fit_spine(points, lengths), points[nearest], lengths)
 
 
 def clouds(shape: Shape, noise: float = 0.2) -> tuple[Array, Array]:

@@ -19,13 +19,14 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     cloud = np.concatenate([stem, leaf, np.zeros((5, 3))]).astype(np.float32)
     parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
     hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
-    attachments = {11: np.array([0.0, 0.0, 60.0]), 12: np.zeros(3)}
+    attachments = {11: np.array([[0.0, 0.0, 60.0]]), 12: np.zeros((1, 3))}
     names = {0: 10, 1: 11, 2: 12}
     shapes = organ_shapes(cloud, hierarchy, np.zeros(3), attachments, names, range(3))
     assert set(shapes) == {10, 11}  # too few points have no shape
     np.testing.assert_allclose(shapes[11].spine.nodes[0], [0, 0, 60], atol=4)
     np.testing.assert_allclose(shapes[11].spine.nodes[-1], [98, 0, 60], atol=4)
     assert shapes[10].nodes[11] == pytest.approx(0.61, abs=0.05)
+    assert shapes[11].lengths.min() == pytest.approx(60, abs=8)
 
 
 def test_what_is_attached_nowhere_has_no_shape() -> None:

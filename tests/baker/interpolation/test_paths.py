@@ -37,7 +37,7 @@ def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
 
 def motions_of(clouds: list[np.ndarray], match: Match) -> list[OrganMotion | None]:
     """Of the stem, its leaf, the ball and the new ball."""
-    names, places = {0: 0, 1: 1, 2: 2, 3: 3}, {1: np.zeros(3)}
+    names, places = {0: 0, 1: 1, 2: 2, 3: 3}, {1: np.zeros((1, 3))}
     shapes = [
         organ_shapes(cloud, hierarchy, cloud[np.argmin(cloud[:, 2])], places, names, [0, 1])
         for cloud, hierarchy in zip(clouds, (match.first, match.second), strict=True)

@@ -22,20 +22,20 @@ def rod(count: int = 400, seed: int = 0) -> np.ndarray:
 def test_lengths_are_measured_along_the_organ() -> None:
     angle = np.linspace(0, np.pi, 300)
     arch = 50 * np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
-    lengths = path_lengths(arch, 0)
+    lengths = path_lengths(arch, np.array([0]), np.zeros(1))
     np.testing.assert_allclose(lengths, 50 * angle, atol=0.1)
 
 
 def test_parts_that_are_apart_are_reached_across_the_gap() -> None:
     points = np.concatenate([rod(), rod(seed=1) + np.array([150.0, 0.0, 0.0])])
-    lengths = path_lengths(points, int(np.argmin(points[:, 0])))
+    lengths = path_lengths(points, np.array([np.argmin(points[:, 0])]), np.zeros(1))
     assert np.isfinite(lengths).all()
     assert lengths.max() == pytest.approx(250, rel=0.1)
 
 
 def test_points_that_coincide_are_no_gap() -> None:
     points = np.repeat(rod(60), 3, axis=0)
-    assert np.isfinite(path_lengths(points, 0)).all()
+    assert np.isfinite(path_lengths(points, np.array([0]), np.zeros(1))).all()
 
 
 def test_a_rods_spine_is_its_axis_to_the_ends() -> None:
