@@ -31,12 +31,11 @@ def list_plants(
     listed with the reason why.
     """
     for plant in plants:
-        print(f"{printable(plant.name)}:")
         try:
             lines = _survey_lines([plant.folder], options, quiet)
         except InputError as error:
             lines = [str(error)]
-        _print([*(f"    {line}" for line in lines), ""])
+        _print([f"{printable(plant.name)}:", *(f"    {line}" for line in lines), ""])
     if not plants:
         _print(_survey_lines(inputs, options, quiet))
 
@@ -48,8 +47,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """
     width, lines = get_terminal_size((UNWRAPPED, 0)).columns, []
     for one in sorted(findings, key=lambda finding: TOPICS.index(finding.topic)):
-        say = f"; say it with {one.option}" if one.doubt and one.option else ""
-        text = printable(f"{one.found}: {one.doubt}{say}" if one.doubt else one.found)
+        text = printable(f"{one.found}: {one.remark}" if one.doubt else one.found)
         head = f"{one.topic:<8}{'look at this' if one.doubt else 'sure':<14}"
         lines += textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
     return lines

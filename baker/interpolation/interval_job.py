@@ -196,7 +196,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
         if task.event == "match" and all(task.organ in side for side in shapes):
-            motion, parts = _registered(start, end, *(side[task.organ] for side in shapes))
+            motion, parts = _motion_and_parts(start, end, *(side[task.organ] for side in shapes))
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), parts)
         timing = (born if task.event == "birth" else job.timings).get(task.organ)
@@ -220,7 +220,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     )
 
 
-def _registered(
+def _motion_and_parts(
     start: NDArray[np.floating],
     end: NDArray[np.floating],
     source: OrganShape,

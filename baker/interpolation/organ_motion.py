@@ -17,7 +17,8 @@ UNEVENNESS_RANGE = (0.04, 0.1)
 HINGE_RANGE = (0.1, 0.3)
 UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # of what grows by the factor e, besides
 MAX_UNEVENNESS = 0.8  # of a deformation that can be right
-MIN_ORDER = 0.9
+MIN_RANK_CORRELATION = 0.9  # of places along an organ, before and after such a deformation
+MIN_NODE_DISTANCE = 0.02  # along a spine, between attached children and from its ends
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # whose distances show the stretch
 POINTS_COMPARED = 100
 
@@ -30,14 +31,14 @@ class OrganMotion:
     along: NDArray[np.float64]  # (n,), their places along the spine, 0 to 1
     deformed: Points  # (n, 3), where they come to lie in the second scan
     deviations: Points  # (LEVELS, 3), at mid-interval, of the spine's nodes from their chords
-    reversed: bool = False  # the sample was the second scan's
+    is_reversed: bool = False  # the second scan's organ was deformed onto the first scan's
 
     def registered(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
     ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
         """The organ's points in both scans, those of one deformed onto the other."""
         shift = self.deformed - self.sample
-        if self.reversed:
+        if self.is_reversed:
             return start, end - _interpolated(end, self.deformed, shift)
         return start + _interpolated(start, self.sample, shift), end
 
@@ -67,12 +68,12 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     """
     if source.length > target.length:
         back = fit_motion(target, source)
-        return replace(back, sample=back.deformed, deformed=back.sample, reversed=True)
+        return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
     nodes = _common_nodes(source, target)
     carried = spine_deformation(source.points, target.points, source.spine, target.spine, nodes)
     deformed = register_nonrigid(carried, target.points)
     uneven = unevenness(source.points, deformed)
-    if uneven > MAX_UNEVENNESS or _order_kept(source, target, deformed) < MIN_ORDER:
+    if uneven > MAX_UNEVENNESS or _order_kept(source, target, deformed) < MIN_RANK_CORRELATION:
         deformed = carried
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
@@ -81,16 +82,15 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
 
 
 def _common_nodes(source: OrganShape, target: OrganShape) -> tuple[list[float], list[float]]:
-    """Where both shapes bear the same children, places along both spines, ascending in both."""
-    pairs = sorted((source.nodes[c], target.nodes[c]) for c in source.nodes if c in target.nodes)
-    kept: list[tuple[float, float]] = [(0.0, 0.0)]
-    for place in pairs:
-        if (
-            all(new - old > 0.02 for new, old in zip(place, kept[-1], strict=True))
-            and max(place) < 0.98
-        ):
-            kept.append(place)
-    return [a for a, _ in kept[1:]], [b for _, b in kept[1:]]
+    """Where the same children are attached: places along both spines, ascending in both."""
+    common = source.nodes.keys() & target.nodes.keys()
+    before, after = [0.0], [0.0]
+    for a, b in sorted((source.nodes[child], target.nodes[child]) for child in common):
+        step = min(a - before[-1], b - after[-1])
+        if step > MIN_NODE_DISTANCE and max(a, b) < 1.0 - MIN_NODE_DISTANCE:
+            before.append(a)
+            after.append(b)
+    return before[1:], after[1:]
 
 
 def _order_kept(source: OrganShape, target: OrganShape, deformed: Points) -> float:

@@ -84,7 +84,7 @@ def organ_shapes(
             offsets = above.lengths[touched] + gaps
             above.nodes[organ] = float(above.spine.along[touched[np.argmin(offsets)]])
         lengths = path_lengths(sample, seeds, offsets, nearest_neighbors(sample, NEIGHBORS))
-        first = sample[seeds[np.argmin(offsets)]]
-        spine, lengths = fit_spine(sample, lengths), lengths + offsets.min()
-        shapes[organ] = OrganShape(sample, spine, first, lengths)
+        attachment = sample[seeds[np.argmin(offsets)]]
+        spine = fit_spine(sample, lengths)
+        shapes[organ] = OrganShape(sample, spine, attachment, offsets.min() + lengths)
     return shapes

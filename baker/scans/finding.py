@@ -23,9 +23,14 @@ class Finding:
     option: str = ""
 
     @property
+    def remark(self) -> str:
+        """The doubt and the option that settles it; "" where nothing is in doubt."""
+        return (
+            f"{self.doubt}; say it with {self.option}" if self.doubt and self.option else self.doubt
+        )
+
+    @property
     def sentence(self) -> str:
         """The finding as a line of text."""
-        if not self.doubt:
-            return f"{self.topic}: {self.found}."
-        say = f"; say it with {self.option}" if self.option else ""
-        return f"{self.topic}: {self.found}. Look at this: {self.doubt}{say}."
+        doubt = f" Look at this: {self.remark}." if self.doubt else ""
+        return f"{self.topic}: {self.found}.{doubt}"

@@ -9,7 +9,7 @@ from functools import partial
 from baker.geometry.parallel import MapLike
 from baker.verdict.doubt import Doubt, provenance_of
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
-from baker.verdict.motion import OrganMotion, sampled_motions
+from baker.verdict.motion import SampledMotion, sampled_motions
 from gclip import Clip
 
 # From these values on an organ's motion is doubtful (docs/method.md, "The verdict").
@@ -66,7 +66,7 @@ def _doubts_in(clip: Clip, followed: FollowedOrgans | None, index: int) -> list[
     return doubts
 
 
-def _wrong(motion: OrganMotion, parent: OrganMotion | None) -> Iterator[tuple[str, float]]:
+def _wrong(motion: SampledMotion, parent: SampledMotion | None) -> Iterator[tuple[str, float]]:
     """What may be wrong with the motion of an organ called {name}, and how strongly each is."""
     yield "{name} tears", motion.torn / MIN_TORN
     change = motion.size_change

@@ -31,7 +31,7 @@ GRAPH_NEIGHBORS = 12
 
 
 @dataclass(frozen=True)
-class OrganMotion:
+class SampledMotion:
     """One organ's way from scan to scan."""
 
     path: NDArray[np.float64]  # (5, n, 3) at `PARAMETERS`
@@ -99,7 +99,7 @@ class OrganMotion:
         shrunk, swollen = 1.0 - self.sizes.min() / low, self.sizes.max() / high - 1.0
         return float(swollen if swollen > shrunk else -shrunk)
 
-    def order_kept(self, parent: OrganMotion) -> float:
+    def order_kept(self, parent: SampledMotion) -> float:
         """Spearman's correlation of the points' geodesic distances from where it is attached.
 
         Of all points that touch the parent at either scan, the organ is attached at the two that
@@ -124,7 +124,7 @@ class OrganMotion:
         return float(np.asarray(np.corrcoef(ranks))[0, 1])
 
 
-def sampled_motions(interval: Interval) -> dict[int, OrganMotion]:
+def sampled_motions(interval: Interval) -> dict[int, SampledMotion]:
     """The motion of a sample of each organ's movers, by track id; lost organs aside."""
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
@@ -135,4 +135,4 @@ def sampled_motions(interval: Interval) -> dict[int, OrganMotion]:
     movers: Any = order[np.concatenate([begin + e for begin, e in zip(first, even, strict=True)])]
     states = np.stack([positions_on_curve(interval, movers, u) for u in PARAMETERS]).astype(float)
     parts = np.split(states, np.cumsum(sizes)[:-1], axis=1)
-    return {int(track): OrganMotion(part) for track, part in zip(found, parts, strict=True)}
+    return {int(track): SampledMotion(part) for track, part in zip(found, parts, strict=True)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.verdict.motion import OrganMotion
+from baker.verdict.motion import SampledMotion
 
 SHARES = np.linspace(0, 1, 5)[:, None, None]
 
@@ -17,15 +17,15 @@ def leaf() -> np.ndarray:
 
 
 @pytest.fixture
-def stem() -> OrganMotion:
+def stem() -> SampledMotion:
     """At rest, through the leaf's base."""
     points = np.random.default_rng(1).random((200, 1)) * [0, 0, 20] - [0, -1, 10]
     return moved(points, points)
 
 
-def moved(start: np.ndarray, end: np.ndarray) -> OrganMotion:
+def moved(start: np.ndarray, end: np.ndarray) -> SampledMotion:
     """Along straight paths."""
-    return OrganMotion((1 - SHARES) * start + SHARES * end)
+    return SampledMotion((1 - SHARES) * start + SHARES * end)
 
 
 def turned(points: np.ndarray, degrees: float) -> np.ndarray:
@@ -61,7 +61,7 @@ def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
 
 def test_an_organ_that_swells_is_larger_on_the_way(leaf):
     path = np.stack([leaf * k for k in (1, 1.2, 1.5, 1.2, 1)])
-    assert OrganMotion(path).size_change == pytest.approx(0.5)
+    assert SampledMotion(path).size_change == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("count", [3, 59])
