@@ -23,7 +23,7 @@ def arch(reach: float, droop: float) -> np.ndarray:
 
 def plant(droop: float) -> np.ndarray:
     stem = np.column_stack([np.zeros((STEM, 2)), np.linspace(0, 50, STEM)])
-    return np.concatenate([stem, arch(15.0, droop)])
+    return np.concatenate([stem, arch(15.0, droop)[::-1]])  # the tip first, and so its contact
 
 
 def attachments_of(clouds: list[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
