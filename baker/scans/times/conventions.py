@@ -49,7 +49,7 @@ class Convention:
 def parse_date(text: str) -> Moment | None:
     """A moment from an ISO date or date-time that is the whole text."""
     match = _ISO.fullmatch(text)
-    return _iso(match) if match else None
+    return _calendar("ymd", match) if match else None
 
 
 def _dated(form: str, seconds_after: int = 0, **parts: int) -> Moment | None:
@@ -61,22 +61,18 @@ def _dated(form: str, seconds_after: int = 0, **parts: int) -> Moment | None:
     return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{form}}", dated=True)
 
 
-def _iso(match: re.Match[str]) -> Moment | None:
-    parts = {part: int(number) for part, number in match.groupdict().items() if number}
-    time = " %H:%M:%S" if "second" in parts else " %H:%M" if "hour" in parts else ""
-    return _dated("%Y-%m-%d" + time, **parts)
-
-
 def _calendar(order: str, match: re.Match[str]) -> Moment | None:
     """From the groups a, b, c, which are d(ay), m(onth: a number or a name), y(ear) in an order."""
     texts = {letter: match[group] for letter, group in zip(order, "abc", strict=False)}
-    day, name = int(texts["d"]), texts["m"]
-    month = int(name) if name.isdecimal() else MONTHS[name[:3].lower()]
+    day, name = int(texts.get("d", 1)), texts["m"].lower()
+    month = int(name) if name.isdecimal() else MONTHS.get(name, 0)
     if "y" not in texts:
         stand_in = LEAP_YEAR if (month, day) == (2, 29) else COMMON_YEAR
         return _dated("%m-%d", year=stand_in, month=month, day=day)
     year = int(texts["y"])
-    return _dated("%Y-%m-%d", year=year + 2000 * (year < 100), month=month, day=day)
+    clock = {unit: int(match[unit]) for unit in ("hour", "minute", "second") if match[unit]}
+    form = "%Y-%m-%d" + ("", "", " %H:%M", " %H:%M:%S")[len(clock)]
+    return _dated(form, year=year + 2000 * (year < 100), month=month, day=day, **clock)
 
 
 def _day_of_year(match: re.Match[str]) -> Moment | None:
@@ -84,6 +80,14 @@ def _day_of_year(match: re.Match[str]) -> Moment | None:
     if not 1 <= number <= 366:
         return None
     return _dated("%Y-%m-%d", (number - 1) * 86400, year=int(match["year"]), month=1, day=1)
+
+
+def _calendar_week(match: re.Match[str]) -> Moment | None:
+    try:
+        moment = datetime.fromisocalendar(int(match["y"]), int(match["w"]), int(match["d"] or 1))
+    except ValueError:
+        return None  # 2023-W60
+    return _dated("%Y-%m-%d", year=moment.year, month=moment.month, day=moment.day)
 
 
 def _week_and_day(match: re.Match[str]) -> Moment:
@@ -95,25 +99,38 @@ def _unix(match: re.Match[str]) -> Moment | None:
     return _dated("%Y-%m-%d %H:%M:%S", int(match[0][:10]), year=1970, month=1, day=1)
 
 
-MONTH_NAMES = "jan feb mar,mär,mae,mrz apr may,mai jun jul aug sep oct,okt nov dec,dez"
-MONTHS = {
-    name: number for number, names in enumerate(MONTH_NAMES.split(), 1) for name in names.split(",")
-}
-_MONTH = "(?:" + "|".join(MONTHS) + ")[a-zä]{0,6}"
+MONTH_NAMES = (
+    "jan january januar januari janvier janv janeiro enero gennaio",
+    "feb february februar februari février fevrier févr fevr fev fevereiro febrero febbraio",
+    "mar march märz maerz mär mrz mars maart mrt março marco marzo",
+    "apr april avril avr abril abr aprile",
+    "may mai mei maio mayo maggio",
+    "jun june juni juin junho junio giugno",
+    "jul july juli juillet juil julho julio luglio",
+    "aug august augustus août aout agosto ago",
+    "sep sept september septembre setembro septiembre settembre",
+    "oct october okt oktober octobre outubro octubre ottobre",
+    "nov november novembre novembro noviembre",
+    "dec december dez dezember décembre decembre dezembro dic diciembre dicembre",
+)
+MONTHS = {name: number for number, names in enumerate(MONTH_NAMES, 1) for name in names.split()}
+_LETTER, _TH = r"[^\W\d_]", "(?:st|nd|rd|th)?"
+_DAY, _MONTH = rf"(?P<a>\d\d?){_TH}", rf"{_LETTER}{{3,10}}"
 _YEAR = r"(?:19|20|21)\d\d"
+_CLOCK = (
+    r"(?:[T_ -]?(?P<hour>[01]\d|2[0-3])[-:_.h]?(?P<minute>[0-5]\d)"
+    r"(?:[-:_.m]?(?P<second>[0-5]\d))?Z?)?"
+)
 _ISO = re.compile(
-    rf"""(?<!\d) (?P<year>{_YEAR}) ([-_.]?) (?P<month>\d\d) \2 (?P<day>\d\d)
-        (?: [T_\ -]? (?P<hour>[01]\d|2[0-3]) [-:_.h]? (?P<minute>[0-5]\d)
-            (?: [-:_.m]? (?P<second>[0-5]\d) )? Z? )?
-        (?!\d)""",
-    re.VERBOSE | re.IGNORECASE,
+    rf"(?<!\d)(?P<a>{_YEAR})([-_.]?)(?P<b>\d\d)\2(?P<c>\d\d){_CLOCK}(?!\d)", re.IGNORECASE
 )
 
 
 def _dates(family: str, rank: int, orders: str, pattern: str) -> list[Convention]:
     """A convention for each order in which the groups a, b, c may be day, month and year."""
     words = {"d": "day", "m": "month", "y": "year"}
-    compiled = re.compile(rf"(?<!\d){pattern}(?!\d)", re.IGNORECASE)
+    clock = _CLOCK if "y" in orders else ""
+    compiled = re.compile(rf"(?<!\d){pattern}{clock}(?!\d)", re.IGNORECASE)
     return [
         Convention(
             f"dates ({', '.join(words[letter] for letter in order)})",
@@ -135,43 +152,59 @@ def _numbers(unit: str, days: float, prefixes: str, suffixes: str) -> list[Conve
 
     what = f"{unit} numbers"
     return [
-        Convention(what, re.compile(pattern, re.IGNORECASE), read, 2, what)
-        for pattern in (
-            rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?(?P<number>\d+(?:\.\d+)?)",
-            rf"(?<![\d.])(?P<number>\d+(?:\.\d+)?)[ _-]?(?:{suffixes})(?![a-z0-9])",
+        Convention(what, re.compile(pattern, re.IGNORECASE), read, rank, what)
+        for rank, pattern in (
+            (2, rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?(?P<number>\d+(?:\.\d+)?)"),
+            (2, rf"(?<![\d.])(?P<number>\d+(?:\.\d+)?){_TH}[ _-]?(?:{suffixes})(?![a-z0-9])"),
+            (WEAK_RANK, rf"(?<=\d)(?:{prefixes})(?P<number>\d+)"),  # P3D12
         )
     ]
 
 
 # Days after sowing, planting, transplanting, germination, emergence, inoculation, infection.
 _DAYS_AFTER = "da[sptgeif]|dp[iagsp]"
-_DAYS = "days?|d|tage?|jours?|d[ií]as?"
+_WEEKS_AFTER = "wa[sptgeif]|wp[iagsp]"
+_DAYS = "days?(?:old)?|d|tage?|jours?|d[ií]as?|天"
+# Words that stand only before the number.
+_DAY_WORDS = r"days?[ _-]after[ _-][a-z]+|doy|day[ _-]?of[ _-]?year|jd|j\+?|第"
+_WEEKS = f"weeks?|wk|w|wochen?|{_WEEKS_AFTER}"
 _HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"
 _ORDINAL = re.compile(rf"(?<!\d)(?P<year>{_YEAR})[-_. ]?(?P<number>\d\d\d)(?!\d)")
 _WEEK_AND_DAY = re.compile(
-    r"(?<![a-z0-9])w(?:eeks?|k)?[ _-]?(?P<week>\d+)[ _-]?d(?:ays?)?[ _-]?(?P<day>\d+)",
+    r"(?<![a-z0-9])w(?:eeks?|k)?[ _-]?(?P<week>\d+)[ ._-]?d(?:ays?)?[ _-]?(?P<day>\d+)",
+    re.IGNORECASE,
+)
+_CALENDAR_WEEK = re.compile(
+    rf"(?<!\d)(?P<y>{_YEAR})[ _-]?(?:w|kw|cw|wk|week)[ _-]?(?P<w>\d\d?)(?:-?(?P<d>[1-7]))?(?!\d)",
     re.IGNORECASE,
 )
 _UNIX = re.compile(r"(?<!\d)1\d{9}(?:\d{3})?(?!\d)")
 CONVENTIONS: tuple[Convention, ...] = (
-    Convention("dates", _ISO, _iso, 0, "iso"),
+    Convention("dates", _ISO, partial(_calendar, "ymd"), 0, "iso"),
+    Convention("years and weeks", _CALENDAR_WEEK, _calendar_week, 2, "calendar weeks"),
     *_dates("year first", 1, "ymd", rf"(?P<a>{_YEAR})(?P<s>[-_.])(?P<b>\d\d?)(?P=s)(?P<c>\d\d?)"),
-    *_dates("named", 1, "dmy", rf"(?P<a>\d\d?)[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>{_YEAR}|\d\d)"),
-    *_dates("named", 1, "mdy", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?)[-_., ]+(?P<c>{_YEAR})"),
+    *_dates("year first", 1, "ymd", rf"(?P<a>{_YEAR})年(?P<b>\d\d?)月(?P<c>\d\d?)日?"),
+    *_dates("named", 1, "dmy", rf"{_DAY}[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>{_YEAR}|\d\d)"),
+    *_dates("named", 1, "mdy", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?){_TH}[-_., ]+(?P<c>{_YEAR})"),
     *_dates("named", 1, "ymd", rf"(?P<a>{_YEAR})[-_. ]*(?P<b>{_MONTH})[-_. ]*(?P<c>\d\d?)"),
     *_dates("year", 1, "dmy mdy", rf"(?P<a>\d\d?)(?P<s>[-_. ])(?P<b>\d\d?)(?P=s)(?P<c>{_YEAR})"),
     *_dates("eight digits", 1, "dmy mdy", rf"(?P<a>\d\d)(?P<b>\d\d)(?P<c>{_YEAR})"),
-    *_numbers("day", 1.0, f"{_DAYS}|dag|doy|{_DAYS_AFTER}", f"{_DAYS}|{_DAYS_AFTER}"),
-    *_numbers("week", 7.0, "weeks?|wk|w|wochen?|kw", "weeks?|wk|w|wochen?"),
+    *_numbers("day", 1.0, f"{_DAYS}|{_DAY_WORDS}|{_DAYS_AFTER}", f"{_DAYS}|{_DAYS_AFTER}"),
+    *_numbers("week", 7.0, f"{_WEEKS}|[kc]w", _WEEKS),
     *_numbers("hour", 1 / 24, _HOURS, _HOURS),
     *_numbers("minute", 1 / 1440, "minutes?|mins?", "minutes?|mins?"),
     Convention("weeks and days", _WEEK_AND_DAY, _week_and_day, 1, "weeks and days"),
     *_dates("short", 3, "dmy ymd mdy", r"(?P<a>\d\d?)(?P<s>[-.])(?P<b>\d\d?)(?P=s)(?P<c>\d\d)"),
+    *_dates("short", WEAK_RANK, "dmy ymd mdy", r"(?P<a>\d\d)_(?P<b>\d\d)_(?P<c>\d\d)"),
     Convention("unix times", _UNIX, _unix, 3, "unix times"),
     Convention("years and days of the year", _ORDINAL, _day_of_year, WEAK_RANK, "ordinal"),
     *_dates("six digits", WEAK_RANK, "ymd dmy mdy", r"(?P<a>\d\d)(?P<b>\d\d)(?P<c>\d\d)"),
-    *_dates(NO_YEAR, WEAK_RANK, "dm", rf"(?P<a>\d\d?)[-_. ]*(?P<b>{_MONTH})(?![a-z])"),
-    *_dates(NO_YEAR, WEAK_RANK, "md", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?)"),
+    *_dates(NO_YEAR, WEAK_RANK, "dm", rf"{_DAY}[-_. ]*(?P<b>{_MONTH})(?!{_LETTER})"),
+    *_dates(NO_YEAR, WEAK_RANK, "md", rf"(?<!{_LETTER})(?P<a>{_MONTH})[-_. ]*(?P<b>\d\d?)"),
+    *_dates(NO_YEAR, WEAK_RANK, "md", r"(?P<a>\d\d?)月(?P<b>\d\d?)日?"),
+    *_dates("months", WEAK_RANK, "my", rf"(?P<a>{_MONTH})[-_. ]*(?P<b>{_YEAR})"),
+    *_dates("months", WEAK_RANK, "ym", rf"(?P<a>{_YEAR})[-_. ]*(?P<b>{_MONTH})(?!{_LETTER})"),
+    *_dates(NO_YEAR, WEAK_RANK + 1, "m", rf"(?<!{_LETTER})(?P<a>{_MONTH})(?!{_LETTER})"),
     *_dates(NO_YEAR, WEAK_RANK + 1, "md dm", r"(?P<a>\d\d)-?(?P<b>\d\d)"),
     *_dates(NO_YEAR, WEAK_RANK + 1, "dm", r"(?P<a>\d\d?)\.(?P<b>\d\d)\.?(?!\.?\d)"),
 )

@@ -3,7 +3,8 @@
 A convention is a pattern and what its numbers mean. No name tells alone which one its author had in
 mind (``05032023`` is in March or in May), but the names of a series together mostly do: a
 convention has to fit all of them, the number has to differ from scan to scan, and of several
-possible orders of day, month and year the one is taken that gives the shortest series.
+the first in the names counts, and of several possible orders of day, month and year the one that
+gives the shortest series.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+
+import numpy as np
 
 from baker.scans.times.conventions import CONVENTIONS, NO_YEAR, Convention, Moment
 
@@ -35,6 +38,13 @@ class Reading:
     def distinct(self) -> bool:
         """Whether no two scans have the same time."""
         return len({moment.time for moment in self.moments}) == len(self.moments)
+
+    def contradicts(self, other: Reading) -> bool:
+        """Whether it is clear, of another part of the first name, and gives another order."""
+        (start, stop), (other_start, other_stop) = self.spans[0], other.spans[0]
+        orders = [np.argsort([m.time for m in read.moments]).tolist() for read in (self, other)]
+        is_apart = stop <= other_start or other_stop <= start
+        return self.convention.is_clear and is_apart and orders[0] != orders[1]
 
     @property
     def length(self) -> float:
@@ -68,15 +78,19 @@ def read_times(texts: Sequence[str]) -> Reading | None:
     if not distinct:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
-    best = min(distinct, key=lambda reading: (reading.convention.rank, reading.length))
+    best = min(distinct, key=lambda read: (read.convention.rank, read.spans[0][0], read.length))
     others = [
         reading
         for reading in distinct
-        if reading.convention.family == best.convention.family
-        and reading.moments != best.moments
-        and reading.length <= MAX_SPAN
+        if reading.length <= MAX_SPAN
+        if (
+            reading.moments != best.moments
+            if reading.convention.family == best.convention.family
+            else reading.contradicts(best)
+        )
     ]
-    return replace(best, doubt=_doubt(best, others))
+    start, stop = best.spans[0]
+    return replace(best, doubt=_doubt(best, others, texts[0][start:stop]))
 
 
 def find_time(text: str) -> re.Match[str] | None:
@@ -102,16 +116,16 @@ def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
     return reading.length == 0 and not reading.moments[0].dated and len(rest) == len(texts)
 
 
-def _doubt(best: Reading, others: Sequence[Reading]) -> str:
+def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
     if others:
         other = min(others, key=lambda reading: reading.length)
         in_time = sorted(other.moments, key=lambda moment: moment.time)
         return (
-            f"{best.convention.what} would also be {other.convention.what}, from "
-            f"{in_time[0].date} to {in_time[-1].date}"
+            f"the names can also be read as {other.convention.what}, from {in_time[0].date} to "
+            f"{in_time[-1].date}"
         )
     if not best.convention.is_clear:
-        return f"the numbers were taken for {best.convention.what}"
+        return f"'{first}' was taken for {best.moments[0].date}"
     return ""
 
 

@@ -25,7 +25,7 @@ from baker.scans.times.times_file import moments_from_file
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans
-FOLDER_LEVELS = 2  # folders above a scan whose names may hold its time
+FOLDER_LEVELS = 4  # folders above a scan whose names may hold its time
 MAX_LISTED_NAMES = 12  # of scans whose order is told by name
 
 
@@ -61,9 +61,11 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
     Raises InputError: two scans at one time, a times file that can't be read or misses a scan,
     numbered names whose order can't be told.
     """
+    parts = [path.resolve().parts for path in found.paths]
     names = [path.name for path in found.paths]
-    if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
-        names = [f"{path.resolve().parent.name}/{path.name}" for path in found.paths]
+    for level in range(2, max(map(len, parts)) + 1):
+        if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
+            names = ["/".join(own[-level:]) for own in parts]
     if times_file is not None:
         moments = moments_from_file(times_file, names)
         return schedule_in_time(found, names, moments, f"from '{times_file.name}'")
@@ -101,8 +103,8 @@ def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
 def names_without_times(stems: Sequence[str]) -> list[str]:
     """The names with a star for the time, which tell whether they belong to one series.
 
-    What follows the time is left out where some names have it and others nothing: published series
-    mark annotated scans so (``M01_0313_a``, ``M01_0314``).
+    What follows the time is left out where some names have it and others a part of it or nothing:
+    published series mark annotated scans so (``M01_0313_a``, ``M01_0314``).
     """
     reading = read_times(stems)
     spans: Sequence[tuple[int, int]] = reading.spans if reading and reading.distinct else ()
@@ -111,7 +113,8 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
         spans = [time.span() if time else (len(stem), len(stem)) for stem, time in found]
     parts = [(stem[:a], "*" * (b > a), stem[b:]) for stem, (a, b) in zip(stems, spans, strict=True)]
     rests = {rest for _, _, rest in parts}
-    if all(star for _, star, _ in parts) and len(rests) == 2 and "" in rests:
+    shorter, longer = min(rests, key=len), max(rests, key=len)
+    if all(star for _, star, _ in parts) and len(rests) == 2 and longer.startswith(shorter):
         parts = [(before, star, "") for before, star, _ in parts]
     return ["".join(part) for part in parts]
 
@@ -139,7 +142,8 @@ def schedule_in_time(
                 f"{MIN_TIME_STEP:g} days have to lie between two scans."
                 if step
                 else f"'{before.name}' and '{after.name}' have the same time, "
-                f"{after.moment.date} ({rule}); one moment can have one scan only."
+                f"{after.moment.date} ({rule}); give one scan for each moment, or say the times "
+                "with --times FILE."
             )
     rule = f"{ordered[0].moment.date} to {ordered[-1].moment.date}, {rule}"
     if ordered != entries and not found.from_folder:
@@ -152,7 +156,7 @@ def schedule_in_time(
 
 
 def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
-    natural = sorted(range(len(names)), key=lambda i: natural_key(names[i]))
+    natural = sorted(range(len(names)), key=lambda i: natural_key(names[i].rpartition(".")[0]))
     order: Sequence[int] = range(len(names))
     how = "the order given"
     # A shell's * lists scan10 before scan9: nobody means that order.

@@ -54,6 +54,26 @@ def days_of(names):
         (["jour 3", "jour 10"], [0, 7]),
         (["30min", "60min"], [0, 1 / 48]),
         (["2023-02-28T06-00_1", "2023-03-02T18-00_1"], [0, 2.5]),
+        (["28022023_0600", "02032023_1800"], [0, 2.5]),
+        (["2302280600", "2303021800"], [0, 2.5]),
+        (["28 février 2023", "2 mars 2023"], [0, 2]),
+        (["28 februari 2023", "2 maart 2023"], [0, 2]),
+        (["28th Feb 2023", "2nd March 2023"], [0, 2]),
+        (["28_02_23", "02_03_23"], [0, 2]),
+        (["2023年2月28日", "2023年3月2日"], [0, 2]),
+        (["2月28日", "3月2日"], [0, 2]),
+        (["第9天", "第11天"], [0, 2]),
+        (["2022_KW52", "2023_KW01"], [0, 7]),
+        (["2023-W09-2", "2023-W09-4"], [0, 2]),
+        (["Feb2023", "Mar2023"], [0, 28]),
+        (["Apr", "Mar"], [31, 0]),
+        (["2wpi", "4wpi"], [0, 14]),
+        (["W1.D3", "W2.D1"], [0, 5]),
+        (["J3", "J10"], [0, 7]),
+        (["9daysold", "11daysold"], [0, 2]),
+        (["day_after_sowing_9", "day_after_sowing_11"], [0, 2]),
+        (["P3D9", "P3D11"], [0, 2]),
+        (["20230228_edited_20240101", "20230302_edited_20240107"], [0, 2]),
     ],
 )
 def test_what_people_write(names, days):
@@ -68,6 +88,8 @@ def test_what_people_write(names, days):
         ["s3D_1", "s3D_2"],
         ["2020-13-40", "2020-14-50"],
         ["v1.5", "v1.6"],
+        ["maize1", "maize2"],
+        ["marie 3", "marie 4"],
     ],
 )
 def test_numbers_that_are_no_times(names):
@@ -104,3 +126,10 @@ def test_an_ambiguous_order_is_said():
     reading = read_times(["01.02.2023", "03.02.2023", "05.02.2023"])
     assert reading is not None
     assert "month, day, year" in reading.doubt
+
+
+def test_another_number_that_would_give_another_order_is_said():
+    reading = read_times(["D2_2023-03-01", "D1_2023-03-05"])
+    assert reading is not None
+    assert days_of(["D2_2023-03-01", "D1_2023-03-05"]) == [0, 4]
+    assert "day numbers" in reading.doubt
