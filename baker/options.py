@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
@@ -30,70 +30,139 @@ def worker_count(requested: int) -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-FARTHEST = 1e12  # coordinates beyond are no place of a plant
-LONGEST_UNIT = 100  # characters
-LEAST = {
-    **dict.fromkeys(("every", "neighbors", "graph_neighbors", "bud"), 1),
-    "denoise": 4,
-    "resample": 10,
-}
+MAX_COORDINATE = 1e12  # beyond is no place of a plant
+MAX_UNIT_LENGTH = 100  # characters
+
+
+def option(default: Any, help: str, **settings: Any) -> Any:
+    """A field that is an option of `bake`.
+
+    `settings` are typer's, which may bound it by `min` and `max`; or it must be `positive`.
+    """
+    return field(default=default, metadata={"help": help, **settings})
+
+
+def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
+    """What `--root` says. Raises InputError where that is neither a place nor "virtual"."""
+    if text == "virtual":
+        return "virtual"
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f'--root is "{text}"; three numbers, like 0,0,-12.5, or virtual is needed.'
+        ) from None
+    return x, y, z
 
 
 @dataclass(frozen=True)
 class Options:
-    """The options of `bake`, with its defaults; see `bake --help` for what they mean.
+    """What may be chosen about a bake, with its defaults, in the words of `bake --help`.
 
     Fields that do not change the clip (`workers`) stay out of its provenance.
     """
 
-    align: Align = "auto"
-    labels: Labels = "auto"
-    segment: Segment = "auto"
-    up: Up = "auto"
-    root: tuple[float, float, float] | Literal["virtual"] | None = None
-    times: Path | None = None
-    label_field: str | None = None
-    drop_label: str = ""
-    columns: str = ""
-    scale: float = 1.0
-    ground: Ground = "auto"
-    voxel: float | None = None
-    outliers: float | None = None
-    denoise: int | None = None
-    resample: int | None = None
-    every: int = 1
-    transport: Transport = "auto"
-    neighbors: int = 15
-    graph_neighbors: int = 15
-    bifurcation: int | None = None
-    paper: bool = False
-    holdout: int | None = None
-    bud: int | None = None
-    even: float | None = None
-    smooth: bool = False
-    decay: Decay = "fall"
-    paths: Paths = "auto"
-    colors: Colors = "scan"
-    precision: Precision = "auto"
-    unit: str = ""
-    workers: int = 0
+    align: Align = option("auto", "Bring scans into one frame; auto leaves those that share one.")
+    labels: Labels = option("auto", "Do labels name the same organs in all scans?")
+    segment: Segment = option(
+        "auto",
+        "auto takes labels where there are any, else organs: stem, blades and branches; thin cuts "
+        "at forks.",
+    )
+    up: Up = option("auto", "The axis along which the plant grows.")
+    root: tuple[float, float, float] | Literal["virtual"] | None = option(
+        None,
+        'Where the stem leaves the ground; "virtual" where no label is a stem.',
+        parser=parse_root,
+        metavar="X,Y,Z",
+    )
+    times: Path | None = option(None, "Lines of: scan's name, day or date.", metavar="FILE")
+    label_field: str | None = option(
+        None, "The scans' field that holds the labels.", metavar="NAME"
+    )
+    drop_label: str = option("", "Leave out the points of label L; of more: L,M.", metavar="L")
+    columns: str = option("", "What a text's columns are, as x,y,z,r,g,b,-,label.", metavar="NAMES")
+    scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
+    ground: Ground = option("auto", "Soil or table under the plant: taken out (auto), or kept.")
+    voxel: float | None = option(
+        None, "Keep one point per organ and cube of this size.", metavar="SIZE", positive=True
+    )
+    outliers: float | None = option(
+        None,
+        "Drop points whose neighbours are R standard deviations too far; try 2.",
+        metavar="R",
+        positive=True,
+    )
+    denoise: int | None = option(
+        None, "Draw points onto planes through K neighbours; try 20.", metavar="K", min=4
+    )
+    resample: int | None = option(
+        None, "Keep about N points of a scan, evenly spread.", metavar="N", min=10
+    )
+    every: int = option(1, "Use only each N-th scan.", metavar="N", min=1)
+    transport: Transport = option("auto", "How transport is solved; whole: without any segments.")
+    neighbors: int = option(15, "Neighbours in the transport's support (k).", min=1)
+    graph_neighbors: int = option(15, "Neighbours in the graph of segment thin (k).", min=1)
+    bifurcation: int | None = option(
+        None, "A branch longer than N edges makes a fork (segment thin).", metavar="N", min=0
+    )
+    paper: bool = option(False, "Choose as Golla et al. (2020) do, throughout.")
+    holdout: int | None = option(
+        None,
+        "Bake without every Nth scan (never the first or last), then compare with them.",
+        metavar="N",
+        min=2,
+    )
+    bud: int | None = option(
+        None, "Points a new organ unfolds from; 1 % of what it grows on.", metavar="L", min=1
+    )
+    even: float | None = option(
+        None,
+        "Movers to add at most where they would be sparse between scans; usually 1, as many again "
+        "as there are.",
+        metavar="SHARE",
+        min=0,
+        max=10,
+    )
+    smooth: bool = option(
+        False,
+        "Steady organs that sway back and forth from scan to scan; scans are then no longer met "
+        "exactly.",
+    )
+    decay: Decay = option("fall", "What organs do that a later scan no longer has.")
+    paths: Paths = option("auto", "How points travel: straight, or curved as organs bend (usual).")
+    colors: Colors = option(
+        "scan", "Colours to carry: the scans' own, one for each scan's segments, or none."
+    )
+    precision: Precision = option(
+        "auto", "auto stores 16 bits a coordinate where that is fine enough."
+    )
+    unit: str = option("", "The scans' length unit, e.g. mm.")
+    workers: int = option(0, "Cores to use; 0 takes all.", min=0)
 
     def __post_init__(self) -> None:
         """Raises InputError naming the field, what was found and what is allowed."""
-        for name, kind in get_type_hints(Options).items():
-            value, allowed = getattr(self, name), get_args(kind)
-            if get_origin(kind) is Literal and value not in allowed:
-                raise InputError(f'{name} is "{value}"; one of {", ".join(allowed)} is allowed.')
-        if self.even is not None and not 0 <= self.even <= 10:
-            raise InputError(f"even is {self.even}; from 0 to 10 is allowed.")
-        if isinstance(self.root, tuple) and not all(abs(axis) <= FARTHEST for axis in self.root):
+        kinds = get_type_hints(Options)
+        for one in fields(Options):
+            value, allowed = getattr(self, one.name), get_args(kinds[one.name])
+            least, most = one.metadata.get("min", -inf), one.metadata.get("max", inf)
+            needed = ""
+            if get_origin(kinds[one.name]) is Literal and value not in allowed:
+                needed = f"one of {', '.join(allowed)}"
+            elif one.metadata.get("positive") and value is not None and not 0 < value < inf:
+                needed = "a number above 0"
+            elif (least, most) != (-inf, inf) and value is not None and not least <= value <= most:
+                needed = f"at least {least}" if most == inf else f"from {least} to {most}"
+            if needed:
+                raise InputError(f"{one.name} is {value}; {needed} is needed.")
+        if isinstance(self.root, tuple) and not max(map(abs, self.root)) <= MAX_COORDINATE:
             raise InputError(
                 f"--root is {','.join(f'{axis:g}' for axis in self.root)}; numbers from "
-                f"{-FARTHEST:g} to {FARTHEST:g} are allowed."
+                f"{-MAX_COORDINATE:g} to {MAX_COORDINATE:g} are allowed."
             )
-        if len(self.unit) > LONGEST_UNIT:
+        if len(self.unit) > MAX_UNIT_LENGTH:
             raise InputError(
-                f"--unit has {len(self.unit)} characters; at most {LONGEST_UNIT} are allowed."
+                f"--unit has {len(self.unit)} characters; at most {MAX_UNIT_LENGTH} are allowed."
             )
         named = [name for name in self.columns.split(",") if name not in ("-", "_", "")]
         if named and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
@@ -101,14 +170,6 @@ class Options:
                 f"--columns is {self.columns}; x, y, z and other names, each once, are needed, and "
                 "- for a column that is not used."
             )
-        for name in ("voxel", "outliers", "scale"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < inf:
-                raise InputError(f"{name} is {value}; a number above 0 is needed.")
-        for name, least in LEAST.items():
-            value = getattr(self, name)
-            if value is not None and value < least:
-                raise InputError(f"{name} is {value}; at least {least} is needed.")
 
     @property
     def whole(self) -> bool:

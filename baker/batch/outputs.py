@@ -6,21 +6,44 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from baker.errors import InputError
+from baker.options import option
+
+
+def parse_folder(text: str) -> Path:
+    """Not the folder one happens to be in, where a variable of the shell was empty."""
+    if not text:
+        raise InputError("--cache has no name of a folder.")
+    return Path(text)
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """What to write, and how."""
+    """What to write, and how, in the words of `bake --help`.
+
+    Without a cache long bakes keep their intervals beside the clip until that is written.
+    """
 
     clip: Path  # the file; of many plants the folder of their clips
-    report: Path | None = None  # a folder where there are many plants
-    traits: Path | None = None
-    cluster: str | None = None  # address of a dask scheduler; by default this machine works alone
-    # by default long bakes keep their intervals beside the clip until that is written
-    cache: Path | None = None
-    force: bool = False  # of many plants, bake those again whose clips are up to date, too
-    quiet: bool = False
-    verbose: bool = False
+    report: Path | None = option(
+        None,
+        "Write what was done and found, with pictures; of many plants into a folder.",
+        metavar="OUT.html",
+    )
+    traits: Path | None = option(
+        None, "Write lengths, areas and growth, organ by organ.", metavar="OUT.csv"
+    )
+    cluster: str | None = option(
+        None, "Bake on the workers of this dask scheduler.", metavar="ADDRESS"
+    )
+    cache: Path | None = option(
+        None,
+        "Keep finished intervals there, and take what an earlier bake has kept.",
+        parser=parse_folder,
+        metavar="DIR",
+    )
+    force: bool = option(False, "Of many plants, bake those again whose clips are up to date, too.")
+    quiet: bool = option(False, "Say nothing but errors.", short=["-q"])
+    verbose: bool = option(False, "Say what was found in each scan.", short=["-v"])
 
 
 def check_output(path: Path, what: str, *suffixes: str) -> None:
