@@ -10,7 +10,7 @@ import json
 import re
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Self, get_args, get_type_hints
+from typing import Annotated, Any, Self
 
 from msgspec import Meta, Struct, ValidationError, convert
 
@@ -20,8 +20,8 @@ CAMERA_FILES = ("camera.toml", "camera.json")
 
 LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
 MAX_FILE_SIZE = 1 << 16  # bytes; parsers of nested text take many times as much
-
-_MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
+MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
+PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
 
 class Millimetres(float):
@@ -30,9 +30,9 @@ class Millimetres(float):
     @classmethod
     def parse(cls, value: Any) -> Self:
         match = re.fullmatch(r"\s*(\d*\.?\d*(?:e-?\d+)?)\s*([a-zµ]+)\s*", str(value))
-        length = float(match[1] or 1) * _MILLIMETRES.get(match[2], 0.0) if match else value
+        length = float(match[1] or 1) * MILLIMETRES.get(match[2], 0.0) if match else value
         if type(length) not in (int, float) or not SMALLEST <= length <= LARGEST:
-            raise ValueError
+            raise ValueError('Expected a number of mm or, like "m" or "0.125 mm", a length')
         return cls(length)
 
 
@@ -44,39 +44,31 @@ class Label(int):
         color = re.fullmatch(r"#([0-9a-fA-F]{6})", str(value))
         label = int(color[1], 16) if color else value
         if type(label) is not int or abs(label) > LARGEST:
-            raise ValueError
+            raise ValueError('Expected a whole number or a colour such as "#000000"')
         return cls(label)
 
 
-# The descriptions say what is allowed to those who wrote something else.
-Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST, description="a number, up to 1e+09")]
-Positive = Annotated[
-    float, Meta(ge=SMALLEST, le=LARGEST, description="a number above 0, from 1e-09 to 1e+09")
-]
-Count = Annotated[int, Meta(ge=1, le=int(LARGEST), description="a whole number, 1 or more")]
-Border = Annotated[int, Meta(ge=0, le=100, description="a whole number, 0 to 100")]
+Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
+Count = Annotated[int, Meta(ge=1, le=int(LARGEST))]
+Border = Annotated[int, Meta(ge=0, le=100)]
 Coordinate = Annotated[int, Meta(ge=0, le=int(LARGEST))]
-Pixel = Annotated[tuple[Coordinate, Coordinate], Meta(description="two whole numbers, [left, top]")]
-DepthUnit = Annotated[
-    Millimetres, Meta(description='a number of mm or, like "m" or "0.125 mm", a length')
-]
-Background = Annotated[Label, Meta(description='a whole number or a colour such as "#000000"')]
-Pattern = Annotated[
-    str,
-    Meta(
-        pattern=r"^(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*$",
-        description='a path in the folder, with one * in the file\'s own name, like "rgb_*.png"',
-    ),
-]
 
 
 class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
     """Paths relative to the folder, with one star for the frame's name in each."""
 
-    color: Pattern = "rgb_*.png"
-    depth: Pattern = "depth_*.png"
-    label: Pattern = "label_*.png"
-    mask: Pattern = "mask_*.png"
+    color: str = "rgb_*.png"
+    depth: str = "depth_*.png"
+    label: str = "label_*.png"
+    mask: str = "mask_*.png"
+
+    def __post_init__(self) -> None:
+        for name in self.__struct_fields__:
+            if not re.fullmatch(PATTERN, getattr(self, name)):
+                raise ValueError(
+                    f"Expected as {name} a path in the folder, with one * in the file's own name"
+                )
 
 
 class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
@@ -99,16 +91,13 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     cy: Number
     width: Count | None = None
     height: Count | None = None
-    depth_unit: DepthUnit = Millimetres(1.0)
-    crop: Pixel | None = None
+    depth_unit: Millimetres = Millimetres(1.0)
+    crop: tuple[Coordinate, Coordinate] | None = None  # left, top
     ground: Positive | None = None
-    background: Background = Label(0)
+    background: Label = Label(0)
     per_day: Count = 6
-    images: Annotated[Patterns, Meta(description="a table")] = Patterns()
-    repair: Annotated[RepairOptions, Meta(description="a table")] = RepairOptions()
-
-
-_TABLES: dict[str, type[Struct]] = {"": Camera, "images": Patterns, "repair": RepairOptions}
+    images: Patterns = Patterns()
+    repair: RepairOptions = RepairOptions()
 
 
 def find_camera(folder: Path) -> Path | None:
@@ -125,45 +114,20 @@ def read_camera(path: Path) -> Camera:
     InputError
         Where it is not TOML or JSON, or a field is missing, unknown or out of its bounds.
     """
-    content = _parse(path)
+    content: Any = None
     try:
-        return convert(content, Camera, dec_hook=lambda kind, value: kind.parse(value))
-    except ValidationError as error:
-        raise InputError(f"'{path}'{_explain(str(error), content)}") from None
-
-
-def _parse(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > MAX_FILE_SIZE:
-            raise InputError(
-                f"'{path}' has {path.stat().st_size} bytes; a camera takes {MAX_FILE_SIZE} at most."
-            )
-        text = path.read_text(encoding="utf-8-sig")
+        with asking(path):
+            if path.stat().st_size > MAX_FILE_SIZE:
+                raise ValueError(f"a camera takes {MAX_FILE_SIZE} bytes at most")
+            text = path.read_text(encoding="utf-8-sig")
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except OSError as error:
-        raise InputError(f"'{path}' can't be read: {error.strerror}.") from error
+        return convert(content, Camera, dec_hook=lambda kind, value: kind.parse(value))
+    except ValidationError as error:  # "what is wrong - at `$.table.field`"
+        reason, _, place = str(error).partition(" - at `$.")
+        for name in re.findall(r"[a-z_]+", place):
+            content = content[name]
+        found = f"{place.rstrip('`')} is {excerpt(repr(content))}; " if place else ""
+        raise InputError(f"'{path}': {found}{reason}.") from None
     except (ValueError, RecursionError) as error:
         kind = path.suffix[1:].upper()
         raise InputError(f"'{path}' is no sound {kind} file: {error}.") from error
-    if not isinstance(content, dict):
-        raise InputError(f"'{path}' must hold fields such as fx, not a {type(content).__name__}.")
-    return content
-
-
-def _explain(error: str, content: dict[str, Any]) -> str:
-    """What msgspec says, "reason - at `$.table.field`", as what follows the file's name."""
-    said = re.fullmatch(r"(.*?)(?: - at `\$\.([a-z_.]+)(?:\[\d\])?`)?", error, re.DOTALL)
-    assert said is not None
-    reason, place = said[1], said[2] or ""
-    if reason.startswith("Object missing"):
-        name = reason.split("`")[1]
-        return f" lacks {name}; a camera needs fx, fy, cx and cy, in pixels."
-    if reason.startswith("Object contains unknown field"):
-        name = f"{place}." * bool(place) + reason.split("`", 1)[1][:-1]
-        known = ", ".join(_TABLES[place].__struct_fields__)
-        return f" has an unknown field '{excerpt(name)}'; known are {known}."
-    table, _, name = place.rpartition(".")
-    hint = get_type_hints(_TABLES[table], include_extras=True)[name]
-    described = next(part for part in (hint, *get_args(hint)) if hasattr(part, "__metadata__"))
-    found = excerpt(repr((content[table] if table else content)[name]))
-    return f": {place} is {found}, but must be {described.__metadata__[0].description}."

@@ -1,17 +1,15 @@
 """Depth at the borders of organs, marked unknown where it can't be right, then filled.
 
-A depth camera's edges don't sit on the colour image's edges: along an organ's border its pixels
-show the depth of what lies behind, or a mixture. For each label separately, as the paper does
-(section 4, Komatsuna), in two steps:
+Along an organ's border a depth camera's pixels show the depth of what lies behind, or a mixture.
+For each label separately, as the paper does (section 4, Komatsuna), in two steps:
 
 1. Depth is unknown where the camera measured none, where a hand-painted mask says so, on the
    outermost ring of the label, and in a band along its border wherever it jumps away from the
    label's surface: a robust polynomial of second degree, which follows a tilted, arched leaf.
-2. The deviation from the polynomial is filled by diffusion from the valid pixels: the steady state
-   of the implicit diffusion of Desbrun et al. (Implicit Fairing of Irregular Meshes using Diffusion
-   and Curvature Flow, SIGGRAPH 1999), which is the solution of Laplace's equation with the valid
-   pixels as boundary values. Diffusing the deviation instead of the depth keeps a tilted leaf
-   tilted up to its rim.
+2. The deviation from the polynomial is filled by diffusion from the valid pixels: the solution of
+   Laplace's equation with these as boundary values, the steady state of the implicit diffusion of
+   Desbrun et al. (Implicit Fairing of Irregular Meshes using Diffusion and Curvature Flow,
+   SIGGRAPH 1999). Diffusing the deviation keeps a tilted leaf tilted up to its rim.
 
 Valid depth is never changed, nor is noise in it.
 """

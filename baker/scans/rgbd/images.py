@@ -58,22 +58,19 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     InputError
         For fewer than two frames, a frame without depth, or labels for some frames only.
     """
-    colors = _by_name(folder, patterns.color)
+    colors, depths, labels, masks = (
+        _by_name(folder, getattr(patterns, kind)) for kind in patterns.__struct_fields__
+    )
     if len(colors) < 2:
         raise InputError(
             f"'{folder}' holds {len(colors) or 'no'} colour image{'s' * (len(colors) != 1)} "
             f"'{patterns.color}'; growth needs two."
         )
-    depths, labels = _by_name(folder, patterns.depth), _by_name(folder, patterns.label)
-    masks = _by_name(folder, patterns.mask)
     names = sorted(colors, key=natural_key)
-    for name in names:
-        for kind, found, pattern in (
-            ("depth", depths, patterns.depth),
-            ("label", labels or colors, patterns.label),
-        ):
+    for kind, found in (("depth", depths), ("label", labels or colors)):
+        for name in names:
             if name not in found:
-                missing = pattern.replace("*", name)
+                missing = getattr(patterns, kind).replace("*", name)
                 raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
     return tuple(
         Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
@@ -106,7 +103,6 @@ def schedule_frames(
             f'patterns such as color = "rgb_{plants[0]}_*.png" under [images] in the camera\'s '
             "file."
         )
-    moments = []
     for frame, slot in zip(frames, known, strict=True):
         if int(slot["slot"]) >= per_day:
             raise InputError(
@@ -114,8 +110,8 @@ def schedule_frames(
                 f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
                 "where the number is the hour)."
             )
-        time = int(slot["day"]) + int(slot["slot"]) / per_day
-        moments.append(Moment(time, f"day {time:.2f}"))
+    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in known]
+    moments = [Moment(time, f"day {time:.2f}") for time in times]
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(found, [path.name for path in found.paths], moments, rule)
 
@@ -130,10 +126,9 @@ def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
 
     def mode_of_counts(mode: str) -> str:
         if not mode.startswith("I"):
-            found = f", not the kind '{mode}'" if mode != "F" else ""
             raise InputError(
                 f"'{path}' is no depth image: it must have one channel of whole numbers of 16 "
-                f"bits a pixel{found}."
+                f"bits a pixel, not the kind '{mode}'."
             )
         return mode
 
@@ -145,13 +140,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
     Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
     """
-    pixels = _decoded(
-        path, lambda mode: mode if mode in ("1", "L", "P") or mode.startswith("I") else "RGBA"
-    ).astype(np.int64)
-    if pixels.ndim == 2:
-        return pixels
-    red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
-    labels = np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
+    labels = _numbers(path, ("1", "L", "P"))
     distinct = len(np.unique(labels))
     if distinct > MAX_LABELS:
         raise InputError(
@@ -163,10 +152,18 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
     """(H, W) bool, True where a channel (other than opacity) is not 0."""
-    pixels = _decoded(path, lambda mode: mode if mode.startswith("I") else "RGBA")
+    return _numbers(path) != 0
+
+
+def _numbers(path: Path, modes: Sequence[str] = ()) -> NDArray[np.int64]:
+    """(H, W) pixels of one channel in these of Pillow's modes as they are, others as 0xRRGGBB."""
+    pixels = _decoded(
+        path, lambda mode: mode if mode in modes or mode.startswith("I") else "RGBA"
+    ).astype(np.int64)
     if pixels.ndim == 2:
-        return pixels != 0
-    return (pixels[..., :3] != 0).any(axis=-1) & (pixels[..., 3] > 0)
+        return pixels
+    red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
+    return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
 
 
 def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
@@ -184,13 +181,10 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
     unreadable = (DecompressionBombError, OSError, SyntaxError, ValueError, EOFError, struct.error)
     # From memory, where a part that says it is a gigabyte makes no room for one.
     content = path.read_bytes()
-    if not content.startswith(SIGNATURES):
-        raise InputError(
-            f"'{path}' can't be read as an image: it is none of {', '.join(FORMATS)}, or damaged."
-        )
-    quiet = warnings.catch_warnings(action="ignore")  # of details that don't matter here
     try:
-        with quiet:
+        if not content.startswith(SIGNATURES):
+            raise ValueError(f"it is none of {', '.join(FORMATS)}, or damaged")
+        with warnings.catch_warnings(action="ignore"):  # of details that don't matter here
             image = iio.imopen(content, "r", plugin="pillow")
             height, width = image.properties(index=0).shape[:2]
             if width * height > MAX_PIXELS:
@@ -201,10 +195,7 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
             return image.read(index=0, mode=target(mode), writeable_output=False)
     except unreadable as error:
         cause = error.__cause__ or error  # imageio wraps what Pillow says as it opens a file
-        if isinstance(cause, DecompressionBombError):
-            raise InputError(
-                f"'{path}' has more than {MAX_PIXELS // 10**6} million pixels, the most that can "
-                "be read."
-            ) from None
         reason = " ".join(str(cause).split()).rstrip(".")
+        if isinstance(cause, DecompressionBombError):
+            reason = f"it has more than {MAX_PIXELS // 10**6} million pixels"
         raise InputError(f"'{path}' can't be read as an image: {reason}.") from error

@@ -55,28 +55,28 @@ class ImageSeries:
         pixel that has a depth and is not masked. use_labels=False still cuts the plant out by its
         labels, but hands none on.
         """
-        frame = self.frames[color]
+        frame, camera = self.frames[color], self.camera
         colors, depth = read_color(frame.color), self._depth(frame)
-        _require_size(frame, frame.depth, depth, colors)
         painted = np.zeros(depth.shape, bool) if frame.mask is None else read_mask(frame.mask)
-        _require_size(frame, frame.mask, painted, colors)
         labels = read_labels(frame.label) if frame.label else None
+        images = ((frame.depth, depth), (frame.mask, painted), (frame.label, labels))
+        for path, image in images:
+            if image is not None:
+                _require_size(frame, path, image, colors)
         notes: tuple[str, ...] = ()
         if labels is None:
             depth = np.where(painted, 0.0, depth)
         else:
-            _require_size(frame, frame.label, labels, colors)
-            repaired = repair(depth, labels, self.camera.background, painted, self.camera.repair)
-            depth, notes = repaired.depth, _notes(repaired, labels, self.camera.background)
+            repaired = repair(depth, labels, camera.background, painted, camera.repair)
+            depth, notes = repaired.depth, _notes(repaired, labels, camera.background)
         chosen = depth > 0
         if not chosen.any():
             raise InputError(
                 f"'{frame.label or frame.depth}' shows no plant: no "
                 f"{'labelled ' if frame.label else ''}pixel has a depth."
             )
-        points = unproject(depth, self.camera, self._ground)
         named = labels[chosen] if labels is not None and use_labels else None
-        return Cloud(points, named, colors[chosen], notes)
+        return Cloud(unproject(depth, camera, self._ground), named, colors[chosen], notes)
 
     def beside(self, color: Path) -> tuple[Path, ...]:
         """What a frame was read from besides its colour image."""
@@ -103,11 +103,10 @@ class ImageSeries:
 
     def _depth(self, frame: Frame) -> NDArray[np.float64]:
         """The depth image, cut to the colour image where the camera's file says so."""
-        depth = read_depth(frame.depth, self.camera)
-        camera = self.camera
-        expected = (camera.height or depth.shape[0], camera.width or depth.shape[1])
-        for name, said, found in zip(("height", "width"), expected, depth.shape, strict=True):
-            if said != found:
+        camera, depth = self.camera, read_depth(frame.depth, self.camera)
+        sides = zip(("height", "width"), (camera.height, camera.width), depth.shape, strict=True)
+        for name, said, found in sides:
+            if said not in (None, found):
                 raise InputError(
                     f"'{frame.depth}' has the {name} {found}, but '{self.camera_file}' says {said}."
                 )
@@ -131,8 +130,7 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
     """The points that the pixels of a depth image show, in mm, row by row.
 
     x points to the picture's right, y to its top, z from the ground to the camera; the origin lies
-    on the ground, on the camera's axis. (Of the usual camera axes, right, down and forward, the
-    last two are turned over: a half turn about x.)
+    on the ground, on the camera's axis.
 
     Parameters
     ----------
@@ -156,23 +154,21 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
 
 def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tuple[str, ...]:
     """A sentence on what was repaired, and one on what could not be."""
-    plant, unknown = labels != background, repaired.reason > VALID
-    if not unknown.any():
-        return (f"depth is valid at all {plant.sum()} labelled pixels.",)
-    counts = np.bincount(repaired.reason[unknown], minlength=len(REASONS)).tolist()
-    why = ", ".join(f"{count} {what}" for count, what in zip(counts, REASONS, strict=True) if count)
-    is_filled = repaired.depth > 0
-    filled, lost = labels[unknown & is_filled], labels[unknown & ~is_filled]
-    note = (
-        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({why}); {len(filled)} "
-        f"filled by diffusion (label: pixels {_by_label(filled)})."
+    plant, unknown, filled = labels != background, repaired.reason > VALID, repaired.depth > 0
+    why = ", ".join(
+        f"{count} {what}"
+        for number, what in enumerate(REASONS)
+        if number > VALID and (count := (repaired.reason == number).sum())
     )
-    if not len(lost):
-        return (note,)
-    each = f"label: pixels {_by_label(lost)}"
-    return (note, f"left out {len(lost)} pixels without any valid depth in reach ({each}).")
+    notes = (
+        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({why or 'none'}); "
+        f"{(unknown & filled).sum()} filled by diffusion ({_by_label(labels[unknown & filled])}).",
+        f"left out {(unknown & ~filled).sum()} pixels without any valid depth in reach "
+        f"({_by_label(labels[unknown & ~filled])}).",
+    )
+    return notes if (unknown & ~filled).any() else notes[:1]
 
 
 def _by_label(labels: NDArray[np.int64]) -> str:
     counts = zip(*np.unique(labels, return_counts=True), strict=True)
-    return ", ".join(f"{label}: {count}" for label, count in counts) or "none"
+    return "label: pixels " + (", ".join(f"{label}: {count}" for label, count in counts) or "none")
