@@ -1,18 +1,4 @@
-"""Text tables: XYZ, TXT, CSV, ASC, PTS; three or more columns, a header line or none.
-
-Values are separated by spaces, commas, semicolons or tabs. ``#`` begins a comment, as does ``//``
-before the first row. The header names the columns in any order; it may be a comment. Without a
-header the number of columns decides:
-
-    3  x y z
-    4  x y z, labels
-    5  x y z, labels, or these in the fifth
-    6  x y z red green blue         (normals instead of colours where one is negative)
-    7  x y z red green blue, labels (likewise)
-
-Labels may be words. A single whole number before the rows (as in PTS) is the number of points;
-after it, without a header, the fourth of 4 or 7 columns is the intensity of Leica's format.
-"""
+"""Text tables: XYZ, TXT, CSV, ASC, PTS; docs/scans.md says how columns are found and named."""
 
 from __future__ import annotations
 
@@ -61,13 +47,10 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     """
     with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = Lines(file)
-        header, delimiter, first, count = _read_head(lines, bool(asked))
+        named, delimiter, first, count = _read_head(lines, asked)
         values = _split(first, delimiter)
         width = len(values)
-        if len(asked or values) != width:
-            reason = f"{width} columns, but --columns names {len(asked)}"
-            raise FormatError(f"{reason} ({excerpt(','.join(asked))}).", lines.number)
-        named = [*asked] or header
+        names = named or [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
         if named is None and width not in USUAL_WIDTHS:
             example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
             raise FormatError(
@@ -75,7 +58,9 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
                 f"for others say what they are, as in --columns {example} (- is not used).",
                 lines.number,
             )
-        names = named or [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+        if len(names) != width:
+            reason = f"{width} columns, but {len(names)} names of columns"
+            raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", lines.number)
         wanted = [i for i in range(width) if names[i] not in SKIPPED]
         words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
         chosen = [i for i in wanted if i in words or _is_number(values[i])]
@@ -121,7 +106,7 @@ def read_rows(
                 quotechar='"',
                 usecols=columns,
                 ndmin=2,
-                converters={i: partial(_number_of, known) for i, known in (words or {}).items()},
+                converters={i: partial(_numbered, known) for i, known in (words or {}).items()},
             )
         except ValueError as error:  # at the line that numpy has asked for last
             raise _row_fault(str(error), names, lines.number) from error
@@ -131,20 +116,19 @@ def read_rows(
     return rows.reshape(-1, width)
 
 
-def _number_of(known: dict[str, int], word: str) -> int:
+def _numbered(known: dict[str, int], word: str) -> int:
     return known.setdefault(word.strip(), len(known))
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
-    """Names for 3 to 7 columns without a header; see the module's text."""
-    width = rows.shape[1]
-    start = 4 if is_leica and width == 7 else 3
-    are_normals = width >= 6 and (rows[:, start : start + 3] < 0).any()
-    triple = ["nx", "ny", "nz"] if are_normals else ["red", "green", "blue"]
+    """Names for 3 to 7 columns without a header, as docs/scans.md tells."""
+    start = 4 if is_leica and rows.shape[1] == 7 else 3
+    is_normal = (rows[:, start : start + 3] < 0).any()
+    triple = ["nx", "ny", "nz"] if is_normal else ["red", "green", "blue"]
     others = {4: ["column 4"], 5: ["column 4", "column 5"], 6: triple, 7: [*triple, "column 7"]}
     if is_leica:
         others |= {4: ["intensity"], 7: ["intensity", *triple]}
-    return ["x", "y", "z", *others.get(width, [])]
+    return ["x", "y", "z", *others.get(rows.shape[1], [])]
 
 
 def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
@@ -180,16 +164,12 @@ def _encoding(path: Path) -> str:
 
 
 def _read_head(
-    lines: Lines, are_named: bool
+    lines: Lines, asked: Sequence[str]
 ) -> tuple[list[str] | None, str | None, str, int | None]:
-    """Names of the columns, delimiter, first row and announced count; None where not told.
-
-    are_named: the columns have names already, whatever a header says.
-    """
+    """Names of the columns, delimiter, first row and announced count; None where not told."""
     comments: list[str] = []
-    header: list[str] | None = None
+    names: list[str] | None = None
     count: int | None = None
-    header_line = 0
     for line in lines:
         text = line.strip()
         if text.startswith(("#", "//")):
@@ -198,26 +178,17 @@ def _read_head(
             continue
         delimiter = _delimiter(text)
         values = _split(text, delimiter)
+        is_number = [*map(_is_number, values)]
         if len(values) == 1 and values[0].isdecimal() and count is None:
             count = int(values[0][:18])
-        elif sum(map(_is_number, values)) >= min(3, len(values)):
-            header = header or _names_in(comments, delimiter, len(values))
-            if header and len(header) != len(values) and not are_named:
-                raise FormatError(
-                    f"the header names {len(header)} columns, but the first row has "
-                    f"{len(values)} values.",
-                    header_line,
-                )
-            name, times = Counter(header).most_common(1)[0] if header else ("", 1)
-            if times > 1:
+        elif sum(is_number) >= min(3, len(values)):
+            names = names or _names_in(comments, delimiter, len(values))
+            name, times = Counter(names).most_common(1)[0] if names else ("", 1)
+            if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
-            return header, delimiter, line, count
-        elif (
-            header is None
-            and (are_named or _names_xyz(values))
-            and not any(map(_is_number, values))
-        ):
-            header, header_line = values, lines.number
+            return [*asked] or names, delimiter, line, count
+        elif names is None and (asked or _names_xyz(values)) and not any(is_number):
+            names = values
         else:
             raise _not_numbers(values, lines.number)
     raise FormatError("holds no points.")

@@ -105,7 +105,7 @@ def test_columns_are_what_the_user_says(load):
     assert cloud.colors.tolist() == [[10, 20, 30], [40, 50, 60]]
     cloud = load("a b c\nleaf 1 2 3\n", names=["_", "z", "y", "x"])
     assert cloud.points.tolist() == [[3, 2, 1]]
-    with pytest.raises(InputError, match=r"8 columns, but --columns names 4 \(x,y,z,label\)"):
+    with pytest.raises(InputError, match=r"8 columns, but 4 names of columns \(x y z label\)"):
         load(text, names=["x", "y", "z", "label"])
 
 
@@ -128,7 +128,7 @@ def test_quoted_values(load):
         ("1 2 3\n4 5 6 7\n", r"line 2: 4 values found, but 3 expected"),
         ("# c\n\n1 2 3 4\n1 2 x 4\n", r"line 4: 'x' is not a number\."),
         ("1 2 3 4\n1 2 abc\n", r"line 2: 3 values found, but 4 expected"),
-        ("x y z\n1 2 3 4\n", r"line 1: the header names 3 columns, but the first row has 4"),
+        ("x y z\n1 2 3 4\n", r"line 2: 4 columns, but 3 names of columns"),
         ("x y z label\n1 2 3 4\n1 2 3\n", r"line 3: 3 values .* \(x y z label\)"),
         ("x y z x\n1 2 3 4\n", r"names two columns 'x'"),
         ("a b c\n1 2 3\n", r"line 1: 'a' is not a number"),
