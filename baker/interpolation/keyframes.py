@@ -86,8 +86,6 @@ def hold_out(
     InputError
         Where that leaves out no scan.
     """
-    if every is not None and every < 2:
-        raise InputError(f"--holdout is {every}; 2 or more is needed: 2 leaves every second out.")
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:
         raise InputError(

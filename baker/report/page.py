@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from baker.errors import writing
 from baker.options import Options
 from baker.pipeline import BakeRecord
-from baker.report.errormap import ErrorScale
-from baker.report.figures import (
-    MAX_DOUBTS_PICTURED,
-    growth_curves,
-    length_ticks,
-    picture_requests,
-    scale_bar,
-    scans_pictured,
-)
-from baker.report.pictures import NoPicture, Picture, PictureRequest, take_pictures
+from baker.report.figures import growth_curves, length_ticks
+from baker.report.pictures import NoPicture, Pictures, scans_pictured, take_pictures
 from baker.report.verification import HoldoutError, overall, verify
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
@@ -60,18 +50,17 @@ def write_report(
         Where the file can't be written.
     """
     found = verify(clip, record, report_progress) if errors is None else errors
-    doubts, scale = doubts_in(clip), ErrorScale.of(found) if found else None
-    by_interval, shown = grouped(doubts), scans_pictured(clip)
-    requests = picture_requests(clip, record, by_interval[:MAX_DOUBTS_PICTURED], found, scale)
+    doubts = doubts_in(clip)
+    by_interval = grouped(doubts)
     report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:
-        pictures: dict[str, Picture] = {}
+        pictures: dict[str, Pictures] = {}
         no_pictures = ""
         try:
-            pictures = take_pictures(requests, clip, part.parent)
+            pictures = take_pictures(clip, by_interval, part.parent)
         except NoPicture as error:
             no_pictures = str(error)
-        curves, first = growth_curves(clip), pictures.get(f"scan-{shown[0]}")
+        curves = growth_curves(clip)
         page = _template().render(
             title=title,
             clip=clip,
@@ -80,15 +69,12 @@ def write_report(
             doubts=[(between(clip, own[0]), own) for own in by_interval],
             command=partial(command_for, path=title),
             pictures=pictures,
-            windows=_windows(requests, pictures),
             no_pictures=no_pictures,
-            shown=shown,
-            bar=scale_bar(clip, first) if first else None,
+            shown=scans_pictured(clip),
             curves=curves,
             ticks=length_ticks(curves),
             errors=found,
             overall=overall(found) if found else None,
-            scale=scale,
             defaults=Options().provenance(),
             dates_of={scan.time: scan.date for scan in clip.scans},
             zip=zip,
@@ -96,19 +82,6 @@ def write_report(
         )
         part.write_bytes(page.encode())
     report_progress("report", 1, 1)
-
-
-def _windows(
-    requests: Mapping[str, PictureRequest], pictures: Mapping[str, Picture]
-) -> dict[str, tuple[float, float, float, float]]:
-    """The part of each picture of an interval that shows the plant, the same in all of these."""
-    found: dict[str, tuple[float, float, float, float]] = {}
-    for k in range(MAX_DOUBTS_PICTURED):
-        names = [name for name in pictures if name.startswith(f"doubt-{k}-")]
-        if names:
-            points = np.concatenate([requests[name].points for name in names])
-            found |= dict.fromkeys(names, pictures[names[0]].window(points))
-    return found
 
 
 def _template() -> Any:

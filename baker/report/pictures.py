@@ -1,85 +1,67 @@
-"""Pictures of point clouds, all from one camera, rendered by our own player.
+"""The report's pictures, rendered by our own player.
 
-The baker does not import the player: it writes a clip in which each picture is an interval of its
-own without motion, and runs the command `play` on it. So all pictures share one camera, and the
-metadata of each says where a point of the plant is in it.
+The baker does not import the player: it runs the command `play` on the clip or, where only one
+interval is shown, on a clip of that alone, so that the camera is as near as that allows.
 """
 
 from __future__ import annotations
 
 import base64
-import json
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
+from baker.verdict import Doubt
+from gclip import Clip
 
 PLAYER_TIMEOUT = 600.0  # seconds
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
-PIXELS = 400_000  # of one picture
-MARGIN, MIN_WINDOW = 1.2, 0.35  # of a part that is shown: a share of the plant, of the picture
+PIXELS = 200_000  # of one picture
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
+MAX_SCANS_PICTURED = 12  # evenly chosen of more
+MAX_DOUBTS_PICTURED = 4  # intervals, the most doubtful ones
+NEUTRAL_COLOR = (150, 158, 146)  # of organs that a picture is not about
+
+Pictures = list[str]
+"""Each as an address that holds all of it."""
 
 
 class NoPicture(Exception):
     """The player could not draw; the sentence says why."""
 
 
-class PictureRequest(NamedTuple):
-    """What one picture shows."""
-
-    points: NDArray[np.float32]  #: (N, 3) about the clip's origin
-    colors: NDArray[np.uint8]  #: (N, 3) sRGB
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A rendered picture."""
-
-    jpeg: bytes  #: the file
-    size: tuple[int, int]  #: width and height in pixels
-    view: NDArray[np.float64]  #: (4, 4) from local to OpenGL's clip coordinates, M @ column
-
-    @property
-    def uri(self) -> str:
-        """The picture as an address that holds all of it."""
-        return "data:image/jpeg;base64," + base64.b64encode(self.jpeg).decode("ascii")
-
-    def project(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
-        """(N, 2) pixels from the top left corner at which (N, 3) local positions appear."""
-        seen = np.column_stack([points, np.ones(len(points))]) @ self.view.T
-        return np.asarray(self.size) * (1 + seen[:, :2] / seen[:, 3:] * [1, -1]) / 2
-
-    def window(self, points: NDArray[np.floating]) -> tuple[float, float, float, float]:
-        """The part of the picture, x, y, width and height, that shows (N, 3) local positions."""
-        pixels, size = self.project(points), np.array(self.size, float)
-        low, high = pixels.min(axis=0), pixels.max(axis=0)
-        extent = size * min(max((MARGIN * (high - low) / size).max(), MIN_WINDOW), 1.0)
-        x, y = np.clip((low + high - extent) / 2, 0.0, size - extent).round(1).tolist()
-        return x, y, *extent.round(1).tolist()
+def scans_pictured(clip: Clip) -> list[int]:
+    """Indices of the scans that the report shows."""
+    count = len(clip.scans)
+    even = np.linspace(0, count - 1, min(count, MAX_SCANS_PICTURED))
+    return [round(index) for index in even.tolist()]
 
 
 def take_pictures(
-    requests: Mapping[str, PictureRequest], like: Clip, folder: Path | None = None
-) -> dict[str, Picture]:
-    """Render pictures, by name, from the one camera that shows everything on any of them.
+    clip: Clip, doubts: Sequence[Sequence[Doubt]], folder: Path | None = None
+) -> dict[str, Pictures]:
+    """Render the pictures of a report.
 
     Parameters
     ----------
-    requests : mapping of str to PictureRequest
-    like : Clip
-        Whose up axis and point spacing hold for them.
+    clip : Clip
+    doubts : sequence of sequences of Doubt
+        By interval, the most doubtful one first.
     folder : Path, optional
         For temporary files; the system's by default.
+
+    Returns
+    -------
+    dict
+        `scans`: those of `scans_pictured`, from one camera. `films` and `errors`: the clip at the
+        time of each scan left out, and how far from it (the paper's Figure 13). `doubt-0`, ...:
+        both scans of an interval and half-way, with the organs in doubt in their colours.
 
     Raises
     ------
@@ -87,52 +69,56 @@ def take_pictures(
         Where the player can't draw, for example without EGL.
     """
     with TemporaryDirectory(dir=folder) as drafts:
-        path, clip = Path(drafts) / "pictures.gclip", _clip_of(list(requests.values()), like)
-        clip.save(path)
-        width, height = size = _picture_size(clip)
-        command = [sys.executable, "-m", "player", str(path), "--export", f"{drafts}/%d.png"]
-        command += [f"--size={width}x{height}", "--color=scan", "--ground=light", "--quiet"]
-        command += [f"--day={number}" for number in range(len(requests))]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
-        if done.returncode:
-            raise NoPicture((done.stderr.strip() or "the player said nothing").splitlines()[-1])
-        return {name: _read(Path(drafts, f"{n}.png"), size) for n, name in enumerate(requests)}
+        path = Path(drafts, "pictures.gclip")
+        shown = [clip.times[k] for k in scans_pictured(clip)]
+        held = [scan.time for scan in clip.held_out]
+        pictures = _render(clip, path, [*shown, *held], "--color=track", "--scale-bar")
+        found = {"scans": pictures[: len(shown)], "films": pictures[len(shown) :]}
+        if held:
+            found["errors"] = _render(clip, path, held, "--color=error", "--legend")
+        for k, own in enumerate(doubts[:MAX_DOUBTS_PICTURED]):
+            start, end = own[0].start, own[0].end
+            days = [start, (start + end) / 2, end]
+            found[f"doubt-{k}"] = _render(_about(clip, own), path, days, "--color=track")
+        return found
 
 
-def _clip_of(requests: Sequence[PictureRequest], like: Clip) -> Clip:
-    """A clip whose intervals, each of length 1, show the requested points at rest."""
-    intervals = []
-    for number, request in enumerate(requests):
-        colors = np.insert(request.colors, 3, 255, axis=1)
-        tracks = np.zeros(len(colors), np.uint16)
-        movers = Movers(Motion.MOVE, (request.points, request.points), tracks, colors, colors)
-        intervals.append(pack_interval(number, number + 1, [movers], spacing=like.spacing))
-    return Clip(
-        scans=tuple(ScanMark("", float(k), "", 0) for k in range(len(requests) + 1)),
-        intervals=tuple(intervals),
-        track_table=(Track(0, "", (0, 0, 0), kind="root"),),
-        up=like.up,
-        time_unit="scans",
-        floor=like.floor,
-        spacing=like.spacing,
+def _about(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
+    """The interval of the doubts alone, in colours only what they are about."""
+    k = clip.times.index(doubts[0].start)
+    tracks = {doubt.track for doubt in doubts}
+    table = tuple(
+        track if track.id in tracks else replace(track, color=NEUTRAL_COLOR)
+        for track in clip.track_table
     )
+    scans, intervals = clip.scans[k : k + 2], clip.intervals[k : k + 1]
+    return replace(clip, scans=scans, intervals=intervals, track_table=table, held_out=())
 
 
-def _picture_size(clip: Clip) -> tuple[int, int]:
+def _render(clip: Clip, path: Path, days: Sequence[float], *options: str) -> Pictures:
+    """The clip, written to `path`, at these times."""
+    import imageio.v3 as iio
+
+    clip.save(path)
+    command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet", *options]
+    command += [f"--export={path.parent}/%d.png", f"--size={_picture_size(clip)}"]
+    command += [f"--day={day!r}" for day in days]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
+    if done.returncode:
+        raise NoPicture((done.stderr.strip() or "the player said nothing").splitlines()[-1])
+    jpeg: Any = {"extension": ".jpg", "quality": JPEG_QUALITY, "subsampling": 0, "optimize": True}
+    images = [iio.imread(path.with_name(f"{number}.png")) for number in range(len(days))]
+    files = [iio.imwrite("<bytes>", image, plugin="pillow", **jpeg) for image in images]
+    return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files]
+
+
+def _picture_size(clip: Clip) -> str:
     """`PIXELS` pixels, as wide by as high as what is to be seen."""
     sides = np.ptp(clip.bounds, axis=0)
     up = "xyz".index(clip.up[-1])
     aspect = np.delete(sides, up).max() / max(sides[up], 1e-9)
     aspect = float(np.clip(aspect, MIN_ASPECT, MAX_ASPECT))
-    return 2 * round((PIXELS * aspect) ** 0.5 / 2), 2 * round((PIXELS / aspect) ** 0.5 / 2)
-
-
-def _read(path: Path, size: tuple[int, int]) -> Picture:
-    import imageio.v3 as iio
-
-    jpeg: Any = {"extension": ".jpg", "quality": JPEG_QUALITY, "subsampling": 0, "optimize": True}
-    content = iio.imwrite("<bytes>", iio.imread(path), plugin="pillow", **jpeg)
-    return Picture(content, size, np.array(json.loads(iio.immeta(path)["view"])))
+    return f"{2 * round((PIXELS * aspect) ** 0.5 / 2)}x{2 * round((PIXELS / aspect) ** 0.5 / 2)}"

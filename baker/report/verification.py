@@ -7,7 +7,7 @@ the unit cube: the longest side of the box around all scans, those left out too,
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -47,10 +47,6 @@ class HoldoutError:
     reconstruction_to_scan: Distances  #: small where nothing was made up
     scan_to_reconstruction: Distances  #: small where nothing is missing
     spacing: float  #: median distance between neighbouring points of the scan
-    reconstruction: NDArray[np.float32] = field(repr=False, compare=False)
-    """(N, 3) the clip's points at that time, about the clip's origin."""
-    distances: NDArray[np.float64] = field(repr=False, compare=False)
-    """(N,) of each point of the reconstruction from the scan."""
 
     @property
     def both(self) -> tuple[Distances, Distances]:
@@ -83,8 +79,6 @@ def verify(
                 reconstruction_to_scan=Distances.of(distances),
                 scan_to_reconstruction=Distances.of(missing),
                 spacing=point_spacing(points) / side,
-                reconstruction=reconstruction,
-                distances=distances,
             )
         )
         report_progress("verification", number, len(record.held_out))

@@ -2,55 +2,69 @@
 
 from __future__ import annotations
 
+import base64
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from baker.report.pictures import NoPicture, Picture, PictureRequest, take_pictures
+from baker.report.pictures import NEUTRAL_COLOR, NoPicture, scans_pictured, take_pictures
+from baker.verdict import Doubt
 
 
-@pytest.fixture
-def requested(baked) -> dict[str, PictureRequest]:
-    """The first scan in grey with its highest point in red; the last scan in grey."""
-    _, record = baked
-    grey = []
-    for frame in (record.keyframes[0], record.keyframes[-1]):
-        colors = np.full((len(frame.positions), 3), 120, np.uint8)
-        grey.append(PictureRequest(frame.positions, colors))
-    grey[0].colors[grey[0].points[:, 2].argmax()] = (255, 0, 0)
-    return dict(zip(("first", "last"), grey, strict=True))
+def pixels(picture: str) -> np.ndarray:
+    head, _, content = picture.partition(",")
+    assert head == "data:image/jpeg;base64"
+    return np.asarray(Image.open(BytesIO(base64.b64decode(content)))).astype(int)
+
+
+def grown(clip):
+    """The clip in two colours that nothing else in a picture has: a red stem, blue leaves."""
+    colors = {track.id: (255, 0, 0) if track.id == 0 else (0, 0, 255) for track in clip.track_table}
+    table = tuple(replace(track, color=colors[track.id]) for track in clip.track_table)
+    return replace(clip, track_table=table)
+
+
+def count(picture: str, channel: int) -> int:
+    image = pixels(picture)
+    others = np.delete(image, channel, axis=2).max(axis=2)
+    return int((image[:, :, channel] - others > 60).sum())
 
 
 @pytest.mark.usefixtures("player_draws")
-def test_a_picture_shows_what_was_requested_and_says_where_everything_is(baked, requested):
-    first, last = take_pictures(requested, baked[0]).values()
-    image = np.asarray(Image.open(BytesIO(first.jpeg))).astype(int)
-    assert image.shape == (first.size[1], first.size[0], 3)
-    top = requested["first"].points[requested["first"].points[:, 2].argmax()]
-    ((x, y),) = first.project(top[None])
-    red = (image[:, :, 0] - image[:, :, 1:].max(axis=2) > 60).nonzero()
-    assert np.hypot(red[1] - x, red[0] - y).min() < 3.0
-    assert np.allclose(first.view, last.view), "one camera for all"
-    spots = last.project(requested["last"].points)
-    assert (spots >= 0).all()
-    assert (spots <= last.size).all()
+def test_pictures_of_the_scans_and_of_those_left_out_share_a_camera(baked):
+    clip, record = baked
+    pictures = take_pictures(grown(clip), [])
+    assert len(pictures["scans"]) == len(clip.scans)
+    assert len(pictures["films"]) == len(pictures["errors"]) == len(record.held_out)
+    shapes = {pixels(picture).shape for own in pictures.values() for picture in own}
+    assert len(shapes) == 1
+    sizes = [count(picture, 0) for picture in pictures["scans"]]
+    assert 0 < sizes[0] < sizes[1] < sizes[2], "the stem grows"
 
 
-def test_a_player_that_cannot_draw_is_quoted(baked, requested, player_fails):
+@pytest.mark.usefixtures("player_draws")
+def test_of_a_doubtful_interval_only_the_organs_in_doubt_have_colours(baked):
+    clip = grown(baked[0])
+    doubt = Doubt(0.0, 2.0, 1, "it tears", 1.0)
+    (first, *_), (stem, *_) = (
+        take_pictures(clip, [[replace(doubt, track=track)]])["doubt-0"] for track in (1, 0)
+    )
+    assert count(first, 2) > 0 == count(first, 0)
+    assert count(stem, 0) > 0 == count(stem, 2)
+    assert max(NEUTRAL_COLOR) - min(NEUTRAL_COLOR) < 30
+
+
+def test_a_player_that_cannot_draw_is_quoted(baked, player_fails):
     with pytest.raises(NoPicture, match="no EGL here"):
-        take_pictures(requested, baked[0])
+        take_pictures(baked[0], [])
 
 
-def test_a_window_shows_the_plant_in_the_pictures_shape(requested):
-    """Seen straight from the front, a unit of length is 40 pixels wide and 80 high."""
-    picture = Picture(b"", (400, 800), np.diag([0.2, 0.2, 0.0, 1.0]))
-    for points in (requested["first"].points / 30, requested["last"].points / 30, np.zeros((1, 3))):
-        x, y, width, height = picture.window(points)
-        places = picture.project(points)
-        assert (places >= [x, y]).all()
-        assert (places <= [x + width, y + height]).all()
-        assert height == pytest.approx(2 * width, abs=0.2)
-        assert 0 <= x <= x + width <= 400
-        assert 0 <= y <= y + height <= 800
+def test_of_many_scans_a_dozen_is_shown_with_both_ends(baked):
+    clip, _ = baked
+    many = replace(clip, scans=clip.scans * 20)
+    shown = scans_pictured(many)
+    assert len(shown) == len(set(shown)) == 12
+    assert (shown[0], shown[-1]) == (0, 59)

@@ -112,7 +112,7 @@ def test_all_together(write_scans):
     assert missed.maximum == max(e.scan_to_reconstruction.maximum for e in errors)
 
 
-@pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "2 or more")])
+@pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "at least 2")])
 def test_what_cannot_be_left_out(write_scans, every, words):
     with pytest.raises(InputError, match=words):
         bake_recorded([write_scans(days=(0, 1))], replace(PLAIN, holdout=every))
