@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ COLOR_NAMES = tuple(
     tuple(names.split())
     for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
+MAX_SAMPLE, MAX_VALUES = 2_000, 200  # of a field whose name says nothing, that may be labels
 
 
 def choose_fields(
@@ -36,7 +38,12 @@ def choose_fields(
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     notes = [f"positions from {_quoted(used)}"]
 
-    labels = [name for name in columns.values if label_rank(name) is not None]
+    taken = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
+    labels = [
+        name
+        for name, values in columns.values.items()
+        if name.lower() not in taken and (label_rank(name) is not None or _may_be_labels(values))
+    ]
     if label_field is not None:
         labels = [by_name[label_field.lower()]] if use_labels else []
 
@@ -50,6 +57,12 @@ def choose_fields(
     notes = [*columns.notes, "; ".join(notes) + "."]
     fields = {name: columns.values[name] for name in labels * use_labels}
     return Cloud(points, None, colors, tuple(notes), fields)
+
+
+def _may_be_labels(values: NDArray) -> bool:
+    """Whether some of a field's values are whole numbers, and few."""
+    some = values[:: -(-len(values) // MAX_SAMPLE)].astype(float)
+    return bool((some == np.rint(some)).all() and len(np.unique(some)) <= MAX_VALUES)
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:

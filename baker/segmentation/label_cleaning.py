@@ -17,6 +17,7 @@ MAX_CHANGED_SHARE = 0.5  # of an organ; where more is in doubt, its label means 
 def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.int64]:
     """Give a point whose label none of its neighbors has the label of most of them.
 
+    So do points with a negative label, which is none, where most of their neighbors have others.
     Points that float apart keep their label: what is nearest to them says nothing of them.
 
     Returns `labels` itself where nothing is changed. No label vanishes.
@@ -31,9 +32,12 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     size = np.bincount(organ)
     changed = np.bincount(organ[noise], minlength=len(size))
     noise = noise[(changed <= MAX_CHANGED_SHARE * size)[organ[noise]]]
+    is_unlabelled = (labels < 0) & ((names[around] >= 0).mean(axis=1) > MAX_CHANGED_SHARE)
+    noise = np.union1d(noise, np.flatnonzero(is_unlabelled))
     if not len(noise):
         return labels
-    organ[noise] = [np.bincount(votes).argmax() for votes in around[noise]]
+    votes = np.where(names[around[noise]] < 0, len(names), around[noise])
+    organ[noise] = [np.bincount(own)[: len(names)].argmax() for own in votes]
     return names[organ]
 
 

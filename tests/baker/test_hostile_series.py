@@ -60,7 +60,7 @@ def test_few_points_bake(shape, count, tmp_path):
         (Series((Scan("plant", 9, scale=1e30), Scan("plant", 9))), "'.*day00.pcd': none of its"),
         (Series((Scan("plant", 9, scale=1e-30), Scan("plant", 9))), "'.*day00.pcd' is only"),
         (
-            Series((Scan("cloud", 2000, labels="all different"),) * 2, {"align": "none"}),
+            Series((Scan("cloud", 2000, labels="all different"),) * 2, {"label_field": "label"}),
             "2000 different labels",
         ),
     ],

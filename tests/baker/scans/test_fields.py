@@ -18,8 +18,8 @@ def columns(**fields):
 
 
 def test_fields_that_may_be_labels():
-    cloud = choose_fields(columns(segment=[1, 2], area=[3, 4], Organ=[5, 6]), HERE)
-    assert list(cloud.fields) == ["segment", "Organ"]
+    cloud = choose_fields(columns(segment=[1, 2], area=[0.5, 4], Organ=[5, 6], z2=[7, 8]), HERE)
+    assert list(cloud.fields) == ["segment", "Organ", "z2"]
     assert not choose_fields(columns(label=[1, 2]), HERE, use_labels=False).fields
     asked = choose_fields(columns(label=[1, 2], Area=[3, 4]), HERE, label_field="area")
     assert list(asked.fields) == ["Area"]

@@ -98,7 +98,8 @@ def test_intensities_are_no_labels():
     assert "--label-field 'column 4'" in found[0][3][0].sentence
     assert found[1][0][0].labels.tolist() == organs.tolist()
     named = Cloud(points, fields={"instance": intensity})
-    assert choose_labels([named, named], PATHS[:2])[1] == "instance"
+    assert choose_labels([named, named], PATHS[:2])[1] == ""
+    assert choose_labels([named, named], PATHS[:2], is_asked=True)[1] == "instance"
 
 
 @pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i4", "i8", ">i4", "f4", "f8", ">f8"])
@@ -108,7 +109,7 @@ def test_labels_of_any_type(kind):
     assert cloud.labels.tolist() == [0, 0, 100, 100]
 
 
-@pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf, np.nan, 2**64 - 1])
+@pytest.mark.parametrize("beyond", [2.0**63, -(2.0**63), 1e300, np.inf, 2**64 - 1])
 def test_labels_beyond_64_bits_are_none(beyond):
     kind = np.uint64 if isinstance(beyond, int) else np.float64
     assert chosen({"label": np.array([0, 0, 1, beyond], kind)})[0] == [None]
@@ -117,11 +118,13 @@ def test_labels_beyond_64_bits_are_none(beyond):
 
 
 def test_words_get_the_same_number_in_all_scans():
-    scans = clouds({"label": ["stem", "leaf2", "leaf2", "leaf10"]}, {"label": ["leaf2"] * 4})
+    scans = clouds(
+        {"label": ["stem", "leaf2", "leaf2", "leaf10"]}, {"label": ["Leaf2 ", "leaf2", "Stem", ""]}
+    )
     (first, second), field, words, _ = choose_labels(scans, PATHS)
-    assert (field, words) == ("label", {0: "leaf2", 1: "leaf10", 2: "stem"})
+    assert (field, words) == ("label", {0: "Leaf2", 1: "leaf10", 2: "Stem"})
     assert first.labels.tolist() == [2, 0, 0, 1]
-    assert second.labels.tolist() == [0, 0, 0, 0]
+    assert second.labels.tolist() == [0, 0, 2, -1]
 
 
 def test_scans_without_labels_among_others_stay_so():
@@ -152,3 +155,59 @@ def test_soil_by_name_is_dropped_unless_it_is_kept():
     assert len(left) == 2
     assert drop_labels(scans, PATHS[: len(scans)], words, "", True)[1] == ()
     assert len(drop_labels(scans, PATHS[: len(scans)], words, "SOIL", True)[0][0]) == 3
+    instance = Cloud(
+        POINTS, fields={"semantic": np.array(["soil", *3 * ["plant"]]), "id": np.arange(4)}
+    )
+    (scan,), *_ = choose_labels([instance], PATHS)
+    assert len(drop_labels([scan], PATHS[:1], {}, "", False)[0][0]) == 3
+
+
+RNG = np.random.default_rng(0)
+STEM = np.column_stack([RNG.normal(0, 0.2, (400, 2)), RNG.uniform(0, 10, 400)])
+LEAVES = [RNG.uniform([0, 0, h - 0.1], [8, 1, h], (200, 3)) * [(-1) ** h, 1, 1] for h in (3, 6, 9)]
+PLANT = np.concatenate([STEM, *LEAVES])
+ORGANS = np.repeat([0, 1, 2, 3], [400, 200, 200, 200])
+
+
+def choice(**fields):
+    """The field that is taken of two scans of a plant, and what was said."""
+    scans = [Cloud(PLANT, fields=fields)] * 2
+    _, field, _, findings = choose_labels(scans, PATHS[:2])
+    return field, " ".join(finding.sentence for finding in findings)
+
+
+def test_kinds_of_organs_are_no_labels():
+    kinds = np.minimum(ORGANS, 1)
+    assert choice(organ=ORGANS) == ("organ", "")
+    field, said = choice(organ=kinds)
+    assert field == ""
+    assert "kinds of organs" in said
+    assert "--label-field 'organ'" in said
+    assert choice(organ=kinds, label=ORGANS)[0] == "label"
+    assert choice(organ=np.array(["stem", "leaf"])[kinds])[0] == ""
+    words = np.array(["stem", "leaf 1", "leaf 2", "leaf 3"])
+    assert choice(organ=words[ORGANS]) == ("organ", "")
+
+
+def test_a_field_of_any_name_counts_where_its_values_lie_as_organs_do():
+    field, said = choice(object_no=ORGANS)
+    assert (field, said) == ("object_no", "")
+    field, said = choice(user_data=ORGANS)
+    assert field == "user_data"
+    assert "Look at this" in said
+    assert choice(user_data=RNG.integers(0, 4, 1000)) == ("", "")
+    assert choice(user_data=np.minimum(ORGANS, 1)) == ("", "")
+    heights = np.argsort(np.argsort(PLANT[:, 2])) // 25
+    assert choice(user_data=heights) == ("", "")
+    assert choice(user_data=ORGANS + 7, leaf=ORGANS)[0] == "leaf"
+
+
+def test_one_number_in_a_scan_among_labelled_ones_stands_for_none():
+    one, two = [0, 0, 0, 0], [0, 0, 2, 2]
+    assert chosen({"label": two}, {"label": one})[0] == [two, None]
+    assert chosen({"label": [-1] * 4}, {"label": two})[0] == [None, two]
+    assert chosen({"label": [1] * 4}, {"label": [2] * 4})[0] == [None, None]
+
+
+def test_missing_numbers_are_negative_labels():
+    assert chosen({"label": [0.0, 0.0, 1.0, np.nan]})[0] == [[0, 0, 1, -1]]

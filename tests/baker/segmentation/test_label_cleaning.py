@@ -110,7 +110,17 @@ clouds = st.integers(1, 60).flatmap(
 @given(clouds)
 def test_no_organ_vanishes_or_appears(cloud):
     cloud = clean.drop_duplicates(Cloud(*cloud))
-    assert set(mended(cloud.points, cloud.labels)) == set(cloud.labels)
+    assert {*mended(cloud.points, cloud.labels)} - {-1, -2} == {*cloud.labels} - {-1, -2}
+
+
+def test_points_without_a_label_get_that_around_them_unless_they_lie_together():
+    points = np.stack(np.meshgrid(np.arange(20.0), np.arange(20.0), [0.0]), -1).reshape(-1, 3)
+    labels = np.where(points[:, 0] < 10, 3, 5)
+    scattered = np.where(np.arange(400) % 7 == 0, -1, labels)
+    assert (mended(points, scattered) == labels).mean() > 0.97
+    assert -1 not in mended(points, scattered)
+    together = np.where(points[:, 1] < 5, -1, labels)
+    assert (mended(points, together) == together).mean() > 0.97
 
 
 def test_the_papers_way_leaves_labels_alone(tmp_path: Path, plant):
