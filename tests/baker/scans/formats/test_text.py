@@ -73,7 +73,7 @@ def test_labels_may_be_in_the_fifth_column(load):
 
 
 def test_point_count_before_rows_is_leicas_format(load):
-    cloud = load("2\n1 2 3 -1200 10 20 30\n4 5 6 -1100 40 50 60\n", "scan.pts")
+    cloud = load("2\n1 2 3 -1200 10 20 30\n4 5 6 -1100 40 50 60\n", "scan.pts", is_asked=False)
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
     assert cloud.colors.tolist() == [[10, 20, 30], [40, 50, 60]]
     assert cloud.labels is None
