@@ -44,9 +44,9 @@ class HoldoutError:
     date: str
     time: float
     points: int  #: of the scan
+    spacing: float  #: median distance between neighbouring points of the scan
     reconstruction_to_scan: Distances  #: small where nothing was made up
     scan_to_reconstruction: Distances  #: small where nothing is missing
-    spacing: float  #: median distance between neighbouring points of the scan
 
     @property
     def both(self) -> tuple[Distances, Distances]:
@@ -63,24 +63,15 @@ def verify(
 
     report_progress: called with "verification", the scans compared and the scans in all.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     side, errors = unit_length(record), []
     for number, held in enumerate(record.held_out, 1):
-        points, reconstruction = held.keyframe.positions, clip.at(held.scan.time).local
-        distances = cKDTree(points).query(reconstruction)[0] / side
-        missing = cKDTree(reconstruction).query(points)[0] / side
-        errors.append(
-            HoldoutError(
-                held.scan.name,
-                held.scan.date,
-                held.scan.time,
-                len(points),
-                reconstruction_to_scan=Distances.of(distances),
-                scan_to_reconstruction=Distances.of(missing),
-                spacing=point_spacing(points) / side,
-            )
-        )
+        scan, points, film = held.scan, held.keyframe.positions, clip.at(held.scan.time).local
+        sizes = len(points), point_spacing(points) / side
+        pairs = ((points, film), (film, points))
+        both = [Distances.of(KDTree(to).query(found)[0] / side) for to, found in pairs]
+        errors.append(HoldoutError(scan.name, scan.date, scan.time, *sizes, *both))
         report_progress("verification", number, len(record.held_out))
     return errors
 
@@ -102,13 +93,14 @@ def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
 
 def print_errors(console: Console, errors: Sequence[HoldoutError]) -> None:
     """Print a table of the errors, two rows a scan left out, and of all together."""
-    rows = [("left out", "distance (series' size = 1)", ["mean", "std", "max"])]
+    rows = [("left out", "distance (series' size = 1)", "mean", "std", "max")]
     named = [(f"{error.date}, {error.name}", error.both) for error in errors]
     for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
-        to_scan, to_reconstruction = both
-        rows.append((name, "reconstruction to scan", [f"{d:.6f}" for d in to_scan]))
-        rows.append(("", "scan to reconstruction", [f"{d:.6f}" for d in to_reconstruction]))
-    width = max(len(name) for name, _, _ in rows)
-    for name, direction, figures in rows:
+        directions = zip(("reconstruction to scan", "scan to reconstruction"), both, strict=True)
+        for label, (direction, distances) in zip((name, ""), directions, strict=True):
+            mean, deviation, maximum = (f"{distance:.6f}" for distance in distances)
+            rows.append((label, direction, mean, deviation, maximum))
+    width = max(len(row[0]) for row in rows)
+    for name, direction, *figures in rows:
         line = f"{name:<{width}}  {direction:<27}" + "".join(f"{figure:>10}" for figure in figures)
         console.print(line, markup=False, highlight=False)

@@ -33,11 +33,7 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
     """
     if not len(cloud):
         raise InputError(f"'{path}' holds no points.")
-    with np.errstate(invalid="ignore"):
-        low, high = extent(cloud.points)  # NaN where any is
-        if (low >= -MAX_COORDINATE).all() and (high <= MAX_COORDINATE).all():
-            return cloud
-        finite = (np.abs(cloud.points) <= MAX_COORDINATE).all(axis=1)
+    finite = (np.abs(cloud.points) <= MAX_COORDINATE).all(axis=1)
     if not finite.any():
         raise InputError(
             f"'{path}': none of its {len(cloud)} points has finite coordinates (up to "
@@ -85,11 +81,21 @@ def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
 
 
 def downsample(cloud: Cloud, voxel: float) -> Cloud:
-    """Voxel down-sampling that keeps labels.
+    """Voxel down-sampling that keeps labels: `voxel` is the edge, in the unit of the scan."""
+    return _keep(cloud, _one_per_voxel(cloud, voxel), f"to keep one for each voxel of {voxel:g}")
 
-    Of the points of one label in one voxel, whose edge is `voxel` in the unit of the scan, the one
-    nearest to their mean stays.
-    """
+
+def resampled(cloud: Cloud, count: int) -> Cloud:
+    """About `count` points, evenly over the surface; a cloud with fewer stays as it is."""
+    if len(cloud) <= count:
+        return cloud
+    kept = _one_per_voxel(cloud, voxel_size_for(cloud.points.astype(np.float64), count))
+    note = f"resampled evenly from {len(cloud)} to {len(kept)} points."
+    return cloud.take(kept).noting(note)
+
+
+def _one_per_voxel(cloud: Cloud, voxel: float) -> NDArray[np.intp]:
+    """Of the points of one label in one voxel, the one nearest to their mean."""
     points = cloud.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
     group = _groups(cells.T if cloud.labels is None else [*cells.T, cloud.labels])
@@ -98,18 +104,7 @@ def downsample(cloud: Cloud, voxel: float) -> Cloud:
     distance = ((cloud.points - mean[group]) ** 2).sum(axis=1)
     nearest_first = np.lexsort((distance, group))
     _, first = np.unique(group[nearest_first], return_index=True)
-    return _keep(cloud, np.sort(nearest_first[first]), f"to keep one for each voxel of {voxel:g}")
-
-
-def resampled(cloud: Cloud, count: int) -> Cloud:
-    """About `count` points, evenly over the surface; a cloud with fewer stays as it is."""
-    if len(cloud) <= count:
-        return cloud
-    size = voxel_size_for(cloud.points.astype(np.float64), count)
-    kept = downsample(replace(cloud, notes=()), size)
-    return replace(kept, notes=cloud.notes).noting(
-        f"resampled evenly from {len(cloud)} to {len(kept)} points."
-    )
+    return np.sort(nearest_first[first])
 
 
 def denoised(cloud: Cloud, neighbors: int) -> Cloud:

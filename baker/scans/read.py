@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError
+from baker.errors import InputError, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans import clean
@@ -190,16 +190,11 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
 
 def _agree(scans: list[Scan]) -> tuple[Scan, ...]:
     """Colours in all scans or in none."""
-    colorless = [scan.name for scan in scans if scan.colors is None]
-    if 0 < len(colorless) < len(scans):
-        note = f"colours left out ({_list_names(colorless)} without colours)."
-        scans = [
-            scan if scan.colors is None else replace(scan, colors=None, notes=(*scan.notes, note))
-            for scan in scans
-        ]
-    return tuple(scans)
-
-
-def _list_names(names: Sequence[str]) -> str:
-    quoted = [f"'{name}'" for name in names]
-    return ", ".join(quoted if len(quoted) <= 4 else [*quoted[:3], f"{len(quoted) - 3} more"])
+    colorless = [f"'{scan.name}'" for scan in scans if scan.colors is None]
+    if len(colorless) in (0, len(scans)):
+        return tuple(scans)
+    note = f"colours left out ({excerpt(', '.join(colorless))} without colours)."
+    return tuple(
+        scan if scan.colors is None else replace(scan, colors=None, notes=(*scan.notes, note))
+        for scan in scans
+    )

@@ -1,10 +1,4 @@
-"""NumPy arrays: NPY and NPZ.
-
-An NPZ holds ``points`` (or ``positions``, ``xyz``), (N, 3) or more columns, and may hold ``colors``
-(or ``colours``, ``rgb``), (N, 3) or with alpha (N, 4), and any (N,) arrays, such as ``labels``. An
-NPY holds the points: (N, C), its columns as those of a text without a header, or (N,) records whose
-fields are named. No objects are unpickled.
-"""
+"""NumPy arrays: NPY and NPZ, whose layout docs/scans.md tells. No objects are unpickled."""
 
 from __future__ import annotations
 
@@ -63,10 +57,8 @@ def _named(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
             columns["label" if name == "labels" else name] = values
     for name, values in columns.items():
         if len(values) != len(positions):
-            raise FormatError(
-                f"has {len(positions)} points, but an array '{excerpt(name)}' of {len(values)} "
-                "values."
-            )
+            sizes = f"{len(positions)} points, but an array '{excerpt(name)}' of {len(values)}"
+            raise FormatError(f"has {sizes} values.")
     return columns
 
 

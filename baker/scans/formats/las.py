@@ -2,8 +2,6 @@
 
 The decoder of LAZ makes room for whatever sizes the file announces, and ends the whole process
 where there is none: chunks are checked before. Format: the LAZ 1.4 specification, rapidlasso.
-
-Labels are looked for among the extra dimensions and in `classification`.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.formats.faults import FormatError, library_faults, require_count, require_room
@@ -45,14 +42,14 @@ def read(path: Path) -> Columns:
         chunks = list(file.chunk_iterator(max(1, BYTES_AT_A_TIME // form.size)))
         require_count(header.point_count, sum(map(len, chunks)))
         names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
-        columns: dict[str, NDArray] = {}
         with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
-            for name in names:
-                columns[name] = np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
-    unused = {name for name, values in columns.items() if values.ndim > 1}
-    colors = {"red", "green", "blue"}
-    if colors <= set(columns) and not any(columns[name].any() for name in colors):
-        unused |= colors  # room for colours that nobody filled in
+            columns = {
+                name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
+                for name in names
+            }
+    colors = {"red", "green", "blue"}  # often only room for them, that nobody filled in
+    unused = set() if any(columns[name].any() for name in colors & set(columns)) else colors
+    unused |= {name for name, values in columns.items() if values.ndim > 1}
     return Columns({name: values for name, values in columns.items() if name not in unused})
 
 
@@ -62,16 +59,16 @@ def _check_beginning(path: Path) -> None:
         start = file.read(MIN_HEADER_BYTES)
     if len(start) < MIN_HEADER_BYTES or not start.startswith(b"LASF"):
         raise FormatError("is not a LAS file: it doesn't begin with 'LASF'.")
-    header_size, points_offset, record_count = struct.unpack_from("<HII", start, 94)
-    size, room = path.stat().st_size, points_offset - header_size
-    fault = ""
-    if max(header_size, points_offset) > size:
-        fault = f"says that the points begin at byte {points_offset}, and the file ends at {size}"
-    elif record_count * MIN_RECORD_BYTES > room:
-        records = f"{record_count} records before the points"
-        fault = f"announces {records}, for which there are {max(room, 0)} bytes"
-    if fault:
-        raise FormatError(f"is no sound LAS file, or is cut short (its header {fault}).")
+    header_size, points_offset, records = struct.unpack_from("<HII", start, 94)
+    size = path.stat().st_size
+    if (
+        max(header_size, points_offset) > size
+        or records * MIN_RECORD_BYTES > points_offset - header_size
+    ):
+        raise FormatError(
+            f"is no sound LAS file, or is cut short (of its {size} bytes its header says that "
+            f"{records} records lie between bytes {header_size} and {points_offset})."
+        )
 
 
 def _require_sound_chunks(path: Path, header: Any) -> None:

@@ -91,19 +91,14 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     vertices : mapping of str to (V,) ndarray
         The fields of the vertices.
     faces : (F, 3) ndarray, or sequence of F ndarrays of int
-        Numbers of each face's corners; faces of more corners are fans of triangles.
+        Numbers of each face's corners; faces of more corners are fans of triangles. A FormatError
+        where one is not among the vertices.
 
     Returns
     -------
     Columns
-        The same fields of the sampled points. Positions and colours are interpolated between a
-        triangle's corners, others (labels) are those of the nearest corner. Where the faces have
-        no area, the vertices themselves.
-
-    Raises
-    ------
-    FormatError
-        A face has a corner that is not among the vertices.
+        Positions and colours interpolated between a triangle's corners, other fields of the nearest
+        corner. The vertices themselves where the faces have no area.
     """
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
         corners = faces.astype(np.int64)

@@ -119,24 +119,20 @@ def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
 def _record(words: dict[str, list[str]]) -> np.dtype:
     """One point as it stands in the file: of FIELDS, SIZE, TYPE and COUNT."""
     fields = words["FIELDS"]
-    columns = [words[key] for key in ("TYPE", "SIZE")] + [words.get("COUNT", ["1"] * len(fields))]
-    for key, values in zip(("TYPE", "SIZE", "COUNT"), columns, strict=True):
-        if len(values) != len(fields):
-            raise _header_fault(f"has {len(fields)} FIELDS, but {len(values)} values of {key}")
+    counts = words.get("COUNT", ["1"] * len(fields))
+    if not len(fields) == len(words["TYPE"]) == len(words["SIZE"]) == len(counts):
+        raise _header_fault(f"has {len(fields)} FIELDS, but not as many of TYPE, SIZE and COUNT")
     record: list[tuple[str, str]] = []
-    for name, kind, width, count in zip(fields, *columns, strict=True):
-        given = f"gives the field '{excerpt(name)}' the"
-        if kind + width not in TYPES:
-            unknown = f"{excerpt(kind)} of size {excerpt(width)}"
-            raise _header_fault(f"{given} unknown type {unknown}")
-        if not re.fullmatch("0*[1-9][0-9]{0,4}", count):
-            raise _header_fault(f"{given} COUNT {excerpt(count)}")
+    for name, kind, size, count in zip(fields, words["TYPE"], words["SIZE"], counts, strict=True):
+        if kind + size not in TYPES or not re.fullmatch("0*[1-9][0-9]{0,4}", count):
+            found = excerpt(f"'{name}' TYPE {kind}, SIZE {size} and COUNT {count}")
+            raise _header_fault(f"gives the field {found}, which can't be")
         if len(record) + int(count) > MAX_VALUES:
             raise _header_fault(f"gives a point more than {MAX_VALUES} values")
         for i in range(int(count)):
             # Padding is named "_", as often as it occurs; other values of a field are numbered.
             unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name
-            record.append((unique, f"<{kind.lower()}{width}"))
+            record.append((unique, f"<{kind.lower()}{size}"))
     if len({name for name, _ in record}) < len(record):
         raise _header_fault("names a field twice")
     return np.dtype(record)

@@ -6,17 +6,13 @@ For each label separately, as the paper does (section 4, Komatsuna), in two step
 1. Depth is unknown where the camera measured none, where a hand-painted mask says so, on the
    outermost ring of the label, and in a band along its border wherever it jumps away from the
    label's surface: a robust polynomial of second degree, which follows a tilted, arched leaf.
-2. The deviation from the polynomial is filled by diffusion from the valid pixels: the solution of
-   Laplace's equation with these as boundary values, the steady state of the implicit diffusion of
-   Desbrun et al. (Implicit Fairing of Irregular Meshes using Diffusion and Curvature Flow,
-   SIGGRAPH 1999). Diffusing the deviation keeps a tilted leaf tilted up to its rim.
-
-Valid depth is never changed, nor is noise in it.
+2. The deviation from the polynomial is filled by diffusion from the valid pixels, so that a tilted
+   leaf stays tilted up to its rim. Valid depth is never changed, nor is noise in it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +28,7 @@ VALID, MISSING, PAINTED, JUMP, RING = range(5)
 REASONS = ("valid", "not measured", "painted", "off their surface", "on a border")
 
 
-@dataclass(frozen=True)
-class Repaired:
+class Repaired(NamedTuple):
     """A repaired depth image."""
 
     depth: Depth  #: (H, W) mm; 0 outside of all labels and where none could be found
@@ -66,25 +61,23 @@ def repair(
     """
     from scipy.ndimage import find_objects
 
-    options = options or RepairOptions()
     segment = np.unique(labels, return_inverse=True)[1].reshape(labels.shape) + 1
     segment[labels == background] = 0
-    trend = np.zeros(labels.shape)
-    reason = np.zeros(labels.shape, np.uint8)
-    reason[depth <= 0] = MISSING
+    reason = np.full(labels.shape, VALID, np.uint8)
     if painted is not None:
-        reason[painted & (depth > 0)] = PAINTED
+        reason[painted] = PAINTED
+    reason[depth <= 0] = MISSING
     reason[segment == 0] = VALID
+    trend = np.zeros(labels.shape)
     for number, box in enumerate(find_objects(segment), 1):
         if box is not None:
             box = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in box)
             inside = segment[box] == number
-            surface = _mark_implausible(depth[box], inside, reason[box], options)
+            surface = _mark_implausible(depth[box], inside, reason[box], options or RepairOptions())
             trend[box][inside] = surface[inside]
     valid = (segment > 0) & (reason == VALID)
-    filled = trend + diffuse(depth - trend, valid, segment)
-    # A surface continued past the camera is no depth.
-    filled = np.where(np.isfinite(filled), np.maximum(filled, 0.0), 0.0)
+    # Nothing where there is no valid pixel to continue, or the surface ends behind the camera.
+    filled = np.nan_to_num(trend + diffuse(depth - trend, valid, segment), posinf=0.0).clip(min=0.0)
     return Repaired(np.where(valid, depth, filled), reason)
 
 
@@ -92,44 +85,34 @@ def _mark_implausible(
     depth: Depth, inside: Mask, reason: NDArray[np.uint8], options: RepairOptions
 ) -> Depth:
     """Mark jumps and the ring of one label in `reason`; returns the label's polynomial surface."""
-    from scipy.ndimage import binary_dilation
+    from scipy.ndimage import binary_dilation, distance_transform_cdt
 
     measured = inside & (reason == VALID)
     if not measured.any():
         return np.zeros(depth.shape)
-    border_distance = _border_distance(inside)
-    weight = np.minimum(border_distance / max(options.band, 1), 1.0) ** 2
+    # In pixels, 1 on the outermost ring; the picture's edge is no border.
+    is_border = not inside.all()
+    from_border = distance_transform_cdt(inside, "chessboard") if is_border else np.inf * inside
+    weight = np.minimum(from_border / max(options.band, 1), 1.0) ** 2
     surface = _polynomial_surface(depth, measured, weight)
     error = np.abs(depth - surface)
-    in_band = measured & (border_distance <= options.band)
+    in_band = measured & (from_border <= options.band)
     core = error[measured & ~in_band]
     noise = 1.4826 * float(np.median(core)) if len(core) else 0.0
     jumps = in_band & (error > max(options.jump, NOISE_SIGMAS * noise))
     # What lies next to a jump is likely a mixture of both sides.
     jumps |= in_band & binary_dilation(jumps) & (error > max(options.jump / 2, 2 * noise))
     reason[jumps] = JUMP
-    ring = measured & ~jumps & (border_distance <= options.ring)
     if options.ring:
+        ring = measured & ~jumps & (from_border <= options.ring)
         within = measured & ~jumps & ~ring
         reach = binary_dilation(within, np.ones((3, 3), bool), iterations=options.ring)
         reason[ring & reach] = RING
     return surface
 
 
-def _border_distance(inside: Mask) -> Depth:
-    """Pixels from the label's border; 1 on its outermost ring. The picture's edge is no border."""
-    from scipy.ndimage import distance_transform_cdt
-
-    if inside.all():
-        return np.full(inside.shape, np.inf)
-    return distance_transform_cdt(inside, metric="chessboard").astype(np.float64)
-
-
 def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
-    """A polynomial surface by iteratively reweighted least squares with Welsch's weights.
-
-    weight: of each pixel from the start, 0 to 1.
-    """
+    """A surface by iteratively reweighted least squares, with Welsch's weights after `weight`."""
     v, u = np.indices(depth.shape) / max(depth.shape)
     v, u = v - v[measured].mean(), u - u[measured].mean()
     terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
@@ -168,8 +151,12 @@ def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
     Returns
     -------
     (H, W) float64
-        `values` where valid; NaN outside, and in parts of a segment (connected over pixels' sides)
-        without any valid pixel.
+        NaN outside, and in parts of a segment (connected over pixels' sides) that hold no value.
+
+    References
+    ----------
+    The steady state of the implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular
+    Meshes using Diffusion and Curvature Flow, SIGGRAPH 1999.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components, laplacian

@@ -31,7 +31,7 @@ MAX_PIXELS = 100_000_000
 MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs 1032 bytes into one
 MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy picture of them
 
-_SLOT = re.compile(r"(?:(?P<plant>\d{1,3})[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
+_SLOT = re.compile(r"(?:\d{1,3}[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,7 @@ class Frame:
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     """Find the frames of a folder, one for each colour image, in the natural order of their names.
 
-    Raises
-    ------
-    InputError
-        For fewer than two frames, a frame without depth, or labels for some frames only.
+    Raises InputError: fewer than two, one without depth, or labels for some frames only.
     """
     colors, depths, labels, masks = (
         _by_name(folder, getattr(patterns, kind)) for kind in patterns.__struct_fields__
@@ -85,10 +82,7 @@ def schedule_frames(
     Names of two numbers are day and number of the image in that day (000_05), of three also the
     plant's before (00_000_05); the numbers of a day start with 0, and `per_day` make a day.
 
-    Raises
-    ------
-    InputError
-        For several plants, a number that is `per_day` or more, or two frames at one time.
+    Raises InputError: a number that is `per_day` or more, or two frames at one time.
     """
     slots = [_SLOT.fullmatch(frame.name) for frame in frames]
     found = FoundScans(tuple(frame.color for frame in frames), from_folder=True)
@@ -96,13 +90,6 @@ def schedule_frames(
     if times_file is not None or len(known) < len(frames):
         return schedule_scans(found, times_file)
 
-    plants = sorted({slot["plant"] for slot in known if slot["plant"] is not None})
-    if len(plants) > 1:
-        raise InputError(
-            f"'{frames[0].color.parent}' holds images of {len(plants)} plants; choose one with "
-            f'patterns such as color = "rgb_{plants[0]}_*.png" under [images] in the camera\'s '
-            "file."
-        )
     for frame, slot in zip(frames, known, strict=True):
         if int(slot["slot"]) >= per_day:
             raise InputError(

@@ -27,17 +27,7 @@ from baker.scans.times import Schedule
 class ImageSeries:
     """The frames of one folder, found and checked by name; pixels are read frame by frame.
 
-    Parameters
-    ----------
-    camera_file : Path
-        In that folder.
-    times_file : Path, optional
-        As --times.
-
-    Raises
-    ------
-    InputError
-        Here and while reading: see the modules `camera` and `images`.
+    Raises InputError here and while reading: see the modules `camera` and `images`.
     """
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
@@ -127,22 +117,10 @@ def _require_size(frame: Frame, path: Path | None, image: NDArray, color: NDArra
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
-    """The points that the pixels of a depth image show, in mm, row by row.
+    """(N, 3) points, in mm, that the pixels of a depth image show, row by row; none where it is 0.
 
     x points to the picture's right, y to its top, z from the ground to the camera; the origin lies
-    on the ground, on the camera's axis.
-
-    Parameters
-    ----------
-    depth : (H, W) float64
-        mm along the camera's axis; pixels of 0 give no point.
-    camera : Camera
-    ground : float
-        Distance from the camera to the ground, mm.
-
-    Returns
-    -------
-    (N, 3) float64
+    on the ground, on the camera's axis, `ground` mm from the camera.
     """
     v, u = np.nonzero(depth)
     left, top = camera.crop or (0, 0)
