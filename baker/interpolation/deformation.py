@@ -20,11 +20,7 @@ from baker.interpolation.spine import Points, Spine, at_levels, levels, unit
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-ROLLS = np.radians(np.arange(-90, 91, 30))  # of the organ about its spine, at its attachment
-TWISTS = np.radians(np.arange(-60, 61, 30))  # of its tip relative to that
-ROLL_PENALTY = 0.05  # by how much a roll of 90 degrees must bring the clouds closer
 MAX_WIDENING = 3.0  # factor by which cross-sections may widen or narrow
-POINTS_COMPARED = 100  # of either cloud, by which rolls are compared
 
 CENTERS = 60  # of local affine maps
 KERNEL_WIDTHS = 0.8, 0.6, 0.45, 0.35, 0.28, 0.22, 0.18, 0.15  # root mean square radii of the cloud
@@ -41,15 +37,10 @@ def spine_deformation(
 ) -> Points:
     """Carry points, (n, 3), from one spine onto the other, each at its place along.
 
-    Each level turns by the smallest rotation between its tangents and by a roll about the tangent,
-    which changes evenly from attachment to tip. Of 35 rolls that one is taken which brings the
-    clouds closest to each other, small ones first. target: the organ's points at the end, (m, 3).
-    nodes: places along both spines that correspond, ascending; what lies between two of them stays
-    between them.
+    Each level turns by the smallest rotation between its tangents. target: the organ's points at
+    the end, (m, 3). nodes: places along both spines that correspond, ascending; what lies between
+    two of them stays between them.
     """
-    from scipy.spatial import cKDTree
-    from scipy.spatial.distance import cdist
-
     ends = [0.0, *nodes[0], 1.0], [0.0, *nodes[1], 1.0]
     tangents = unit(at_levels(after.tangents, np.interp(levels(), *ends)))
     centers = at_levels(after.nodes, np.interp(before.along, *ends))
@@ -59,24 +50,7 @@ def spine_deformation(
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, across)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     turned = width * np.einsum("nij,nj->ni", at_levels(turns, before.along), offset)
-    axis = unit(at_levels(tangents, before.along))
-    along_axis = axis * (axis * turned).sum(axis=1, keepdims=True)
-    normal, binormal = turned - along_axis, np.cross(axis, turned)
-    center = centers + along_axis
-
-    def carried(roll: float, twist: float, chosen: slice = slice(None)) -> Points:
-        angle = (roll + twist * before.along[chosen])[:, None]
-        rolled = np.cos(angle) * normal[chosen] + np.sin(angle) * binormal[chosen]
-        return np.asarray(center[chosen] + rolled)
-
-    choices = [(roll, twist) for roll in ROLLS for twist in TWISTS]
-    some = slice(None, None, max(len(source) // POINTS_COMPARED, 1))
-    clouds = np.stack([carried(roll, twist, some) for roll, twist in choices])
-    sparse = target[:: max(len(target) // POINTS_COMPARED, 1)]
-    distances = cKDTree(target).query(clouds)[0].mean(axis=1)
-    distances += [cdist(sparse, cloud).min(axis=1).mean() for cloud in clouds]
-    turned_by = np.array([abs(roll) + abs(roll + twist) for roll, twist in choices])
-    return carried(*choices[int(np.argmin(distances * (1.0 + ROLL_PENALTY * turned_by / np.pi)))])
+    return centers + turned
 
 
 def register_nonrigid(moving: Points, target: Points) -> Points:

@@ -14,8 +14,9 @@ from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.transport.problem import Points
 
-# docs/method.md, row 16: of the parent's points, from this many to that many.
-ATTACHMENT_SHARE, MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 0.01, 3, 100
+# docs/method.md, row 16: of the parent's points and of the new organ's, from this many to that many.
+ATTACHMENT_SHARE, ORGAN_SHARE = 0.01, 0.1
+MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100
 PAPER_MIN_ATTACHMENT_POINTS = 10
 SAMPLE_RATIO = 10  # sampled points for each attachment point, to bound how far these are
 
@@ -38,9 +39,8 @@ def transport_tasks(
     paper: bool = False,
 ) -> list[tuple[Task, ...]]:
     """The `interval_tasks` of each interval of a series."""
-    least = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
     intervals = zip(pairwise(clouds), matches, tracks, strict=True)
-    return [tuple(interval_tasks(*interval, attachment_points, least)) for interval in intervals]
+    return [tuple(interval_tasks(*interval, attachment_points, paper)) for interval in intervals]
 
 
 def interval_tasks(
@@ -48,14 +48,14 @@ def interval_tasks(
     match: Match,
     organs: IntervalOrgans,
     attachment_points: int | None = None,
-    min_attachment_points: int = MIN_ATTACHMENT_POINTS,
+    paper: bool = False,
 ) -> list[Task]:
     """The transport tasks between two aligned scans, (N, 3) points (section 3.3.1).
 
     Every point of the first scan is in the start of a match or a loss, every point of the second in
     the end of one task. attachment_points: that a new organ grows from, l; by default 1 % of its
-    parent's, at most 100 and at least `min_attachment_points`: in a sparse scan more would stretch
-    far along the parent.
+    parent's, from 10 to 100 (the paper's choice), or as few as 3 where the new organ itself has
+    few: more would stretch far along the parent.
     """
     first, second = match.first, match.second
     tasks = [
@@ -73,7 +73,7 @@ def interval_tasks(
         place = _attachment(match, segment)
         if place not in attachments:
             attachments[place] = _attachment_points(
-                points, match, *place, attachment_points, min_attachment_points
+                points, match, *place, attachment_points, paper
             )
         members = second.segments[segment]
         tasks.append(Task("birth", organs.second[segment], attachments[place], members))
@@ -106,16 +106,19 @@ def _attachment_points(
     ancestor: int | None,
     top: int,
     count: int | None,
-    min_count: int,
+    paper: bool,
 ) -> NDArray[np.intp]:
     """The ancestor's points nearest to the new segment `top`; ties go to the lowest index."""
     from scipy.spatial import KDTree
 
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
+    organ = match.second.segments[top]
     if not count:
-        share = round(ATTACHMENT_SHARE * len(members))
-        count = int(np.clip(share, min_count, MAX_ATTACHMENT_POINTS))
-    tree = KDTree(points[1].take(match.second.segments[top], axis=0), balanced_tree=False)
+        count = ATTACHMENT_SHARE * len(members)
+        least = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
+        most = MAX_ATTACHMENT_POINTS if paper else ORGAN_SHARE * len(organ)
+        count = round(np.clip(count, least, np.clip(most, least, MAX_ATTACHMENT_POINTS)))
+    tree = KDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # Most points are farther than what a sample shows, and are not searched for.
     sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
     nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]

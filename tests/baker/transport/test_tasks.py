@@ -5,7 +5,7 @@ from scipy.spatial.distance import cdist
 
 from baker.matching import IntervalOrgans, match_by_label
 from baker.segmentation.from_labels import hierarchy_from_labels
-from baker.transport.tasks import PAPER_MIN_ATTACHMENT_POINTS, interval_tasks
+from baker.transport.tasks import interval_tasks
 
 STEM = np.linspace([0, 0, 0], [0, 0, 10], 2000)
 LEAF = np.linspace([0.01, 0, 7], [4, 0, 9], 300)
@@ -63,11 +63,16 @@ def test_the_bud_is_what_lies_nearest_to_the_new_organ():
         for t in tasks_between(scan((0, thick)), scan((0, thick), (1, LEAF)))
         if t.event == "birth"
     )
-    nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:60]
+    nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:30]
     assert np.array_equal(bud, nearest)
 
 
 def test_the_papers_own_buds_have_ten_points_at_least():
     sparse = scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF))
-    tasks = tasks_between(*sparse, min_attachment_points=PAPER_MIN_ATTACHMENT_POINTS)
+    tasks = tasks_between(*sparse, paper=True)
     assert len(next(t.start for t in tasks if t.event == "birth")) == 10
+
+
+def test_a_small_organ_unfolds_from_few_points():
+    small = scan((0, STEM)), scan((0, STEM), (1, LEAF[::5]))
+    assert len(next(t.start for t in tasks_between(*small) if t.event == "birth")) == 6
