@@ -14,7 +14,7 @@ from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.transport.problem import Points
 
-# docs/method.md, row 16: of the parent's points and of the new organ's, from this many to that many.
+# docs/method.md, row 16: of the parent's and the new organ's points, from this many to that many.
 ATTACHMENT_SHARE, ORGAN_SHARE = 0.01, 0.1
 MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100
 PAPER_MIN_ATTACHMENT_POINTS = 10
@@ -72,9 +72,7 @@ def interval_tasks(
             continue
         place = _attachment(match, segment)
         if place not in attachments:
-            attachments[place] = _attachment_points(
-                points, match, *place, attachment_points, paper
-            )
+            attachments[place] = _attachment_points(points, match, *place, attachment_points, paper)
         members = second.segments[segment]
         tasks.append(Task("birth", organs.second[segment], attachments[place], members))
     nothing = np.empty(0, np.intp)
@@ -114,10 +112,10 @@ def _attachment_points(
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
     organ = match.second.segments[top]
     if not count:
-        count = ATTACHMENT_SHARE * len(members)
         least = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
-        most = MAX_ATTACHMENT_POINTS if paper else ORGAN_SHARE * len(organ)
-        count = round(np.clip(count, least, np.clip(most, least, MAX_ATTACHMENT_POINTS)))
+        most = MAX_ATTACHMENT_POINTS if paper else round(ORGAN_SHARE * len(organ))
+        most = max(least, min(most, MAX_ATTACHMENT_POINTS))
+        count = min(max(least, round(ATTACHMENT_SHARE * len(members))), most)
     tree = KDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # Most points are farther than what a sample shows, and are not searched for.
     sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
