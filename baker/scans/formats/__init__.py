@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gzip
 import shutil
+import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -59,16 +60,23 @@ def read_columns(
     require_known(path)
     if names and READERS[suffix_of(path)] != "text":
         raise InputError(f"'{path}' is no text table: leave out --columns.")
+    kind = suffix_of(path)
     try:
-        with asking(path):
+        with asking(path), warnings.catch_warnings(action="ignore"):
             with path.open("rb") as file:  # libraries say little of folders and forbidden files
                 if not file.read(1):
                     raise FormatError("is an empty file.")
-            reader = import_module(f"{__name__}.{READERS[suffix_of(path)]}")
+            reader = import_module(f"{__name__}.{READERS[kind]}")
             with _unpacked(path, largest_unpacked) as plain:
                 columns: Columns = reader.read(plain, *([names] if names else []))
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
+    except (InputError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # of a library; a panic of the LAZ decoder is no Exception
+        reason = " ".join((str(error) or type(error).__name__).split())[:120]
+        sound = f"is no sound {kind[1:].upper()} file, or is cut short ({reason})"
+        raise InputError(f"'{path}' {sound}.") from error
     return columns
 
 

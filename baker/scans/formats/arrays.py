@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.faults import FormatError, require_room
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")
@@ -21,21 +21,20 @@ COLORS = ("colors", "colours", "rgb")
 
 def read(path: Path) -> Columns:
     """The columns of the arrays. Raises FormatError: not sound, or no points among them."""
-    with library_faults(path.suffix[1:].upper()):
-        if path.suffix.lower() == ".npz":
-            _require_sound_headers(path)
-            with np.load(path, allow_pickle=False) as file:
-                return Columns(_named(file))
-        # A map makes no room for what isn't there.
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-        if array.dtype.names:
-            fields = {name: np.asarray(array[name]) for name in array.dtype.names}
-            return Columns({name: v for name, v in fields.items() if _is_column(v)})
-        if not _is_table(array, USUAL_WIDTHS):
-            found = f"shape {array.shape} and type {array.dtype}"
-            raise FormatError(f"holds an array of {found}; (N, 3) to (N, 7) numbers are read.")
-        names = usual_names(array)
-        columns = {name: np.asarray(array[:, i]) for i, name in enumerate(names)}
+    if path.suffix.lower() == ".npz":
+        _require_sound_headers(path)
+        with np.load(path, allow_pickle=False) as file:
+            return Columns(_named(file))
+    # A map makes no room for what isn't there.
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    if array.dtype.names:
+        fields = {name: np.asarray(array[name]) for name in array.dtype.names}
+        return Columns({name: v for name, v in fields.items() if _is_column(v)})
+    if not _is_table(array, USUAL_WIDTHS):
+        found = f"shape {array.shape} and type {array.dtype}"
+        raise FormatError(f"holds an array of {found}; (N, 3) to (N, 7) numbers are read.")
+    names = usual_names(array)
+    columns = {name: np.asarray(array[:, i]) for i, name in enumerate(names)}
     return Columns(columns, (f"columns taken as {' '.join(names)}.",))
 
 

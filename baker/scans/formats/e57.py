@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.faults import FormatError, require_room
 
 PLACES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
@@ -27,7 +27,7 @@ def read(path: Path) -> Columns:
             'can\'t be read without pye57: pip install "plant-growth-clips[e57]".'
         ) from None
 
-    with library_faults("E57"), closing(pye57.E57(str(path))) as file:
+    with closing(pye57.E57(str(path))) as file:
         numbers = range(file.scan_count)
         count = sum(file.get_header(k).point_count for k in numbers)
         require_room(count, MIN_POINT_BYTES, path.stat().st_size)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 
 class FormatError(Exception):
@@ -24,26 +21,12 @@ class FormatError(Exception):
         return f"'{name}'{place} {self}"
 
 
-@contextmanager
-def library_faults(kind: str) -> Iterator[None]:
-    """Whatever a library raises about a file of this kind is the file's fault: a FormatError."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except (OSError, FormatError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # a panic of the LAZ decoder is no Exception
-        reason = " ".join((str(error) or type(error).__name__).split())[:120]
-        raise FormatError(f"is no sound {kind} file, or is cut short ({reason}).") from error
-
-
 def require_room(count: int, size: float, room: int) -> None:
     """FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
 
     To be called before memory is made for as many points as a header announces.
     """
-    if count == 0:
+    if count <= 0:
         raise FormatError("holds no points.")
     if count * size > room:
         raise FormatError(

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, library_faults, require_count, require_room
+from baker.scans.formats.faults import FormatError, require_count, require_room
 
 BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
 MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2
@@ -32,7 +32,7 @@ def read(path: Path) -> Columns:
     import laspy
 
     _check_beginning(path)
-    with library_faults("LAS"), laspy.open(path, read_evlrs=False) as file:
+    with laspy.open(path, read_evlrs=False) as file:
         header, form = file.header, file.header.point_format
         room = path.stat().st_size - header.offset_to_point_data
         require_room(header.point_count, 0 if header.are_points_compressed else form.size, room)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def decompress(packed: bytes, size: int) -> bytes:
-    """Unpack LZF data to `size` bytes; ValueError where they are damaged or of another size.
+    """Unpack LZF data to `size` bytes; ValueError or IndexError where they are damaged.
 
     A control byte below 32 announces a run of literal bytes; any other one a copy of earlier
     output, by its length and its distance. Format: Marc Lehmann, liblzf.
@@ -16,13 +16,10 @@ def decompress(packed: bytes, size: int) -> bytes:
             run: bytes | bytearray = packed[place : place + control + 1]
             place += control + 1
         else:
-            length = control >> 5
-            needed = packed[place : place + (2 if length == 7 else 1)]
-            if len(needed) < (2 if length == 7 else 1):
-                raise ValueError("LZF data end within a reference")
-            place += len(needed)
-            length += 2 + (needed[0] if length == 7 else 0)
-            start = len(result) - ((control & 31) << 8) - needed[-1] - 1
+            length = (control >> 5) + 2
+            if length == 9:
+                length, place = length + packed[place], place + 1
+            start, place = len(result) - ((control & 31) << 8) - packed[place] - 1, place + 1
             if start < 0:
                 raise ValueError("an LZF reference points before the data")
             run = result[start : start + length]

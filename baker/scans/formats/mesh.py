@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
-from baker.scans.formats.faults import FormatError, library_faults
+from baker.scans.formats.faults import FormatError
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """A mesh gives as many points as it has vertices, but no fewer and no more than these."""
@@ -30,17 +30,16 @@ def read(path: Path) -> Columns:
     Raises FormatError: not sound, or no faces to sample points on.
     """
     read_mesh = _read_off if path.suffix.lower() == ".off" else _read_by_open3d
-    with library_faults(path.suffix[1:].upper()):
-        vertices, colors, faces = read_mesh(path)
-        if not len(vertices) or not len(faces):
-            raise FormatError(
-                f"holds no mesh: {len(vertices)} vertices and {len(faces)} faces found; export "
-                "points without faces as PLY."
-            )
-        columns = dict(zip("xyz", vertices.T, strict=True))
-        if len(colors) == len(vertices):
-            columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
-        return points_on_surface(columns, faces)
+    vertices, colors, faces = read_mesh(path)
+    if not len(vertices) or not len(faces):
+        raise FormatError(
+            f"holds no mesh: {len(vertices)} vertices and {len(faces)} faces found; export "
+            "points without faces as PLY."
+        )
+    columns = dict(zip("xyz", vertices.T, strict=True))
+    if len(colors) == len(vertices):
+        columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
+    return points_on_surface(columns, faces)
 
 
 def _read_by_open3d(path: Path) -> Mesh:

@@ -12,7 +12,7 @@ import numpy as np
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, library_faults, require_room
+from baker.scans.formats.faults import FormatError, require_room
 from baker.scans.formats.mesh import Faces, points_on_surface
 
 MAX_HEADER_BYTES = 1 << 20
@@ -20,37 +20,29 @@ CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use
 
 
 def read(path: Path) -> Columns:
-    """The properties of the vertices; of a mesh, of points sampled on its faces.
+    """The properties of the vertices that are no lists; of a mesh, of points sampled on its faces.
 
-    Raises FormatError: not PLY, no vertices, lists among their properties, or a body that doesn't
-    hold what the header announces.
+    Raises FormatError: not PLY, no vertices, or a body that doesn't hold what the header announces.
     """
     from plyfile import PlyData, PlyElementParseError
 
     _require_sound_header(path)
-    with library_faults("PLY"):
-        try:  # triangles, which need no loop over the faces
-            elements = PlyData.read(path, known_list_len={"face": dict.fromkeys(CORNERS, 3)})
-        except PlyElementParseError:
-            elements = PlyData.read(path)
-        names = [element.name for element in elements]
-        if "vertex" not in names:
-            found = excerpt(", ".join(names)) or "none"
-            raise FormatError(f"has no element 'vertex' (it has {found}).")
-        vertices = elements["vertex"].data
-        columns = {name: np.asarray(vertices[name]) for name in vertices.dtype.names or ()}
-        if not len(vertices):
-            raise FormatError("holds no points.")
-        faces: Faces = ()
-        if "face" in names:
-            kinds = elements["face"].data.dtype.names or ()
-            faces = next((elements["face"][name] for name in CORNERS if name in kinds), ())
-        lists = [name for name, values in columns.items() if values.dtype.kind == "O"]
-        if lists:
-            raise FormatError(
-                f"has vertices whose property '{excerpt(lists[0])}' is a list; lists can't be read."
-            )
-        return points_on_surface(columns, faces)
+    try:  # triangles, which need no loop over the faces
+        elements = PlyData.read(path, known_list_len={"face": dict.fromkeys(CORNERS, 3)})
+    except PlyElementParseError:
+        elements = PlyData.read(path)
+    names = [element.name for element in elements]
+    if "vertex" not in names:
+        found = excerpt(", ".join(names)) or "none"
+        raise FormatError(f"has no element 'vertex' (it has {found}).")
+    vertices = elements["vertex"].data
+    columns = {name: np.asarray(vertices[name]) for name in vertices.dtype.names or ()}
+    columns = {name: values for name, values in columns.items() if values.dtype.kind != "O"}
+    faces: Faces = ()
+    if "face" in names:
+        kinds = elements["face"].data.dtype.names or ()
+        faces = next((elements["face"][name] for name in CORNERS if name in kinds), ())
+    return points_on_surface(columns, faces)
 
 
 def _require_sound_header(path: Path) -> None:
