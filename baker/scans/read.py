@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, repeat
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +43,6 @@ def read_series(
         One folder that holds one series, or two or more files; a folder with a camera's file holds
         colour and depth images (`baker.scans.rgbd`).
     options : Options, optional
-        Those of a bake; read here are times, labels ("ignore" reads none), label_field, every, and
-        how scans are cleaned: outliers, voxel, denoise, resample.
     report_progress : callable, optional
         Called at once and after each scan with the scans done and the scans in all.
     map : map-like callable, optional
@@ -60,18 +57,18 @@ def read_series(
     Raises
     ------
     InputError
-        For everything that can't be read as one series: see the modules `find`, `times`,
-        `formats`, `fields` and `clean` for each step's own rules.
+        For everything that can't be read as one series.
     """
     options = options or Options()
     listing = list_series(inputs, options)
     entries = listing.schedule.entries
     if report_progress:
         map = reporting(map, report_progress, len(entries))
-    raw = listing.read(entries[0], options)
-    origin = shared_origin(clean.drop_non_finite(raw[0], entries[0].path).points)
-    read = partial(_read, origin=origin, listing=listing, options=options)
-    found, digests, origins = zip(*map(read, entries, chain([raw], repeat(None))), strict=True)
+    read = partial(listing.read, options=options)
+    raw, digests = zip(*map(read, entries), strict=True)
+    shared = shared_origin(raw[0].points)
+    origins = [own_origin(cloud.points, shared) for cloud in raw]
+    found = list(map(_about, origins, raw))
     paths = [entry.path for entry in entries]
     keep = options.ground == "keep"
     clouds, field, words, labels = choose_labels(found, paths, options.label_field is not None)
@@ -92,20 +89,8 @@ def read_series(
     )
 
 
-def _read(
-    entry: Entry,
-    raw: tuple[Cloud, str] | None,
-    *,
-    origin: NDArray[np.float64],
-    listing: Listing,
-    options: Options,
-) -> tuple[Cloud, str, NDArray[np.float64]]:
-    """A scan about its origin, its digest and that: from its files, or `raw` if they are read."""
-    cloud, sha256 = raw or listing.read(entry, options)
-    cloud = clean.drop_non_finite(cloud, entry.path)
-    clean.require_size(cloud, entry.path)
-    origin = own_origin(cloud.points, origin)
-    return clean.drop_duplicates(relative_to(origin, cloud)), sha256, origin
+def _about(origin: NDArray[np.float64], cloud: Cloud) -> Cloud:
+    return clean.drop_duplicates(relative_to(origin, cloud))
 
 
 def _scan(
@@ -137,7 +122,7 @@ class Listing:
         return (entry.path, *(self.images.beside(entry.path) if self.images else ()))
 
     def read(self, entry: Entry, options: Options) -> tuple[Cloud, str]:
-        """What a scan's files hold, and their digest."""
+        """What a scan's files hold, but for points without a place, and their digest."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names = [*filter(None, options.columns.split(","))]
 
@@ -148,7 +133,10 @@ class Listing:
             return choose_fields(columns, entry.path, options.label_field, use_labels)
 
         cloud, sha256 = read_unchanged(self.files(entry), read)
-        return replace(cloud, points=cloud.points * options.scale), sha256
+        cloud = replace(cloud, points=cloud.points * options.scale)
+        cloud = clean.drop_non_finite(cloud, entry.path)
+        clean.require_size(cloud, entry.path)
+        return cloud, sha256
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""
