@@ -221,7 +221,8 @@ def bake_series(
     )
     followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, tracks, labels.found)
     named = labels.consistent and not labels.renamed
-    clip = judged(clip, None if named else followed, map)
+    contacts = [job.attachments for job in jobs]
+    clip = judged(clip, contacts, None if named else followed, map)
     record = BakeRecord(
         found=found,
         series=series,

@@ -113,9 +113,7 @@ def interval_jobs(
         even=options.even or 0.0,
         precision=options.precision,
     )
-    attached_at: list[tuple[Attachments, Attachments]] = [({}, {}) for _ in matches]
-    if registered:
-        attached_at = organ_attachments(clouds, spacings, matches, tracks)
+    attached_at = organ_attachments(clouds, spacings, matches, tracks)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(

@@ -2,6 +2,6 @@
 
 from baker.verdict.doubt import Doubt, provenance_of
 from baker.verdict.identity import FollowedOrgans
-from baker.verdict.judge import find_doubts, judged
+from baker.verdict.judge import judged
 
-__all__ = ["Doubt", "FollowedOrgans", "find_doubts", "judged", "provenance_of"]
+__all__ = ["Doubt", "FollowedOrgans", "judged", "provenance_of"]

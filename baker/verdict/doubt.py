@@ -10,6 +10,7 @@ from typing import Any
 
 from gclip import Clip
 
+MIN_SHARE = 0.03  # of a scan's points, in an organ that one sees (docs/method.md, "The verdict")
 MAX_INTERVALS_NAMED = 3  # in the verdict's line, the most doubtful ones
 MAX_ORGANS_NAMED = 2  # in each of these
 
@@ -44,7 +45,7 @@ def line_of(clip: Clip, doubts: Sequence[Doubt]) -> str:
     named = sorted(by_interval[:MAX_INTERVALS_NAMED], key=lambda own: own[0].start)
     said = [f"{between(clip, own[0])}: {_listed(own)}" for own in named]
     if more := len(by_interval) - len(named):
-        said.append(f"and {more} more")
+        said.append(f"and {more} more interval{'s' * (more > 1)}")
     return "; ".join([headline(clip, doubts), *said]) + "."
 
 

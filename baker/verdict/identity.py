@@ -1,7 +1,4 @@
-"""Whether organs that were followed by their shape are the same organs in the next scan.
-
-The matching's own score tells how much better its choice is than the second best.
-"""
+"""Whether organs that were followed by their shape are the same organs in the next scan."""
 
 from __future__ import annotations
 
@@ -13,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching import IntervalOrgans, Match
-from baker.matching.descriptors import describe_organs
+from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
+from baker.verdict.doubt import MIN_SHARE
 
 # From these values on it is doubtful which organ one is (docs/method.md, "The verdict").
-MIN_MARGIN = 0.4  # of the score: what a turn by 75 degrees costs
-OUT_OF_THE_QUESTION = -1.0  # the least score that counts; a pair may be matched for other reasons
+MIN_MARGIN = 0.1  # of a pair's score over that of another choice: what a turn by 20 degrees costs
+MAX_GROWTH = 3.0  # of an organ's size, over that of the plant's organs; or one by that
+MAX_BORN_SHARE = 0.2  # of a scan's points, in a new organ
 MIN_SIZE = 1e-100  # of an organ: its square is still a number
-MAX_GROWTH = 2.5  # of an organ's size, over that of the plant's organs; or one by that
-MAX_LOST_SHARE = 0.05  # of a scan's points, in an organ that the next scan lacks
-MAX_BORN_SHARE = 0.1  # likewise in a new organ
 
 
 @dataclass(frozen=True)
@@ -46,91 +42,67 @@ class IdentityDoubt(NamedTuple):
     other: int | None = None
 
 
+@dataclass(frozen=True)
+class _Organs:
+    """The organs of a scan: segments of its hierarchy, some of which may have no points."""
+
+    segments: NDArray[np.intp]  # those that have points
+    described: OrganDescriptors  # these
+    share: NDArray[np.float64]  # by segment, of the scan's points
+    size: NDArray[np.float64]  # by segment, over that of the plant's organs
+
+
 def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[IdentityDoubt]:
     """Judge the matches, births and losses of an interval."""
     match, tracks = series.matches[index], series.tracks[index]
-    first, second = (
-        describe_organs(series.clouds[k], hierarchy, series.bases[k], stem=series.stem)
-        for k, hierarchy in ((index, match.first), (index + 1, match.second))
+    first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
+    scores = np.zeros((len(first.share), len(second.share)))
+    scores[np.ix_(first.segments, second.segments)] = match_scores(
+        first.described, second.described
     )
-    row, column = _places(match.first), _places(match.second)
-    pairs = [(a, b) for a, b in match.pairs if a in row and b in column and a != match.first.root]
-    lost, born = [s for s in match.losses if s in row], [s for s in match.births if s in column]
-    rows, columns = [row[a] for a, _ in pairs], [column[b] for _, b in pairs]
-    gone, new = [row[s] for s in lost], [column[s] for s in born]
-    margins, rivals = second_best(match_scores(first, second), rows, columns, gone, new)
-    sizes = [np.maximum(organs.sizes, MIN_SIZE) for organs in (first, second)]
-    before, after = (own / np.linalg.norm(own) * np.sqrt(len(own)) for own in sizes)
-    growth = after[columns] / before[rows]
-    organs = [*(tracks.first[a] for a, _ in pairs), *(tracks.first[s] for s in lost)]
-    organs += [tracks.second[s] for s in born]
-    for organ, margin, rival, factor in zip(organs, margins, rivals, growth.tolist(), strict=False):
-        if margin < MIN_MARGIN and rival >= 0:
-            what = "{name} and {other} may be mixed up"
-            yield IdentityDoubt(organ, what, 2.0 - margin / MIN_MARGIN, organs[rival])
-        if factor > MAX_GROWTH:
-            what = "{name} is suddenly much larger and may be two organs"
-            yield IdentityDoubt(organ, what, factor / MAX_GROWTH)
-        if factor * MAX_GROWTH < 1.0:
-            what = "{name} is suddenly much smaller and may lack a part"
-            yield IdentityDoubt(organ, what, 1.0 / (max(factor, 1e-3) * MAX_GROWTH))
-    count, next_count = (len(series.clouds[k]) for k in (index, index + 1))
-    for segment in lost:
-        strength = len(match.first.segments[segment]) / count / MAX_LOST_SHARE
-        if strength > 1.0:
-            what = "{name} vanishes, though it is large"
-            yield IdentityDoubt(tracks.first[segment], what, strength)
-    for segment in born:
-        strength = len(match.second.segments[segment]) / next_count / MAX_BORN_SHARE
-        if strength > 1.0:
-            what = "{name} is new, though it is large"
-            yield IdentityDoubt(tracks.second[segment], what, strength)
+    for pair in match.pairs:
+        scores[pair] -= MIN_MARGIN
+    became = dict(best_pairs(scores))
+    came_from = {b: a for a, b in became.items()}
+    for a, b in match.pairs:
+        shares = first.share[a], second.share[b]
+        if a == match.first.root or min(shares) == 0.0 or max(shares) < MIN_SHARE:
+            continue
+        organ, growth = tracks.first[a], float(second.size[b] / first.size[a])
+        if became.get(a) != b and (a in became or b in came_from):
+            rival = tracks.first[came_from[b]] if b in came_from else tracks.second[became[a]]
+            yield IdentityDoubt(organ, "{name} and {other} may be mixed up", 1.0, rival)
+        if growth > MAX_GROWTH:
+            what = "{name} may be two organs (suddenly much larger)"
+            yield IdentityDoubt(organ, what, growth / MAX_GROWTH)
+        if growth * MAX_GROWTH < 1.0:
+            what = "{name} may lack a part (suddenly much smaller)"
+            yield IdentityDoubt(organ, what, 1.0 / (max(growth, 1e-3) * MAX_GROWTH))
+    for a in match.losses:
+        if (strength := float(first.share[a]) / MIN_SHARE) >= 1.0:
+            yield IdentityDoubt(tracks.first[a], "{name} is large but vanishes", strength)
+    for b in match.births:
+        if (strength := float(second.share[b]) / MAX_BORN_SHARE) >= 1.0:
+            yield IdentityDoubt(tracks.second[b], "{name} is large but new", strength)
 
 
-def second_best(
-    scores: NDArray[np.float64],
-    rows: Sequence[int],
-    columns: Sequence[int],
-    lost: Sequence[int],
-    born: Sequence[int],
-) -> tuple[list[float], list[int]]:
-    """By how much each matched pair is better than the best other choice that changes it.
+def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """The pairs, by row, of the greatest total (n, m) score; what gains nothing is left alone.
 
-    Parameters
-    ----------
-    scores : (n, m) float64
-        Of matching each organ of one scan to each of the next, 0 for a loss and a birth.
-    rows, columns : sequence of int
-        The P matched pairs.
-    lost, born : sequence of int
-        Rows and columns that are not matched.
-
-    Returns
-    -------
-    margins : list of float
-        Below 0 where the other choice is better in this interval alone.
-    rivals : list of int
-        The organ that this choice takes instead, one of the pairs, then the lost, then the born; -1
-        where it leaves the pair unmatched.
+    An interval by itself is matched so, where organs are followed through the whole series.
     """
-    if not rows:
-        return [], []
-    scores = np.maximum(scores, OUT_OF_THE_QUESTION)
-    crossed = scores[np.ix_(rows, columns)]
-    own = np.diagonal(crossed)
-    # Two pairs exchange their partners; or one takes the other's, and what is left is unmatched.
-    exchanged = np.maximum(np.maximum(crossed, crossed.T), crossed + crossed.T)
-    margin = own[:, None] + own - exchanged
-    np.fill_diagonal(margin, np.inf)
-    came_from = own[:, None] - scores[np.ix_(lost, columns)].T
-    became = own[:, None] - scores[np.ix_(rows, born)]
-    choices = np.hstack([margin, came_from, became, own[:, None]])
-    best = choices.argmin(axis=1)
-    rivals = np.where(best == choices.shape[1] - 1, -1, best)
-    return choices.min(axis=1).tolist(), rivals.tolist()
+    from scipy.optimize import linear_sum_assignment
+
+    gains = np.maximum(scores, 0.0)
+    pairs = np.column_stack(linear_sum_assignment(gains, maximize=True))
+    return [(i, j) for i, j in pairs.tolist() if gains[i, j] > 0.0]
 
 
-def _places(hierarchy: Hierarchy) -> dict[int, int]:
-    """The place among a scan's descriptors of each segment that has points."""
-    found = [segment for segment, own in enumerate(hierarchy.segments) if len(own)]
-    return {segment: place for place, segment in enumerate(found)}
+def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:
+    cloud, base = series.clouds[scan], series.bases[scan]
+    described = describe_organs(cloud, hierarchy, base, stem=series.stem)
+    counts = np.array([len(own) for own in hierarchy.segments])
+    size = np.zeros(len(counts))
+    size[counts > 0] = np.maximum(described.sizes, MIN_SIZE)
+    size /= np.sqrt((size[counts > 0] ** 2).mean())
+    return _Organs(np.flatnonzero(counts), described, counts / len(cloud), size)

@@ -2,34 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+from numpy.typing import NDArray
+
 from baker.geometry.parallel import MapLike
-from baker.verdict.doubt import Doubt, provenance_of
+from baker.verdict.doubt import MIN_SHARE, Doubt, provenance_of
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
 from baker.verdict.motion import SampledMotion, sampled_motions
 from gclip import Clip
 
 # From these values on an organ's motion is doubtful (docs/method.md, "The verdict").
-MIN_TORN, MAX_ORDER, MIN_SIZE_CHANGE = 0.02, 0.85, 0.2
+MIN_TORN, MAX_ORDER, MIN_SIZE_CHANGE = 0.05, 0.5, 0.2
+
+Attachments = Mapping[int, NDArray[np.floating]]
+"""By organ, the points (c, 3) by which it touches its parent."""
 
 
-def judged(clip: Clip, followed: FollowedOrgans | None, map: MapLike = map) -> Clip:
-    """The clip with its verdict in the provenance; see `find_doubts`."""
-    verdict = provenance_of(clip, find_doubts(clip, followed, map))
-    return replace(clip, provenance={**clip.provenance, "verdict": verdict})
-
-
-def find_doubts(
-    clip: Clip, followed: FollowedOrgans | None = None, map: MapLike = map
-) -> list[Doubt]:
+def judged(
+    clip: Clip,
+    attachments: Sequence[tuple[Attachments, Attachments]],
+    followed: FollowedOrgans | None,
+    map: MapLike = map,
+) -> Clip:
     """Judge a clip without knowing the truth.
 
     Parameters
     ----------
     clip : gclip.Clip
+    attachments : sequence of (Attachments, Attachments)
+        Of each interval, in both of its scans.
     followed : FollowedOrgans, optional
         What the clip was made of, where labels don't name its organs.
     map : MapLike
@@ -37,43 +42,50 @@ def find_doubts(
 
     Returns
     -------
-    list of Doubt
-        By interval, in each the organs' motion first.
+    gclip.Clip
+        With the verdict in its provenance: by interval, in each the organs' motion first.
     """
-    found = map(partial(_doubts_in, clip, followed), range(len(clip.intervals)))
-    return [doubt for own in found for doubt in own]
+    judge = partial(_doubts_in, clip, followed)
+    found = map(judge, range(len(clip.intervals)), attachments)
+    verdict = provenance_of(clip, [doubt for own in found for doubt in own])
+    return replace(clip, provenance={**clip.provenance, "verdict": verdict})
 
 
-def _doubts_in(clip: Clip, followed: FollowedOrgans | None, index: int) -> list[Doubt]:
+def _doubts_in(
+    clip: Clip,
+    followed: FollowedOrgans | None,
+    index: int,
+    attachments: tuple[Attachments, Attachments],
+) -> list[Doubt]:
     interval = clip.intervals[index]
     matched = {pair.track for pair in interval.segments if pair.event == "match"}
-    motions = sampled_motions(interval)
     doubts = []
-    for track, motion in motions.items():
-        if track in matched and motion.is_measurable:
-            parent = clip.track_table[track].parent
-            found = _wrong(motion, motions.get(parent) if parent is not None else None)
-            what, strength = max(found, key=lambda each: each[1])
+    for track, motion in sampled_motions(interval).items():
+        if track in matched and motion.share >= MIN_SHARE and motion.is_measurable:
+            contacts = [side[track] for side in attachments if track in side]
+            what, strength = max(_wrong(motion, contacts), key=lambda each: each[1])
             if strength >= 1.0:
                 said = what.format(name=called(clip, track))
                 doubts.append(Doubt(interval.start, interval.end, track, said, strength))
     if followed is not None:
         for track, what, strength, other in doubtful_identities(followed, index):
-            names = sorted({track, track if other is None else other})
+            names = sorted([track] if other is None else [track, other])
             name, *others = (called(clip, organ) for organ in names)
-            said = what.format(name=name, other="".join(others))
+            said = what.format(name=name, other=others and others[0])
             doubts.append(Doubt(interval.start, interval.end, track, said, strength, identity=True))
     return doubts
 
 
-def _wrong(motion: SampledMotion, parent: SampledMotion | None) -> Iterator[tuple[str, float]]:
+def _wrong(
+    motion: SampledMotion, contacts: Sequence[NDArray[np.floating]]
+) -> Iterator[tuple[str, float]]:
     """What may be wrong with the motion of an organ called {name}, and how strongly each is."""
     yield "{name} tears", motion.torn / MIN_TORN
     change = motion.size_change
-    what = "{name} swells on the way" if change > 0 else "{name} shrinks on the way"
-    yield what, abs(change) / MIN_SIZE_CHANGE
-    if parent is not None:
-        order = motion.order_kept(parent)
+    changes = "swells" if change > 0 else "shrinks"
+    yield f"{{name}} {changes} between the scans", abs(change) / MIN_SIZE_CHANGE
+    if len(contacts) == 2:
+        order = motion.order_kept(contacts)
         turned = "the tip and the base of {name} change places"
         what = turned if order < 0 else "parts of {name} change places"
         yield what, (1.0 - order) / (1.0 - MAX_ORDER)

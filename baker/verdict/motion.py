@@ -5,6 +5,7 @@ All of it is measured on a sample of each organ's movers, in distances between t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +27,7 @@ MIN_DISTINCT = 0.2  # share of distinct points; fewer unfold from an attachment 
 PARAMETERS = (0.0, 0.25, 0.5, 0.75, 1.0)  # at which the movers are seen
 NEIGHBORS = 6
 NEAR, TORN = 2.5, 8.0  # distances of neighbours, and of points that are neighbours no more
-TORN_LENGTH = 0.2  # and they are as far apart as that share of the organ's length
+TORN_SIZE = 0.7  # and they are as far apart as that times the organ's size: a fifth of a rod
 GRAPH_NEIGHBORS = 12
 
 
@@ -35,6 +36,7 @@ class SampledMotion:
     """One organ's way from scan to scan."""
 
     path: NDArray[np.float64]  # (5, n, 3) at `PARAMETERS`
+    share: float  # of the interval's movers that are the organ's
 
     @property
     def ends(self) -> tuple[Points, Points]:
@@ -46,13 +48,9 @@ class SampledMotion:
         return [np.unique(points, axis=0) for points in self.ends]
 
     @cached_property
-    def spacings(self) -> list[float]:
-        """Median distance between neighbours at both scans."""
-        return [point_spacing(points) for points in self.distinct]
-
-    @property
     def spacing(self) -> float:
-        return max(self.spacings)
+        """Median distance between neighbours, at the scan where it is larger."""
+        return max(map(point_spacing, self.distinct))
 
     @cached_property
     def sizes(self) -> NDArray[np.float64]:
@@ -64,9 +62,7 @@ class SampledMotion:
     def is_measurable(self) -> bool:
         """Whether the organ is large enough at both scans to tell how it moves."""
         count = self.path.shape[1]
-        if count < MIN_MOVERS:
-            return False
-        if min(map(len, self.distinct)) < MIN_DISTINCT * count:
+        if count < MIN_MOVERS or min(map(len, self.distinct)) < MIN_DISTINCT * count:
             return False
         return bool(self.sizes[[0, -1]].min() >= MIN_SIZE * self.spacing)
 
@@ -78,11 +74,8 @@ class SampledMotion:
         """
         from scipy.spatial import KDTree
 
-        start, end = self.ends
-        about = end - end.mean(axis=0)
-        length = np.ptp(about @ np.linalg.svd(about, full_matrices=False)[2][0])
-        far, shares = max(TORN * self.spacing, TORN_LENGTH * length), []
-        for one, other in ((start, end), (end, start)):
+        far, shares = max(TORN * self.spacing, TORN_SIZE * self.sizes[-1]), []
+        for one, other in (self.ends, self.ends[::-1]):
             distance, neighbor = KDTree(one).query(one, NEIGHBORS + 1)
             i, column = np.nonzero(distance[:, 1:] < NEAR * self.spacing)
             apart = np.linalg.norm(other[i] - other[neighbor[i, column + 1]], axis=1)
@@ -99,28 +92,20 @@ class SampledMotion:
         shrunk, swollen = 1.0 - self.sizes.min() / low, self.sizes.max() / high - 1.0
         return float(swollen if swollen > shrunk else -shrunk)
 
-    def order_kept(self, parent: SampledMotion) -> float:
-        """Spearman's correlation of the points' geodesic distances from where it is attached.
+    def order_kept(self, attachments: Sequence[Points]) -> float:
+        """Spearman's correlation of the points' geodesic distances from the attachment.
 
-        Of all points that touch the parent at either scan, the organ is attached at the two that
-        are nearest to each other: attachment points move little.
+        attachments: (c, 3), the points by which the organ touches its parent at both scans.
         """
         from scipy.spatial import KDTree
 
-        touching = []
-        for points, others, spacing in zip(self.ends, parent.ends, self.spacings, strict=True):
-            gap = KDTree(others).query(points)[0]
-            touching.append(np.flatnonzero(gap <= max(NEAR * spacing, 1.5 * gap.min())))
-        start, end = (points[own] for points, own in zip(self.ends, touching, strict=True))
-        gap, nearest = KDTree(end).query(start)
-        base = int(gap.argmin())
-        bases = touching[0][base], touching[1][nearest[base]]
-        along = [
-            geodesic_distances(connected_knn_graph(points, GRAPH_NEIGHBORS)[0], np.array([seed]))
-            for points, seed in zip(self.ends, bases, strict=True)
-        ]
-        # The ranks here: importing scipy.stats takes a second.
-        ranks = [np.argsort(np.argsort(distance, kind="stable")) for distance in along]
+        ranks = []
+        for points, contact in zip(self.ends, attachments, strict=True):
+            seeds = np.unique(KDTree(points).query(contact)[1])
+            graph = connected_knn_graph(points, GRAPH_NEIGHBORS)[0]
+            # Ranked here: importing scipy.stats takes a second.
+            along = geodesic_distances(graph, seeds)
+            ranks.append(np.argsort(np.argsort(along, kind="stable")))
         return float(np.asarray(np.corrcoef(ranks))[0, 1])
 
 
@@ -134,5 +119,5 @@ def sampled_motions(interval: Interval) -> dict[int, SampledMotion]:
     even = [np.arange(n) * c // n for n, c in zip(sizes, count, strict=True)]
     movers: Any = order[np.concatenate([begin + e for begin, e in zip(first, even, strict=True)])]
     states = np.stack([positions_on_curve(interval, movers, u) for u in PARAMETERS]).astype(float)
-    parts = np.split(states, np.cumsum(sizes)[:-1], axis=1)
-    return {int(track): SampledMotion(part) for track, part in zip(found, parts, strict=True)}
+    parts = zip(np.split(states, np.cumsum(sizes)[:-1], axis=1), count / stop, strict=True)
+    return {int(organ): SampledMotion(*part) for organ, part in zip(found, parts, strict=True)}

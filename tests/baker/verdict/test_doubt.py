@@ -46,7 +46,7 @@ def test_of_many_doubts_the_line_names_a_few(clip):
     doubts = [Doubt(k, k + 1, n, f"{n} tears", 1.0 + n) for k in range(4) for n in range(4)]
     line = line_of(clip, doubts)
     assert line.startswith("None of 4 intervals looks right; day 0 to 1: 3 tears, 2 tears, and 2")
-    assert line.endswith("; and 1 more.")
+    assert line.endswith("; and 1 more interval.")
 
 
 def test_dates_stay_whole(clip):

@@ -7,6 +7,7 @@ import pytest
 
 from baker.verdict.motion import SampledMotion
 
+BASE = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
 SHARES = np.linspace(0, 1, 5)[:, None, None]
 
 
@@ -16,16 +17,9 @@ def leaf() -> np.ndarray:
     return np.random.default_rng(0).random((400, 3)) * [10, 2, 0.1]
 
 
-@pytest.fixture
-def stem() -> SampledMotion:
-    """At rest, through the leaf's base."""
-    points = np.random.default_rng(1).random((200, 1)) * [0, 0, 20] - [0, -1, 10]
-    return moved(points, points)
-
-
 def moved(start: np.ndarray, end: np.ndarray) -> SampledMotion:
     """Along straight paths."""
-    return SampledMotion((1 - SHARES) * start + SHARES * end)
+    return SampledMotion((1 - SHARES) * start + SHARES * end, share=1.0)
 
 
 def turned(points: np.ndarray, degrees: float) -> np.ndarray:
@@ -36,11 +30,11 @@ def turned(points: np.ndarray, degrees: float) -> np.ndarray:
 
 @pytest.mark.parametrize("degrees", [0, 20, 40])
 @pytest.mark.parametrize("growth", [1, 1.5, 3])
-def test_growing_and_bending_is_nothing_wrong(leaf, stem, degrees, growth):
+def test_growing_and_bending_is_nothing_wrong(leaf, degrees, growth):
     motion = moved(leaf, turned(leaf * [growth, growth, 1], degrees))
     assert motion.is_measurable
     assert motion.torn == 0.0
-    assert motion.order_kept(stem) > 0.95
+    assert motion.order_kept([BASE, BASE]) > 0.95
     assert abs(motion.size_change) < 0.1
 
 
@@ -51,8 +45,14 @@ def test_an_organ_that_is_slit_tears_and_so_does_one_that_comes_together(leaf):
     assert moved(slit, leaf).torn == moved(leaf, slit).torn
 
 
-def test_a_tip_that_becomes_the_base_is_out_of_order(leaf, stem):
-    assert moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]).order_kept(stem) < -0.9
+def test_a_tip_that_becomes_the_base_is_out_of_order(leaf):
+    assert moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]).order_kept([BASE, BASE]) < -0.9
+
+
+def test_the_order_counts_from_the_attachment_wherever_that_is(leaf):
+    tip = BASE + np.array([10, 0, 0])
+    assert moved(leaf, leaf).order_kept([tip, tip]) > 0.95
+    assert moved(leaf, leaf).order_kept([BASE, tip]) < -0.9
 
 
 def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
@@ -61,7 +61,7 @@ def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
 
 def test_an_organ_that_swells_is_larger_on_the_way(leaf):
     path = np.stack([leaf * k for k in (1, 1.2, 1.5, 1.2, 1)])
-    assert SampledMotion(path).size_change == pytest.approx(0.5)
+    assert SampledMotion(path, share=1.0).size_change == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("count", [3, 59])
