@@ -121,6 +121,15 @@ def geodesic_distances(
     return np.asarray(dijkstra(with_source, directed=False, indices=count))[:count]
 
 
+def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
+    """(n,) where each of n items comes to when it follows to the next one until that is itself."""
+    while True:
+        further = following[following]
+        if np.array_equal(further, following):
+            return following
+        following = further
+
+
 def _shortest_bridges(
     points: Points, components: int, component: NDArray[np.integer]
 ) -> tuple[csr_matrix, NDArray[np.floating]]:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import chain_ends
+
 if TYPE_CHECKING:
     from scipy.sparse import spmatrix
 
@@ -44,45 +46,35 @@ def branches(
     ----------
     Edelsbrunner, Letscher, Zomorodian: Topological persistence and simplification (2002).
     """
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import minimum_spanning_tree
-
-    count = len(height)
-    descending = np.argsort(-height, kind="stable")
+    # Points are counted from the highest on: the last of an edge's is the lower one.
+    count, descending = len(height), np.argsort(-height, kind="stable")
     rank = np.empty(count, np.intp)
     rank[descending] = np.arange(count)
     edges = graph.tocoo()
-    level = np.maximum(rank[edges.row], rank[edges.col])  # of its lower end
-    # The edges of this tree alone connect the same points at every level.
-    tree = minimum_spanning_tree(csr_matrix((level + 1.0, (edges.row, edges.col)), (count, count)))
-    tree = tree.tocoo()
-    by_level = np.argsort(tree.data, kind="stable")
-    ends = np.stack([tree.row, tree.col], axis=1)[by_level].tolist()
-    passes = height[descending[tree.data[by_level].astype(np.intp) - 1]].tolist()
-
-    parent = list(range(count))  # of the union-find forest; a component's root is its highest point
-    members = [[point] for point in range(count)]
-    met = [False] * count
+    upper, lower = np.sort(rank[np.stack([edges.row, edges.col])], axis=0)
+    uphill = np.arange(count)
+    np.minimum.at(uphill, lower, upper)
+    peak = chain_ends(uphill)
+    # Components grow from the peaks, and meet first where the pass between two peaks is highest.
+    between = np.flatnonzero(peak[upper] != peak[lower])
+    between = between[np.argsort(lower[between], kind="stable")]
+    sides = np.sort(peak[np.stack([upper[between], lower[between]])], axis=0)
+    first = np.sort(np.unique(sides[0] * count + sides[1], return_index=True)[1])
+    component = np.arange(count)  # of each peak, named by its highest
+    has_met = np.zeros(count, bool)
     branch, found = np.full(count, -1, np.intp), 0
-
-    def root(point: int) -> int:
-        while parent[point] != point:
-            parent[point] = parent[parent[point]]
-            point = parent[point]
-        return point
-
-    for (a, b), meeting in zip(ends, passes, strict=True):
-        high, low = sorted((root(a), root(b)), key=rank.__getitem__)
-        length, rest = height[low] - meeting, height[high] - meeting
-        is_branch = met[low] or (length >= min_length and len(members[low]) >= min_points)
-        if is_branch and (met[low] or met[high] or length >= min_share * rest):
-            for component in (high, low):
-                if not met[component]:
-                    branch[members[component]] = found
+    for *pair, level in zip(*sides[:, first], lower[between[first]], strict=True):
+        high, low = np.sort(component[pair])
+        if high == low:
+            continue
+        above = component[peak[: level + 1]]
+        length, rest = height[descending[[low, high]]] - height[descending[level]]
+        is_long = length >= min_length and (has_met[high] or length >= min_share * rest)
+        if has_met[low] or (is_long and (above == low).sum() >= min_points):
+            for side in (high, low):
+                if not has_met[side]:
+                    branch[: level + 1][above == side] = found
                     found += 1
-                    met[component] = True
-        parent[low] = high
-        if not met[high]:
-            members[high] += members[low]
-        members[low] = []
-    return branch
+            has_met[[high, low]] = True
+        component[component == low] = high
+    return branch[rank]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import connected_knn_graph
+from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors, point_spacing
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
 from baker.segmentation.hierarchy import split_by_label
@@ -74,27 +74,19 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     """Cut the sample into level sets of its distance from the base and hang them into a tree."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
-    entry = _entries(sample.predecessor, level)
+    # Where the path to each point entered that point's level set.
+    before = sample.predecessor
+    is_inside = (before >= 0) & (level[before] == level)
+    entry = chain_ends(np.where(is_inside, before, np.arange(len(level))))
     for members in _parts(sample, level):
         here = int(level[members[0]])
-        before = sample.predecessor[entry[members]]
-        source = np.where(before < 0, -1, node[before])
+        through = before[entry[members]]
+        source = np.where(through < 0, -1, node[through])
         for origin, own in _by_origin(members, source, parent, depth, here, sample):
             node[own] = len(parent)
             parent.append(origin)
             depth.append(here)
     return _measured(sample, node, parent)
-
-
-def _entries(predecessor: NDArray[np.intp], level: NDArray[np.intp]) -> NDArray[np.intp]:
-    """(n,) the point through which the path to each point entered that point's level set."""
-    inside = (predecessor >= 0) & (level[predecessor] == level)
-    entry = np.where(inside, predecessor, np.arange(len(predecessor)))
-    while True:
-        further = entry[entry]
-        if np.array_equal(further, entry):
-            return entry
-        entry = further
 
 
 def _parts(sample: PlantSample, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.problem import Masses, Points
+from gclip.morton import morton_order
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
 NEIGHBORS = 10  # points, within whose distance the other cloud's are counted
 MIN_SHARE = 0.02  # of a uniform mass: every point is moved
+MAX_SAMPLE = 500  # points of a cloud, each for those after it along the Morton curve
 TOTAL_MASS = 10**9  # whole units
 
 
@@ -21,8 +23,8 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     """Masses of registered clouds, by how much of the other cloud is around each point.
 
     A point's mass is the number of the other cloud's points that are no farther than its tenth
-    neighbour in its own cloud, of as many points; fully from ten on. In whole units, at least 1, of
-    equal sums.
+    neighbour in its own cloud, of as many points; fully from ten on. Of large clouds a sample is
+    looked at. In whole units, at least 1, of equal sums.
     """
     from scipy.spatial import KDTree
 
@@ -40,6 +42,10 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
 
 
 def _share(own: KDTree, other: KDTree, k: int) -> NDArray[np.float64]:
-    radius = own.query(own.data, k=[k])[0][:, 0] * 1.0001
-    found = other.query_ball_point(own.data, radius, return_length=True)
-    return np.clip(found / other.n * own.n / k, MIN_SHARE, 1.0)
+    order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
+    sample = own.data[order[::step]]
+    radius = own.query(sample, k=[k])[0][:, 0] * 1.0001
+    found = other.query_ball_point(sample, radius, return_length=True)
+    share = np.empty(own.n)
+    share[order] = np.clip(found / other.n * own.n / k, MIN_SHARE, 1.0).repeat(step)[: own.n]
+    return share
