@@ -21,6 +21,7 @@ from baker.scans.labels import label_rank
 
 LONGEST_LINE = 1 << 17
 SKIPPED = ("-", "_")  # for columns that are not used
+MIN_COUNTED = 9  # rows, of which a column may seem to be the count by chance
 USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
 
 
@@ -50,7 +51,8 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         named, delimiter, first, count = _read_head(lines, asked)
         values = _split(first, delimiter)
         width = len(values)
-        names = named or [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+        usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+        names = [*map(_axis, named)] if named else usual
         if named is None and width not in USUAL_WIDTHS:
             example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
             raise FormatError(
@@ -75,6 +77,10 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         require_count(count, len(rows), "rows")
     notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
     if named is None:
+        if width > 3 and len(rows) > MIN_COUNTED and (np.diff(rows[:, 0]) == 1).all():
+            example = ",".join(["-", *"xyz", *["label"] * (width - 4)][:5])
+            reason = f"its first column counts the rows; say it with --columns {example}."
+            raise FormatError(reason)
         usual = usual_names(rows, is_leica=count is not None)
         names = [names[i] if i in words else usual[i] for i in range(width)]
         notes = [f"no header line: columns taken as {' '.join(names)}."]
@@ -134,7 +140,8 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
 def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
     """Numpy's sentence about a row in the words of one who has the file before them."""
     if text := re.search("could not convert string '(.*)' to float64", numpys, re.DOTALL):
-        return _not_numbers([text[1]], line)
+        hint = ", but the first row has one there" * _is_word(text[1])
+        return _not_numbers([text[1]], line, hint)
     if found := re.search(r"from \d+ to (\d+)|with (\d+) columns|^(\d+) columns", numpys):
         count = int(next(filter(None, found.groups())))
         return FormatError(
@@ -145,10 +152,11 @@ def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
     return FormatError(f"no row of numbers ({excerpt(numpys)}).", line)
 
 
-def _not_numbers(values: Sequence[str], line: int) -> FormatError:
+def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:
     """The fault of the first of these values that is no number."""
     text = next((value for value in values if not _is_number(value)), values[0])
-    hint = "; write decimals with a point" if re.fullmatch(r"[-+]?\d+,\d+", text) else ""
+    if re.fullmatch(r"[-+]?\d+,\d+", text):
+        hint = "; write decimals with a point"
     return FormatError(f"'{excerpt(text)}' is not a number{hint}.", line)
 
 
@@ -190,7 +198,9 @@ def _read_head(
         elif names is None and (asked or _names_xyz(values)) and not any(is_number):
             names = values
         else:
-            raise _not_numbers(values, lines.number)
+            is_header = len(values) > 2 and not any(is_number)
+            hint = ", and a header has to name x, y and z (or --columns does)" * is_header
+            raise _not_numbers(values, lines.number, hint)
     raise FormatError("holds no points.")
 
 
@@ -201,7 +211,14 @@ def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> lis
 
 
 def _names_xyz(names: Sequence[str]) -> bool:
-    return {"x", "y", "z"} <= {name.lower() for name in names}
+    return {"x", "y", "z"} <= {_axis(name).lower() for name in names}
+
+
+def _axis(name: str) -> str:
+    """The x of "X (mm)", "x_coord" and "coordX"; other names as they are."""
+    words = r"(?:coord(?:inate)?s?|pos(?:ition)?)?[ _.]?"
+    axis = re.fullmatch(rf"{words}([xyz])[ _]?{words}[\[(]?(?:mm|cm|m)?[\])]?", name, re.IGNORECASE)
+    return axis[1] if axis else name
 
 
 def _delimiter(line: str) -> str | None:

@@ -126,7 +126,7 @@ def test_quoted_values(load):
     [
         ("1 2 3\n4 5\n", r"line 2: 2 values found, but 3 expected"),
         ("1 2 3\n4 5 6 7\n", r"line 2: 4 values found, but 3 expected"),
-        ("# c\n\n1 2 3 4\n1 2 x 4\n", r"line 4: 'x' is not a number\."),
+        ("# c\n\n1 2 3 4\n1 2 x 4\n", r"line 4: 'x' is not a number"),
         ("1 2 3 4\n1 2 abc\n", r"line 2: 3 values found, but 4 expected"),
         ("x y z\n1 2 3 4\n", r"line 2: 4 columns, but 3 names of columns"),
         ("x y z label\n1 2 3 4\n1 2 3\n", r"line 3: 3 values .* \(x y z label\)"),
@@ -139,6 +139,9 @@ def test_quoted_values(load):
         ("1 2 3\n1,5 2,5 3,5\n", r"line 2: '1,5' is not a number; write decimals with a point"),
         ("x y z\n", r"holds no points"),
         ("# only words\n", r"holds no points"),
+        ("1 2 3 4\n1 2 3 stem\n", r"line 2: 'stem' is not a number, but the first row has one"),
+        ("lon lat h\n1 2 3\n", r"'lon' is not a number, and a header has to name x, y and z"),
+        ("".join(f"{k} 1 2 3\n" for k in range(20)), r"counts the rows.* --columns -,x,y,z\."),
         ("1 2 3 0.5\n", r"the field 'column 4' holds 0.5, but labels must be whole numbers"),
         ("1 2 3 1e30\n", r"the field 'column 4' holds 1e\+30"),
         ("x y label\n1 2 3\n", r"line 1: 'x' is not a number"),
@@ -162,3 +165,10 @@ def test_a_million_values_are_read(load):
     cloud = load(content)
     np.testing.assert_allclose(cloud.points, rows[:, :3].round(4), atol=1e-9)
     assert (cloud.labels == 3).all()
+
+
+@pytest.mark.parametrize(
+    "header", ["X (mm),Y (mm),Z (mm)", "x_coord,y_coord,z_coord", "PosX,PosY,PosZ"]
+)
+def test_axes_by_other_names(load, header):
+    assert load(f"{header},label\n1,2,3,4\n").points.tolist() == [[1, 2, 3]]
