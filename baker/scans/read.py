@@ -74,7 +74,9 @@ def read_series(
     clouds, field, words, labels = choose_labels(found, paths, options.label_field is not None)
     clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
-    clouds, ground_up, ground = take_out_ground(clouds, up, keep, map)
+    clouds, ground_up, ground = take_out_ground(
+        clouds, [path.name for path in paths], up, keep, map
+    )
     scan = partial(_scan, options=options)
     scans = _agree(list(map(scan, entries, clouds, digests, origins)))
     series = listing.series(scans, options)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from baker.scans.cloud import Cloud
-from baker.scans.ground import DIRECTIONS, find_ground, take_out_ground
+from baker.scans.ground import DIRECTIONS, take_out_ground
+from baker.scans.ground_plane import find_ground
 
+NAMES = ["day1", "day2", "day3", "day4", "day5"]
 TURNS = {
     "z": np.eye(3),
     "y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
@@ -58,14 +60,14 @@ def test_soil_is_taken_out_and_the_plant_stays(up, radius, count, roughness, slo
     for points, ground in zip(grown, grounds, strict=True):
         labels = np.repeat([3, -1], [len(points), count]) if is_labelled else None
         clouds.append(Cloud(np.concatenate([points, ground]).astype(np.float32), labels))
-    left, ground_up, (finding,) = take_out_ground(clouds)
+    left, ground_up, (finding,) = take_out_ground(clouds, NAMES[: len(clouds)])
     axis = TURNS[up] @ [0, 0, 1]
     assert np.dot(ground_up, axis) > np.cos(np.arctan(slope) + 0.05)
     assert "in 3 of 3 scans" in finding.sentence
     for cloud, points, ground in zip(left, grown, grounds, strict=True):
         assert shares(cloud.points, ground.astype(np.float32)) < (0.06 if radius < 20 else 0.02)
         assert shares(cloud.points, points.astype(np.float32)) > (1 if is_labelled else 0.97) - 1e-9
-    kept, also_up, (finding,) = take_out_ground(clouds, keep=True)
+    kept, also_up, (finding,) = take_out_ground(clouds, NAMES[: len(clouds)], keep=True)
     assert [len(cloud) for cloud in kept] == [len(cloud) for cloud in clouds]
     assert also_up == ground_up
     assert "kept" in finding.sentence
@@ -74,16 +76,50 @@ def test_soil_is_taken_out_and_the_plant_stays(up, radius, count, roughness, slo
 def test_a_plant_without_ground_loses_nothing():
     rng = np.random.default_rng(3)
     clouds = [Cloud(plant(rng, size)) for size in (60, 80, 100)]
-    left, ground_up, findings = take_out_ground(clouds)
+    left, ground_up, findings = take_out_ground(clouds, NAMES[: len(clouds)])
     assert (ground_up, findings) == (None, ())
     assert all(after is before for after, before in zip(left, clouds, strict=True))
 
 
-def test_one_scan_with_ground_among_many_is_left():
+def test_one_scan_with_ground_among_many_is_named():
     rng = np.random.default_rng(3)
     clouds = [Cloud(plant(rng)) for _ in range(5)]
-    clouds[0] = Cloud(np.concatenate([clouds[0].points, soil(rng, 50, 4000, 1)]))
-    assert take_out_ground(clouds)[2] == ()
+    whole = clouds[1]
+    clouds[1] = Cloud(np.concatenate([whole.points, soil(rng, 50, 4000, 1)]))
+    left, _, (finding,) = take_out_ground(clouds, NAMES)
+    assert [after is before for after, before in zip(left, clouds, strict=True)].count(True) == 4
+    assert shares(left[1].points, whole.points) > 0.97
+    assert "in 1 of 5 scans" in finding.sentence
+    assert "only day2" in finding.sentence
+
+
+def pot(rng, radius, count, rim):
+    """Soil, a wall that narrows downwards and goes above the soil by `rim`; a table below."""
+    turn, down = 2 * np.pi * rng.random(count), rng.random(count)
+    around = radius * (1 - 0.25 * down)[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    wall = np.column_stack([around, rim - down * (1.5 * radius + rim)])
+    table = np.column_stack([rng.uniform(-3, 3, (count, 2)) * radius, rng.normal(0, 1, count)])
+    return np.concatenate([soil(rng, radius, count, 1), wall]), table - [0, 0, 1.5 * radius]
+
+
+@pytest.mark.parametrize("up", TURNS)
+@pytest.mark.parametrize(("radius", "rim", "has_table"), [(20, 3, False), (40, 10, True)])
+def test_a_pot_is_taken_out_with_the_table_under_it(up, radius, rim, has_table):
+    rng = np.random.default_rng(4)
+    clouds, plants = [], []
+    for size in (70, 85, 100):
+        potted, table = pot(rng, radius, 3000, rim)
+        plants.append((plant(rng, size) @ TURNS[up].T).astype(np.float32))
+        ground = np.concatenate([potted, table]) if has_table else potted
+        clouds.append(
+            Cloud(np.concatenate([plants[-1], (ground @ TURNS[up].T).astype(np.float32)]))
+        )
+    left, ground_up, findings = take_out_ground(clouds, NAMES[:3])
+    assert np.dot(ground_up, TURNS[up] @ [0, 0, 1]) > 0.99
+    assert "a pot under the plant in 3 of 3 scans" in findings[-1].sentence
+    for cloud, points in zip(left, plants, strict=True):
+        assert shares(cloud.points, points) > 0.97
+        assert len(cloud) < 1.02 * len(points)
 
 
 @pytest.mark.parametrize("up", DIRECTIONS)
