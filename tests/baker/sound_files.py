@@ -53,6 +53,8 @@ def _ply(form: str, lists: str = "after") -> bytes:
         body[name] = values
     binary = bytes([3]) + np.array([0, 1, 2], order + "i4").tobytes()
     points = _rows(columns).encode() if form == "ascii" else body.tobytes()
+    if lists == "inside":  # an empty list a vertex
+        points = b"".join(row.tobytes() + b"\0" for row in body)
     faces = b"3 0 1 2\n" if form == "ascii" else binary
     text, parts = (
         (face + vertex, faces + points)

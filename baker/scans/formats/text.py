@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -26,14 +25,14 @@ USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
 
 
 class Lines:
-    """The lines of an open text; `number` is that of the last one, from 1."""
+    """The lines of an open text; `text` is the last one and `number` its own, from 1."""
 
     def __init__(self, file: TextIO, number: int = 0) -> None:
-        self._file, self.number = file, number
+        self._file, self.number, self.text = file, number, ""
 
     def __iter__(self) -> Iterator[str]:
         while line := self._file.readline(LONGEST_LINE):
-            self.number += 1
+            self.number, self.text = self.number + 1, line
             if len(line) == LONGEST_LINE:
                 reason = f"{LONGEST_LINE} characters or more are no row of numbers."
                 raise FormatError(reason, self.number)
@@ -103,22 +102,25 @@ def read_rows(
     columns of `words` each word has a number; new ones get the next. Raises FormatError, with its
     line, where a row has other values.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # numpy warns where there are no rows
-        try:
-            rows = np.loadtxt(
-                chain([first], lines),
-                delimiter=delimiter,
-                quotechar='"',
-                usecols=columns,
-                ndmin=2,
-                converters={i: partial(_numbered, known) for i, known in (words or {}).items()},
-            )
-        except ValueError as error:  # at the line that numpy has asked for last
-            raise _row_fault(str(error), names, lines.number) from error
+    try:
+        rows = np.loadtxt(
+            chain([first], lines),
+            delimiter=delimiter,
+            quotechar='"',
+            usecols=columns,
+            ndmin=2,
+            converters={i: partial(_numbered, known) for i, known in (words or {}).items()},
+        )
+    except ValueError as error:  # at the line that numpy has asked for last
+        values = _split(lines.text.partition("#")[0], delimiter)
+        if len(values) == len(names):
+            read = [i for i in columns or range(len(names)) if i not in (words or {})]
+            hint = ", but the first row has one there"
+            raise _not_numbers([values[i] for i in read], lines.number, hint) from error
+        raise _count_fault(len(values), names, lines.number) from error
     width = len(names if columns is None else columns)
     if rows.size and rows.shape[1] != width:
-        raise _row_fault(f"{rows.shape[1]} columns", names, lines.number)
+        raise _count_fault(rows.shape[1], names, lines.number)
     return rows.reshape(-1, width)
 
 
@@ -137,24 +139,15 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
     return ["x", "y", "z", *others.get(rows.shape[1], [])]
 
 
-def _row_fault(numpys: str, names: Sequence[str], line: int) -> FormatError:
-    """Numpy's sentence about a row in the words of one who has the file before them."""
-    if text := re.search("could not convert string '(.*)' to float64", numpys, re.DOTALL):
-        hint = ", but the first row has one there" * _is_word(text[1])
-        return _not_numbers([text[1]], line, hint)
-    if found := re.search(r"from \d+ to (\d+)|with (\d+) columns|^(\d+) columns", numpys):
-        count = int(next(filter(None, found.groups())))
-        return FormatError(
-            f"{count} value{'s' * (count != 1)} found, but {len(names)} expected "
-            f"({excerpt(' '.join(names))}).",
-            line,
-        )
-    return FormatError(f"no row of numbers ({excerpt(numpys)}).", line)
+def _count_fault(count: int, names: Sequence[str], line: int) -> FormatError:
+    found = f"{count} value{'s' * (count != 1)} found, but {len(names)} expected"
+    return FormatError(f"{found} ({excerpt(' '.join(names))}).", line)
 
 
 def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:
     """The fault of the first of these values that is no number."""
     text = next((value for value in values if not _is_number(value)), values[0])
+    hint = hint * _is_word(text)
     if re.fullmatch(r"[-+]?\d+,\d+", text):
         hint = "; write decimals with a point"
     return FormatError(f"'{excerpt(text)}' is not a number{hint}.", line)
