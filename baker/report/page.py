@@ -30,8 +30,6 @@ def write_report(
 ) -> None:
     """Write the report of a bake, one self-contained HTML file; whole or not at all.
 
-    Where the player can't draw (no EGL), the report says so in place of the pictures.
-
     Parameters
     ----------
     path : path-like
@@ -47,7 +45,7 @@ def write_report(
     Raises
     ------
     InputError
-        Where the file can't be written.
+        Where the file can't be written. Where the player can't draw, the report says so.
     """
     found = verify(clip, record, report_progress) if errors is None else errors
     doubts = doubts_in(clip)

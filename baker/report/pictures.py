@@ -46,15 +46,7 @@ def scans_pictured(clip: Clip) -> list[int]:
 def take_pictures(
     clip: Clip, doubts: Sequence[Sequence[Doubt]], folder: Path | None = None
 ) -> dict[str, Pictures]:
-    """Render the pictures of a report.
-
-    Parameters
-    ----------
-    clip : Clip
-    doubts : sequence of sequences of Doubt
-        By interval, the most doubtful one first.
-    folder : Path, optional
-        For temporary files; the system's by default.
+    """Render the pictures of a report; `doubts` by interval, the most doubtful one first.
 
     Returns
     -------

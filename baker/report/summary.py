@@ -31,20 +31,19 @@ def print_summary(
     """
     pairs = [pair for interval in clip.intervals for pair in interval.segments]
     events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)
-    inexact = [pair for pair in pairs if pair.marginal_error > VISIBLE_ERROR]
+    inexact = sum(pair.marginal_error > VISIBLE_ERROR for pair in pairs)
     worst = max((pair.marginal_error for pair in pairs), default=0.0)
-    first, last = clip.scans[0], clip.scans[-1]
+    points, first, last = sum(scan.points for scan in clip.scans), clip.scans[0], clip.scans[-1]
+    born = f"{events['birth']} born and {events['loss']} lost in the series"
     rows = {
-        "scans": f"{len(clip.scans)}, {first.date} to {last.date}, "
-        f"{sum(scan.points for scan in clip.scans):,} points",
-        "organs": f"{len(clip.track_table)}; {events['birth']} born and {events['loss']} lost "
-        "in the series",
+        "scans": f"{len(clip.scans)}, {first.date} to {last.date}, {points:,} points",
+        "organs": f"{len(clip.track_table)}; {born}",
         "up": clip.up,
     }
     if inexact:  # half of the L1 distance is what goes astray
         rows["transport"] = (
-            f"inexact for {len(inexact)} of {len(pairs)} segment pairs: up to "
-            f"{50 * worst:.0f}% of a segment's points may move to a wrong place"
+            f"inexact for {inexact} of {len(pairs)} segment pairs: up to {50 * worst:.0f}% of a "
+            "segment's points may move to a wrong place"
         )
     if verbose:
         rows["segment pairs"] = f"{events['match']:,} matched, of {len(pairs):,}"

@@ -1,9 +1,6 @@
-"""Find, order, time and read the scans of one plant.
+"""Find, order, time and read the scans of one plant: a `Series` of clean `Scan`s.
 
-    series = read_series([Path("scans/")], Options(voxel=0.5))
-
-A folder or a list of files goes in, a `Series` of clean `Scan`s comes out; whatever stands in the
-way is an `InputError` with one sentence. One module a format (ply, pcd, table, las) stands behind
+Whatever stands in the way is an `InputError` with one sentence. One module a format stands behind
 the registry in `baker.scans.formats`. Importing this package costs nothing heavy.
 """
 

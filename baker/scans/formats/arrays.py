@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_room
+from baker.scans.formats import FormatError, require_room
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")

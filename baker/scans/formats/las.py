@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_count, require_room
+from baker.scans.formats import FormatError, require_count, require_room
 
 BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
 MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2

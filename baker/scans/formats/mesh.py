@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
-from baker.scans.formats.faults import FormatError
+from baker.scans.formats import FormatError
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """A mesh gives as many points as it has vertices, but no fewer and no more than these."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_count, require_room
+from baker.scans.formats import FormatError, require_count, require_room
 from baker.scans.formats.lzf import decompress
 from baker.scans.formats.text import Lines, read_rows
 

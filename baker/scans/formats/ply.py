@@ -12,7 +12,7 @@ import numpy as np
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_room
+from baker.scans.formats import FormatError, require_room
 from baker.scans.formats.mesh import Faces, points_on_surface
 
 MAX_HEADER_BYTES = 1 << 20

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats.faults import FormatError, require_count
+from baker.scans.formats import FormatError, require_count
 from baker.scans.labels import label_rank
 
 LONGEST_LINE = 1 << 17

@@ -6,8 +6,8 @@ import re
 import struct
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +34,7 @@ MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy
 _SLOT = re.compile(r"(?:\d{1,3}[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(NamedTuple):
     """The images of one moment."""
 
     name: str  #: what the star of the patterns stands for
@@ -46,8 +45,7 @@ class Frame:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        images = (self.color, self.depth, self.label, self.mask)
-        return tuple(path for path in images if path is not None)
+        return tuple(path for path in self[1:] if path is not None)
 
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
