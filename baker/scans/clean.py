@@ -60,15 +60,8 @@ def drop_duplicates(cloud: Cloud) -> Cloud:
 
 
 def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
-    """Statistical outlier removal by Open3D.
-
-    Points whose mean distance to their 16 nearest neighbours is more than `ratio` standard
-    deviations above the average of the scan are dropped.
-
-    References
-    ----------
-    R. B. Rusu et al., Towards 3D Point Cloud Based Object Maps for Household Environments,
-    Robotics and Autonomous Systems 56, 2008.
+    """Without points whose mean distance to their 16 nearest neighbours is more than `ratio`
+    standard deviations above the average of the scan: statistical outlier removal by Open3D.
     """
     import open3d
 

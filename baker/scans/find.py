@@ -36,12 +36,9 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
 
     seen: dict[Path, Path] = {}
     for path in inputs:
-        if path.is_dir():
-            raise InputError(
-                f"'{path}' is a folder: give one folder alone, or only the files of the scans."
-            )
         if not path.is_file():
-            raise InputError(f"'{path}' is not a regular file.")
+            kind = "a folder: give one folder alone, or only the files of the scans"
+            raise InputError(f"'{path}' is {kind if path.is_dir() else 'not a regular file'}.")
         require_known(path)
         earlier = seen.setdefault(path.resolve(), path)
         if earlier is not path:
@@ -75,19 +72,17 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
+    if not scans and any(path.suffix.lower() in IMAGES for path in entries):
+        raise InputError(
+            f"'{folder}' holds images, but no camera.toml (or camera.json) that says how the "
+            "camera sees; it needs at least fx, fy, cx and cy, in pixels."
+        )
     if not scans:
-        if any(path.suffix.lower() in IMAGES for path in entries):
-            raise InputError(
-                f"'{folder}' holds images, but no camera.toml (or camera.json) that says how the "
-                "camera sees; it needs at least fx, fy, cx and cy, in pixels."
-            )
         below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
         raise InputError(f"'{folder}' holds no scans{below}{_unknown(entries)}.")
     if len(scans) == 1:
-        raise InputError(
-            f"'{folder}' holds only one scan, '{scans[0].name}'; growth needs at least "
-            f"two{_unknown(entries)}."
-        )
+        one = f"only one scan, '{scans[0].name}'; growth needs at least two"
+        raise InputError(f"'{folder}' holds {one}{_unknown(entries)}.")
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
@@ -95,11 +90,8 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
 
 def _unknown(entries: Sequence[Path]) -> str:
     """What lies in a folder that can't be read, and what to export instead."""
-    kinds = Counter(
-        path.suffix.lower()
-        for path in entries
-        if path.is_file() and path.suffix and suffix_of(path) not in READERS
-    )
+    files = [path for path in entries if path.is_file() and suffix_of(path) not in READERS]
+    kinds = Counter(path.suffix.lower() for path in files if path.suffix)
     if not kinds:
         return f"; known are {KNOWN}"
     listed = [f"{n} {excerpt(kind)} file{'s' * (n > 1)}" for kind, n in kinds.most_common(3)]
@@ -123,17 +115,15 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
 
     Names without times that have nothing in common (seedling.ply, young.ply) are one series.
     """
-    suffixes = [suffix_of(scan) for scan in scans]
     names = names_without_times([scan.stem for scan in scans])
     have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
     patterns = [re.sub(r"\d+", "#", name) for name in names]
-    tries = ((suffixes, False), (names, True), (patterns, not have_times))
+    tries = ((list(map(suffix_of, scans)), False), (names, True), (patterns, not have_times))
     for kinds, may_all_differ in tries:
         count = len(set(kinds))
         if count > 1 and not (may_all_differ and count == len(scans)):
             other = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
-            two = f"'{scans[0].name}' and '{scans[other].name}'"
             raise InputError(
-                f"'{folder}' seems to hold more than one series ({two}); give each its own "
-                "folder, or name the files of one series."
+                f"'{folder}' seems to hold more than one series ('{scans[0].name}' and "
+                f"'{scans[other].name}'); give each its own folder, or name the files of one."
             )

@@ -113,13 +113,13 @@ def test_an_output_folder_that_goes_is_said(write_scans, output, monkeypatch, ca
 
 
 @pytest.mark.parametrize(
-    ("size", "failing"), [(2_000, "plant.gclip"), (35_000, "report.html")], ids=["clip", "report"]
+    ("size", "failing"), [(2_000, "plant.gclip"), (10_000, "report.html")], ids=["clip", "report"]
 )
 def test_a_full_disk_is_said_and_the_old_file_stays(write_scans, output, size, failing):
     """A process may be held to files of some size: to it, the disk is full."""
     limit = f"resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
     report = output.with_name("report.html")
-    done = limited(limit, write_scans(), "-o", output, "--report", report, *LIGHT)
+    done = limited(limit, write_scans(), "-o", output, "--report", report, *LIGHT, "--voxel", "1")
     assert done.returncode == 2, done.stderr
     assert one_sentence(done.stderr, failing, "can't be written", "too large")
     left = listing(output.parent)
