@@ -135,14 +135,16 @@ def frame_finding(
 ) -> Finding:
     """What was decided about a series' frame, and the scans for which it was close."""
     size = max(float(np.ptp(pose.pool, axis=0).max()) for pose in poses)
-    moves = [
-        float(np.linalg.norm(t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset))
+    moved = [
+        t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset
         for t, pose, offset in zip(transforms, poses, offsets, strict=True)
     ]
+    usual = np.median([by for by, stay in zip(moved, stays, strict=True) if stay] or moved, axis=0)
+    moves = np.linalg.norm(moved - usual, axis=1)
     doubts, farthest = [], int(np.argmax(moves))
     length = f"{moves[farthest]:.3g} {unit}".strip()
     if any(offset.any() for offset in offsets):
-        doubts = [f"{names[farthest]} was in another coordinate system, {length} away"]
+        doubts = [f"{names[farthest]} is in another coordinate system, {length} away"]
     elif moves[farthest] > LARGE_MOVE * size:
         doubts = [f"{names[farthest]} was moved by {length}, more than a fifth of the plant's size"]
     if stays.any():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,23 +11,37 @@ from baker.alignment.icp import trimmed_residual
 from baker.alignment.sample import EvenSample
 from baker.scans.finding import Finding
 
-# Of the plant's size: root mean square distance of what a scan shows, its farthest fifth aside,
-# from the next scan. Of 177 real pairs 1 % are farther apart, of pairs with another plant 85 %.
-MAX_RESIDUAL = 0.1
+REACH = 2  # scans before and after one that it is compared with
+# Of the plant's size: by how much a scan has to be farther from those around it than these are from
+# each other. Of 20 real series no scan is 0.06 farther; of scans of another plant among them 60 %.
+MAX_EXCESS = 0.055
+MAX_RESIDUAL = 0.1  # of one of two scans, which no others can be compared with
 
 
 def strangers(
     samples: Sequence[EvenSample], transforms: Sequence[NDArray[np.float64]], names: Sequence[str]
 ) -> list[Finding]:
-    """A finding that names the scans that look unlike the one before, if there are any.
+    """A finding that names the scans that are unlike those around them, if there are any.
 
-    transforms: (4, 4) of each scan to the first one's coordinates.
+    transforms: (4, 4) of each scan to the first one's coordinates. Scans are as far apart as what
+    the earlier one shows is from the later one, root mean square, its farthest fifth aside.
     """
+    count = len(samples)
     size = max(float(np.ptp(sample.points, axis=0).max()) for sample in samples)
-    steps = [np.linalg.inv(before) @ after for before, after in pairwise(transforms)]
-    doubts = [
-        f"{name} looks as unlike the scan before as another plant would; if it is one, leave it out"
-        for name, (earlier, later), step in zip(names[1:], pairwise(samples), steps, strict=True)
-        if trimmed_residual(earlier, later, step) > MAX_RESIDUAL * size
-    ]
-    return [Finding("plant", "taken for one in all scans", "; ".join(doubts))] if doubts else []
+    distances = np.zeros((count, count))
+    for i in range(count):
+        for j in range(i + 1, min(i + REACH + 1, count)):
+            step = np.linalg.inv(transforms[i]) @ transforms[j]
+            distances[i, j] = trimmed_residual(samples[i], samples[j], step)
+    distances += distances.T
+    odd = []
+    for k in range(int(count == 2), count):
+        around = [j for j in range(max(k - REACH, 0), min(k + REACH + 1, count)) if j != k]
+        others = [distances[i, j] for i in around for j in around if i < j <= i + REACH]
+        excess = np.median(distances[k, around]) - (np.median(others) if others else 0.0)
+        if excess > (MAX_EXCESS if others else MAX_RESIDUAL) * size:
+            odd.append(names[k])
+    if not odd:
+        return []
+    doubt = f"{', '.join(odd)} may be of another plant, upside down or in another unit"
+    return [Finding("plant", "the same one in all scans", doubt)]

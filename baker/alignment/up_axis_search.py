@@ -62,8 +62,8 @@ def find_up(
     down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
     over = np.flatnonzero(costs[:, found] - costs[:, down] > TURNED_OVER).tolist()
     if 2 * len(over) < len(samples):
-        doubts = [f"{names[at]} seems to be upside down" for at in over]
-    if close:
+        doubts = [f"{names[at]} seems to be upside down: turn it over" for at in over]
+    if close and not doubts:
         total[found] = np.inf
         other = directions[int(np.argmin(total))]
         doubts.append(f"by their shape they might as well grow along {other}")

@@ -15,6 +15,7 @@ METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0
 PLANT_SIZES = (2e-3, 100.0)  # meters
 # Of a scan against the one before: no plant grows so much, some may (a seedling and a grown plant).
 MAX_RATIO, LIKELY_RATIO = 30.0, 8.0
+UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # in meters, in which scans may be mixed
 MAX_SAMPLE = 20_000  # points of a scan that its size is found by
 
 
@@ -38,12 +39,13 @@ def require_one_unit(
         beside = f"'{names[other]}' {_short(sizes[other])}"
         said = f"'{names[odd]}' is {_short(sizes[odd])} across, {beside}"
         if ratio > MAX_RATIO:
-            factor = 10.0 ** np.rint(np.log10(sizes[other] / sizes[odd]))
+            factors = [a / b for a in UNITS for b in UNITS]
+            factor = min(factors, key=lambda f: abs(np.log(f * sizes[odd] / sizes[other])))
             raise InputError(
                 f"{said}: they seem to be in different units. Multiply the coordinates of "
                 f"'{names[odd]}' by {factor:g}, or leave it out."
             )
-        doubts.append(f"{said}; are they in one unit?")
+        doubts.append(f"{said}, as if they were in different units")
     meters = sizes[-1] * METERS.get(unit.lower(), 0.0)
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")

@@ -108,7 +108,7 @@ def test_a_scan_in_another_unit_is_named(make_folder):
     with pytest.raises(InputError, match=r"'day2\.txt' is 307 across.*'day2\.txt' by 0\.001"):
         read_series([folder])
     folder = make_folder({"day1.txt": small, "day2.txt": "0 0 0\n1 2 3"}, "ten times as large")
-    assert "are they in one unit?" in read_series([folder]).findings[-1].sentence
+    assert "as if they were in different units" in read_series([folder]).findings[-1].sentence
 
 
 def test_label_field_is_used(make_folder):
