@@ -71,15 +71,10 @@ class Options:
     )
     up: Up = option("auto", "The axis along which the plant grows.")
     root: tuple[float, float, float] | Literal["virtual"] | None = option(
-        None,
-        'Where the stem leaves the ground; "virtual" where no label is a stem.',
-        parser=parse_root,
-        metavar="X,Y,Z",
+        None, "The stem's base, or virtual: no label is a stem.", parser=parse_root, metavar="X,Y,Z"
     )
     times: Path | None = option(None, "Lines of: scan's name, day or date.", metavar="FILE")
-    label_field: str | None = option(
-        None, "The scans' field that holds the labels.", metavar="NAME"
-    )
+    label_field: str | None = option(None, "The field that holds the labels.", metavar="NAME")
     drop_label: str = option("", "Leave out the points of label L; of more: L,M.", metavar="L")
     columns: str = option("", "What a text's columns are, as x,y,z,r,g,b,-,label.", metavar="NAMES")
     scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
@@ -88,10 +83,7 @@ class Options:
         None, "Keep one point per organ and cube of this size.", metavar="SIZE", positive=True
     )
     outliers: float | None = option(
-        None,
-        "Drop points whose neighbours are R standard deviations too far; try 2.",
-        metavar="R",
-        positive=True,
+        None, "Drop points R standard deviations too far off; try 2.", metavar="R", positive=True
     )
     denoise: int | None = option(
         None, "Draw points onto planes through K neighbours; try 20.", metavar="K", min=4
@@ -108,27 +100,15 @@ class Options:
     )
     paper: bool = option(False, "Choose as Golla et al. (2020) do, throughout.")
     holdout: int | None = option(
-        None,
-        "Bake without every Nth scan (never the first or last), then compare with them.",
-        metavar="N",
-        min=2,
+        None, "Leave every Nth scan out, but the ends, and compare the film.", metavar="N", min=2
     )
     bud: int | None = option(
         None, "Points a new organ unfolds from; 1 % of what it grows on.", metavar="L", min=1
     )
     even: float | None = option(
-        None,
-        "Movers to add at most where they would be sparse between scans; usually 1, as many again "
-        "as there are.",
-        metavar="SHARE",
-        min=0,
-        max=10,
+        None, "Movers to add at most, a share of all; usually 1.", metavar="SHARE", min=0, max=10
     )
-    smooth: bool = option(
-        False,
-        "Steady organs that sway back and forth from scan to scan; scans are then no longer met "
-        "exactly.",
-    )
+    smooth: bool = option(False, "Steady organs that sway; scans are then not met exactly.")
     decay: Decay = option("fall", "What organs do that a later scan no longer has.")
     paths: Paths = option("auto", "How points travel: straight, or curved as organs bend (usual).")
     colors: Colors = option(

@@ -25,9 +25,7 @@ class Outputs:
 
     clip: Path  # the file; of many plants the folder of their clips
     report: Path | None = option(
-        None,
-        "Write what was done and found, with pictures; of many plants into a folder.",
-        metavar="OUT.html",
+        None, "Write what was found, with pictures; of many plants a folder.", metavar="OUT.html"
     )
     traits: Path | None = option(
         None, "Write lengths, areas and growth, organ by organ.", metavar="OUT.csv"
@@ -37,7 +35,7 @@ class Outputs:
     )
     cache: Path | None = option(
         None,
-        "Keep finished intervals there, and take what an earlier bake has kept.",
+        "Keep finished intervals there, and take those kept.",
         parser=parse_folder,
         metavar="DIR",
     )
