@@ -112,7 +112,7 @@ class _Plant:
             {track.id: track.born for track in clip.track_table},
             {track.id: track.parent for track in clip.track_table},
             tuple(clip.times),
-            _up(clip.up),
+            up_vector(clip.up),
             _floor(clip),
         )
 
@@ -229,7 +229,7 @@ def _weighted_mean(found: list[list[Measurement]], weights: list[float]) -> list
 def _floor(clip: Clip) -> float:
     """Height of the plant base in the first scan, from which all heights are measured."""
     first = clip.at(clip.times[0])
-    height = first.local.astype(np.float64) @ _up(clip.up)
+    height = first.local.astype(np.float64) @ up_vector(clip.up)
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
     own = height[first.tracks == root]
     # Quantiles, since a few outliers may float below; extrapolated by as much as lies between them.
@@ -237,7 +237,8 @@ def _floor(clip: Clip) -> float:
     return float(2.0 * low - next_to_low)
 
 
-def _up(up: str) -> NDArray[np.float64]:
+def up_vector(up: str) -> NDArray[np.float64]:
+    """(3,) unit vector of an axis such as "-z"."""
     direction = np.zeros(3)
     direction["xyz".index(up[-1])] = -1.0 if up.startswith("-") else 1.0
     return direction

@@ -5,18 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import ceil, floor, log10
 from pathlib import Path
 from typing import Any
 
 from baker.errors import writing
 from baker.options import Options
 from baker.pipeline import BakeRecord
-from baker.report.figures import growth_curves, length_ticks
 from baker.report.pictures import NoPicture, Pictures, scans_pictured, take_pictures
 from baker.report.verification import HoldoutError, overall, verify
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
+from traits.growth import growth_curves
+
+MAX_TICKS = 5  # of the growth curves' axis, above 0
 
 
 def write_report(
@@ -70,7 +73,7 @@ def write_report(
             no_pictures=no_pictures,
             shown=scans_pictured(clip),
             curves=curves,
-            ticks=length_ticks(curves),
+            ticks=length_ticks([length for curve in curves for length in curve.lengths]),
             errors=found,
             overall=overall(found) if found else None,
             defaults=Options().provenance(),
@@ -80,6 +83,15 @@ def write_report(
         )
         part.write_bytes(page.encode())
     report_progress("report", 1, 1)
+
+
+def length_ticks(lengths: Sequence[float]) -> list[float]:
+    """Round lengths from 0 to no less than the longest of these, for the axis of a chart."""
+    longest = max(lengths, default=1.0)
+    most = 2.5 * longest / MAX_TICKS  # rounding may more than halve it
+    power = 10.0 ** floor(log10(most))
+    step = max(digit * power for digit in (1.0, 2.0, 5.0) if digit * power <= most)
+    return [step * k for k in range(ceil(longest / step) + 1)]
 
 
 def _template() -> Any:

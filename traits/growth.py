@@ -1,20 +1,21 @@
-"""What the report draws: the organs' growth curves."""
+"""Growth curves: the lengths of the organs at the scans."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.up_axis import Vertical
-from gclip import Clip
 from traits.axis import axis_of
 from traits.organs import samples_at
+from traits.traits import up_vector
+
+if TYPE_CHECKING:
+    from gclip import Clip
 
 POINTS_FOR_LENGTH = 800  # of an organ, that its length is measured on
-MAX_TICKS = 5  # of the growth curves' axis, above 0
 
 
 @dataclass(frozen=True)
@@ -33,10 +34,9 @@ class Curve:
 def growth_curves(clip: Clip) -> list[Curve]:
     """Lengths of the organs along their midlines at the scans, the longest organ first.
 
-    They are measured on fewer points than those of `bake --traits`, which says how sure each is.
+    They are measured on fewer points than those of `measure`, which says how sure each is.
     """
-    vertical = Vertical.named(clip.up)
-    up = vertical.sign * np.eye(3)[vertical.axis]
+    up = up_vector(clip.up)
     born = {track.id: track.born for track in clip.track_table}
     parents = {track.id: track.parent for track in clip.track_table}
     found: dict[int, list[tuple[float, float]]] = {}
@@ -54,12 +54,3 @@ def growth_curves(clip: Clip) -> list[Curve]:
                 found.setdefault(track, []).append((time, axis.length))
     curves = [Curve(t, *map(list, zip(*values, strict=True))) for t, values in found.items()]
     return sorted(curves, key=lambda curve: -max(curve.lengths))
-
-
-def length_ticks(curves: Sequence[Curve]) -> list[float]:
-    """Round lengths from 0 to no less than the longest of the growth curves."""
-    longest = max((max(curve.lengths) for curve in curves), default=1.0)
-    most = 2.5 * longest / MAX_TICKS  # rounding may more than halve it
-    power = 10.0 ** np.floor(np.log10(most))
-    step = float(max(digit * power for digit in (1.0, 2.0, 5.0) if digit * power <= most))
-    return [step * k for k in range(int(np.ceil(longest / step)) + 1)]

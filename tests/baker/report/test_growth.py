@@ -1,11 +1,12 @@
-"""What the report draws."""
+"""The growth curves that the report draws."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from baker.report.figures import Curve, growth_curves, length_ticks
+from baker.report.page import length_ticks
+from traits.growth import growth_curves
 
 
 def test_growth_curves_are_the_organs_lengths_at_the_scans(baked):
@@ -20,7 +21,7 @@ def test_growth_curves_are_the_organs_lengths_at_the_scans(baked):
 
 @pytest.mark.parametrize("longest", [0.004, 0.99, 1.0, 37.0, 2600.0])
 def test_ticks_are_round_and_few_and_reach_the_longest(longest):
-    ticks = length_ticks([Curve(0, [0.0], [longest / 2]), Curve(1, [0.0], [longest])])
+    ticks = length_ticks([longest / 2, longest])
     assert ticks[0] == 0.0
     assert ticks[-2] < longest <= ticks[-1]
     assert 2 <= len(ticks) <= 7
