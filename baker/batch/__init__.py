@@ -1,6 +1,5 @@
-"""The commands' work around the pipeline: one plant or many, worker processes, clusters, caches.
+"""The command's work around the pipeline: one plant or many, worker processes, clusters, caches.
 
-`command` chooses: `plant` bakes one plant and writes what is wanted. `plants` finds many, `job`
-bakes one of them in a worker, `bake_all` shares them out among the processes of `parallel` or the
-workers of `cluster`.
+`command` bakes one plant, or those that `plants` finds: `bake_all` shares these out among the
+processes of `parallel` or the workers of `cluster`, and each bakes by `plant`.
 """

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import os
 import sys
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Future, as_completed
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 from baker.batch.cluster import bake_on_cluster
-from baker.batch.job import Outcome, PlantJob, bake_plant
 from baker.batch.outputs import Outputs
-from baker.batch.parallel import WorkerDied, as_they_complete, process_pool
+from baker.batch.parallel import process_pool
+from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.plants import Plant
 from baker.batch.progress import StageProgress
 from baker.batch.traits import TraitsTable
-from baker.errors import InputError
+from baker.errors import InputError, writing
 from baker.options import Options, worker_count
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.text import Lossy, printable
+
+ATTEMPTS = 2  # at a plant whose worker is killed
 
 
 def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int:
@@ -36,9 +39,8 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     InputError
         Where nothing can be begun with.
     """
-    for folder in (outputs.clip, outputs.report):
-        if folder is not None:
-            _make_folder(folder)
+    for folder in filter(None, (outputs.clip, outputs.report)):
+        _make_folder(folder)
     with closing(TraitsTable(outputs.traits)) if outputs.traits else nullcontext() as table:
         jobs = [_job(plant, options, outputs, table) for plant in plants]
         outcomes: dict[str, Outcome] = {}
@@ -60,8 +62,7 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     lines = [] if outputs.quiet else _summary(listed, outputs, sum(progress.seconds.values()))
     if failed := [f"  {one.name}: {one.error}" for one in listed if one.state == "failed"]:
         lines += ["", f"{len(failed)} of {len(listed)} plants failed:", *failed]
-    if lines:
-        Lossy(sys.stderr).write("\n".join([*map(printable, lines), ""]))
+    Lossy(sys.stderr).write("".join(f"{printable(line)}\n" for line in lines))
     codes = {outcome.code for outcome in listed}
     return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
 
@@ -77,20 +78,20 @@ def bake_here(
 
     processes = max(1, min(workers, len(jobs)))
     cores = workers // processes
-    waiting = deque(replace(job, options=replace(job.options, workers=cores)) for job in jobs)
-    killed = set[str]()
+    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
     with process_pool(processes) as pool:
-        for job, future in as_they_complete(
-            lambda job: pool.schedule(bake, [job]), waiting, lambda: 2 * processes
-        ):
-            try:
-                yield future.result()
-            except ProcessExpired:
-                if job.name in killed:
-                    yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(WorkerDied(2)))
-                else:  # once more
-                    killed.add(job.name)
-                    waiting.append(job)
+        for attempt in range(1, ATTEMPTS + 1):
+            futures: dict[Future, PlantJob] = {pool.schedule(bake, [job]): job for job in jobs}
+            jobs = []
+            for future in as_completed(futures):
+                job = futures.pop(future)  # and with it what came back
+                try:
+                    yield future.result()
+                except ProcessExpired:
+                    if attempt < ATTEMPTS:
+                        jobs.append(job)
+                    else:
+                        yield WorkerDied(attempt).outcome(job)
 
 
 def _report(
@@ -104,20 +105,24 @@ def _report(
 
 
 def _job(plant: Plant, options: Options, outputs: Outputs, table: TraitsTable | None) -> PlantJob:
-    clip = outputs.clip / f"{plant.name}.gclip"
-    report = outputs.report / f"{plant.name}.html" if outputs.report else None
+    """The job under names that hold in other processes' working folders."""
+    clip, report = outputs.clip / f"{plant.name}.gclip", outputs.report
+    own = replace(
+        outputs,
+        clip=clip.absolute(),
+        report=report and (report / f"{plant.name}.html").absolute(),
+        cache=outputs.cache and outputs.cache.absolute(),
+    )
+    options = replace(options, times=options.times and options.times.absolute())
     known = table.known(plant.name) if table else None
-    measured = PlantJob(plant.name, plant.folder, clip, options, report, table is not None, known)
-    return replace(measured, force=outputs.force, cache=outputs.cache)
+    return PlantJob(plant.name, plant.folder.absolute(), options, own, known)
 
 
 def _make_folder(folder: Path) -> None:
     if folder.is_file() or folder.suffix.lower() in (".html", ".htm"):
         raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder} can't be made: {error.strerror or error}.") from None
     if not os.access(folder, os.W_OK):
         raise InputError(f"{folder} can't be written to.")
 
@@ -128,8 +133,7 @@ def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> l
     row = f"{{:<{width}}}{{:>10}}{{:>10}}{{:>10}}{{:>10}}  {{}}".format
     lines = ["", row("plant", "scans", "tracks", "points", "seconds", "result")]
     for one in outcomes:
-        counts = [f"{count:,}" for count in (one.scans, one.tracks, one.points)]
-        counts = counts if one.state != "failed" else [""] * 3
+        counts = [f"{count:,}" if count else "" for count in (one.scans, one.tracks, one.points)]
         result = f"{one.state}: {one.looks}" if one.looks else one.state
         lines.append(row(one.name, *counts, f"{one.seconds:.1f}", result))
     states = Counter(one.state for one in outcomes)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
@@ -55,8 +56,7 @@ class Cache:
             key = self._key(function.__qualname__, arguments)
             result: Result | None = self._read(key, kind)
             if result is None:
-                result = function(*arguments, **named)
-                self._write(key, result)
+                result = self._write(key, function(*arguments, **named))
             return result
 
         return look_up
@@ -72,11 +72,8 @@ class Cache:
             missing = [job for job, interval in zip(jobs, kept, strict=True) if interval is None]
             self.found, self.solved = len(jobs) - len(missing), len(missing)
             solved = iter(solve(missing, report_progress))
-            for key, interval in zip(keys, kept, strict=True):
-                if interval is None:
-                    interval = next(solved)
-                    self._write(key, interval)
-                yield interval
+            for key, found in zip(keys, kept, strict=True):
+                yield self._write(key, next(solved)) if found is None else found
 
         return look_up
 
@@ -100,17 +97,13 @@ class Cache:
 
     def _read(self, key: str, kind: type[Result]) -> Result | None:
         path = self.folder / key[:2] / key
-        try:
-            if not path.is_file():
-                return None
-            entry = memoryview(path.read_bytes())
-            if sha256(key.encode() + entry[32:]).digest() != entry[:32]:
-                return None
-            return msgspec.msgpack.decode(entry[32:], type=kind, dec_hook=_array)
-        except (OSError, msgspec.MsgspecError):
-            return None
+        with suppress(OSError, msgspec.MsgspecError):
+            entry = memoryview(path.read_bytes() if path.is_file() else b"")
+            if sha256(key.encode() + entry[32:]).digest() == entry[:32]:
+                return msgspec.msgpack.decode(entry[32:], type=kind, dec_hook=_array)
+        return None
 
-    def _write(self, key: str, result: Any) -> None:
+    def _write(self, key: str, result: Result) -> Result:
         path, payload = self.folder / key[:2] / key, _encoded(result)
         try:
             path.parent.mkdir(exist_ok=True)
@@ -118,6 +111,7 @@ class Cache:
                 part.write_bytes(sha256(key.encode() + payload).digest() + payload)
         except OSError as error:
             self.trouble = self.trouble or f"{path} can't be written: {error.strerror or error}"
+        return result
 
 
 def _encoded(value: Any) -> bytes:

@@ -1,41 +1,35 @@
 """The workers of a cluster, by dask.distributed.
 
 Of many plants each is a task: workers read the scans and write the clips themselves, in folders
-that all machines share, and only names, numbers and rows of traits travel. A window of plants is
-under way at a time, so neither the scheduler nor this process ever holds much. The plants of a
-worker that dies are given to others (up to `distributed.scheduler.allowed-failures` times).
-Of one plant each interval is a task, which needs no folders.
+that all machines share, and only names, numbers and rows of traits travel. The plants of a worker
+that dies are given to others (up to `distributed.scheduler.allowed-failures` times). Of one plant
+each interval is a task, which needs no folders.
 """
 
 from __future__ import annotations
 
 import logging
-import os
-from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from baker.batch.job import Outcome, PlantJob, bake_plant
-from baker.batch.parallel import WorkerDied, as_they_complete
+from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
 from baker.interpolation.provenance import software
 from gclip.clip import Interval
-from gclip.terminal.command import OUR_FAULT
 
 if TYPE_CHECKING:
     from distributed import Client
 
 LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
 PATIENCE = 5  # seconds that a scheduler has to answer
-MIN_PLANTS_UNDER_WAY = 64  # so that a cluster that grows with its load does grow
 CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # scans are meant to travel
 
 
@@ -49,28 +43,22 @@ def bake_on_cluster(
     can't take part.
     """
     with _connected(address) as client:
-
-        def cores() -> int:
-            return sum(client.nthreads().values())
-
-        if not cores():
+        cores = sum(client.nthreads().values())
+        if not cores:
             say(f"{address} has no workers yet; it is waited for them")
         # Where there are fewer plants than cores, a plant's intervals are tasks of their own.
-        solve = _solve_from_worker if len(jobs) < cores() else None
-        bake = Checked(partial(bake_plant, solve=solve), _versions(), _folders(jobs))
-        executor = client.get_executor(pure=False)
-        under_way = as_they_complete(
-            partial(executor.submit, bake),
-            deque(map(_absolute, jobs)),
-            lambda: max(MIN_PLANTS_UNDER_WAY, 2 * cores()),
-        )
+        solve = _solve_from_worker if len(jobs) < cores else None
+        bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
+        jobs = [replace(job, options=replace(job.options, workers=1)) for job in jobs]
+        futures = {executor.submit(bake, job): job for job in jobs}
         try:
-            for job, future in under_way:
+            for future in as_completed(futures):
+                job = futures.pop(future)  # and with it what came back
                 try:
                     with _task_faults():
                         yield future.result()
                 except WorkerDied as died:
-                    yield Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+                    yield died.outcome(job)
         finally:
             executor.shutdown(wait=False)
 
@@ -82,49 +70,43 @@ def interval_solver(address: str) -> Iterator[IntervalSolver]:
         yield partial(_solve, client)
 
 
+def versions() -> dict[str, str]:
+    """Of this program and its packages, by name."""
+    program, packages = software().values()
+    return {program["name"]: program["version"], **packages, "distributed": version("distributed")}
+
+
 @dataclass(frozen=True)
 class Checked:
-    """A task, done by workers that have the same software and see the folders.
+    """A task, done by workers that have the versions of here; others raise InputError.
 
-    Each task checks it, as workers come and go. Raises InputError where the worker can't take part.
+    Each task checks it, as workers come and go.
     """
 
     function: Callable[[Any], Any]
-    versions: dict[str, str]
-    folders: tuple[Path, ...] = ()
+    versions: dict[str, str] = field(default_factory=versions)
 
     def __call__(self, job: Any) -> Any:
         from distributed import get_worker
 
-        if lacks := self.lacks():
-            raise InputError(f"The cluster's worker {get_worker().address} {lacks}.")
-        return self.function(job)
-
-    def lacks(self) -> str:
-        """What there is not where this is called; empty for nothing."""
-        found = _versions()
+        found = versions()
         for name, ours in self.versions.items():
             if found[name] != ours:
-                return f"has {name} {found[name]}, but here it is {ours}; install the same on both"
-        for folder in self.folders:
-            if not folder.is_dir():
-                return (
-                    f"does not see the folder '{folder}': scans and clips must lie where all "
-                    "machines find them under the same name"
+                raise InputError(
+                    f"The cluster's worker {get_worker().address} has {name} {found[name]}, but "
+                    f"here it is {ours}; install the same on both."
                 )
-        return ""
+        return self.function(job)
 
 
 def _solve(
     client: Client, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    executor, versions = client.get_executor(pure=False), _versions()
-
-    def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
-        return executor.map(Checked(function, versions), jobs)
-
+    executor = client.get_executor(pure=False)
     with _task_faults():
-        yield from solve_by(map_on_cluster, jobs, report_progress)
+        yield from solve_by(
+            lambda function, jobs: executor.map(Checked(function), jobs), jobs, report_progress
+        )
 
 
 def _solve_from_worker(
@@ -181,25 +163,3 @@ def _connected(address: str) -> Iterator[Client]:
             ) from None
         with client:
             yield client
-
-
-def _versions() -> dict[str, str]:
-    program, packages = software().values()
-    return {program["name"]: program["version"], **packages, "distributed": version("distributed")}
-
-
-def _folders(jobs: Sequence[PlantJob]) -> tuple[Path, ...]:
-    outputs = [path for job in jobs for path in (job.folder, job.clip, job.report) if path]
-    return tuple(sorted({Path(os.path.abspath(path.parent)) for path in outputs}))
-
-
-def _absolute(job: PlantJob) -> PlantJob:
-    """The job on one core, under names that hold in other processes' working folders."""
-
-    def whole(path: Path | None) -> Path | None:
-        return path and Path(os.path.abspath(path))
-
-    options = replace(job.options, workers=1, times=whole(job.options.times))
-    names = ("folder", "clip", "report", "cache")
-    paths: dict[str, Any] = {name: whole(getattr(job, name)) for name in names}
-    return replace(job, options=options, **paths)

@@ -1,4 +1,4 @@
-"""Worker processes that may die one by one, and tasks in a window."""
+"""Worker processes that may die one by one."""
 
 from __future__ import annotations
 
@@ -6,53 +6,21 @@ import os
 import signal
 import sys
 import time
-from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from threading import Thread
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
     from pebble import ProcessPool
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
-
 PATIENCE = 5.0  # seconds that a task has to end once its parent has
 PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
 # With a fork server, processes are forked from one that has our libraries and no threads.
 START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
-
-
-class WorkerDied(RuntimeError):
-    """A worker process was killed by its task, most likely for want of memory."""
-
-    def __init__(self, times: int) -> None:
-        super().__init__(
-            f"a worker process was killed {times} times at the same task; most likely the scans "
-            "need more memory than there is: try fewer points (--voxel, --resample) or fewer "
-            "processes (--workers)."
-        )
-
-
-def as_they_complete(
-    submit: Callable[[Item], Future[Result]], waiting: deque[Item], window: Callable[[], int]
-) -> Iterator[tuple[Item, Future[Result]]]:
-    """Each item with its finished future, in any order; those that wait are not submitted yet.
-
-    Items may be appended meanwhile. window: called for how many to have under way.
-    """
-    under_way: dict[Future[Result], Item] = {}
-    while waiting or under_way:
-        while waiting and len(under_way) < window():
-            item = waiting.popleft()
-            under_way[submit(item)] = item
-        for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-            yield under_way.pop(future), future
 
 
 @contextmanager

@@ -1,107 +1,178 @@
-"""One plant, baked as the command does it: its clip, its report and its traits."""
+"""One plant: baked and written, here or in a worker, where it is one of many."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
-from contextlib import ExitStack, suppress
+import io
+import json
+import os
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from shutil import rmtree
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
+import gclip
 from baker.alignment import align
 from baker.batch.cache import Cache
-from baker.batch.cluster import interval_solver
-from baker.batch.listing import finding_lines
-from baker.batch.outputs import Outputs, check_output
-from baker.batch.progress import StageProgress
-from baker.batch.traits import write_traits
+from baker.batch.outputs import Outputs
 from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
+from baker.interpolation.provenance import software
 from baker.options import Options, worker_count
-from baker.pipeline import Register, bake_series
+from baker.pipeline import Progress, Register, bake_series
 from baker.report import write_report
-from baker.report.summary import print_summary, print_verdict
-from baker.report.verification import print_errors, verify
+from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding, read_series
-from baker.transport.compile import compile_kernels
-from gclip.terminal.text import Lossy
+from baker.scans.read import list_series
+from baker.scans.unchanged import digest
+from gclip.terminal.command import OUR_FAULT, verdict
+from traits.table import Namer, measure_days, provenance, write_table
 
-MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
+if TYPE_CHECKING:
+    from gclip.clip import Clip
 
 
-def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
-    """Bake one plant, write what is wanted and print a summary.
+@dataclass(frozen=True)
+class PlantJob:
+    """One plant of many, to bake in a worker."""
 
-    Raises
-    ------
-    InputError
-        Before the work where an output can't be written; else what the scans or options lack.
+    name: str
+    folder: Path  # of its scans
+    options: Options
+    outputs: Outputs  # the plant's own
+    known: tuple[str, str] | None = None  # `provenance` of the traits there are already
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a plant's bake went."""
+
+    name: str
+    state: Literal["baked", "unchanged", "failed"]
+    scans: int = 0
+    tracks: int = 0
+    points: int = 0  # of all scans
+    seconds: float = 0.0  # of wall clock, all in all
+    code: int = 0  # 0, or the exit code of the failure in `error`
+    error: str = ""
+    traits: str = ""  # rows of the table; empty where not wanted, or known already
+    notes: tuple[str, ...] = ()  # what was decided and found
+    looks: str = ""  # "7 of 8 intervals look right"
+
+
+class WorkerDied(RuntimeError):
+    """A worker process was killed by its task, most likely for want of memory."""
+
+    def __init__(self, times: int) -> None:
+        super().__init__(
+            f"a worker process was killed {times} times at the same task; most likely the scans "
+            "need more memory than there is: try fewer points (--voxel, --resample) or fewer "
+            "processes (--workers)."
+        )
+
+    def outcome(self, job: PlantJob) -> Outcome:
+        return Outcome(job.name, "failed", code=OUR_FAULT, error=str(self))
+
+
+def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
+    """Bake one plant, or find that its clip is up to date. What goes wrong is in the outcome.
+
+    solve: how its intervals are solved, by default threads of this process.
     """
-    from rich.console import Console
+    began, outputs = time.perf_counter(), job.outputs
+    try:
+        clip = None if outputs.force else current_clip(job)
+        state: Literal["baked", "unchanged"] = "unchanged" if clip else "baked"
+        if clip is None:
+            cache = Cache(outputs.cache) if outputs.cache else None
+            clip, _ = bake_into(outputs, [job.folder], job.options, cache, solve)
+        table = io.StringIO()
+        if outputs.traits and provenance(clip) != job.known:
+            write_table(table, Namer(clip, job.name), measure_days(clip))
+    except Exception as error:
+        code, sentence = verdict(error)
+        if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
+            traceback.print_exc()
+        seconds = time.perf_counter() - began
+        return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
+    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old have none
+    return Outcome(
+        job.name,
+        state,
+        scans=len(clip.scans),
+        tracks=len(clip.track_table),
+        points=sum(scan.points for scan in clip.scans),
+        seconds=time.perf_counter() - began,
+        traits=table.getvalue().partition("\n")[2],
+        notes=(*clip.provenance["decisions"], *clip.provenance["notes"], line),
+        looks=line.partition(";")[0].rstrip("."),
+    )
 
-    check_output(outputs.clip, "a clip", ".gclip")
-    if outputs.report is not None:
-        check_output(outputs.report, "a report", ".html", ".htm")
-    begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
-    folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
-    cache = Cache(folder) if folder else None
+
+def bake_into(
+    outputs: Outputs,
+    inputs: Sequence[Path],
+    options: Options,
+    cache: Cache | None = None,
+    solve: IntervalSolver | None = None,
+    progress: Progress = lambda stage, done, total: None,
+    announce: Callable[[Sequence[Finding]], None] | None = None,
+) -> tuple[Clip, list[HoldoutError]]:
+    """Bake a plant and write its clip, and its report; see `baker.pipeline.bake_series`."""
     workers = worker_count(options.workers)
-    stderr: Any = Lossy(sys.stderr)
-    console = Console(file=stderr, quiet=outputs.quiet, soft_wrap=True)
-    with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
-        map = stack.enter_context(thread_map(workers))
-        register: Register = align
-        solve: IntervalSolver = partial(solve_intervals, workers=workers)
-        if outputs.cluster is not None:
-            solve = stack.enter_context(interval_solver(outputs.cluster))
-        if cache is not None:
-            register, solve = cache.kept(register), cache.kept_intervals(solve)
+    register: Register = align
+    solve = solve or partial(solve_intervals, workers=workers)
+    if cache is not None:
+        register, solve = cache.kept(register), cache.kept_intervals(solve)
+    with thread_map(workers) as map:
         scans = read_series(inputs, options, partial(progress, "reading"), map)
-        not_kept = None
-        if outputs.cluster is None and options.resolved().transport != "sinkhorn":
-            not_kept = compile_kernels(partial(progress, "compiling the solver, once"))
-        announce = partial(_announce, progress)
         clip, record = bake_series(scans, options, progress, map, register, solve, announce)
         progress("writing", 0, 1)
         clip.save(outputs.clip)
         progress("writing", 1, 1)
-        rmtree(begun, ignore_errors=True)
         errors = verify(clip, record, progress)
         if outputs.report is not None:
             write = partial(write_report, title=outputs.clip.name, report_progress=progress)
             write(outputs.report, clip, record, errors)
-        if outputs.traits is not None:
-            write_traits(outputs.traits, clip, outputs.clip.stem, progress)
-    say = partial(console.print, markup=False, highlight=False)
-    for note in clip.provenance["notes"] * outputs.verbose:
-        say(note)
-    if not_kept:
-        say(not_kept)
-    kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
-    print_summary(
-        console, clip, outputs.clip, progress.seconds, cached=kept, verbose=outputs.verbose
+    return clip, errors
+
+
+def current_clip(job: PlantJob) -> Clip | None:
+    """The job's clip if it is whole and what a bake would give, else None.
+
+    The clip itself says what it was made of. It is current if the program and its packages have the
+    same versions, the options are the same, and so are the scans: their names, order, times and the
+    digests of their bytes. Raises InputError where the folder holds no series of scans.
+    """
+    path, report = job.outputs.clip, job.outputs.report
+    if not path.exists() or (report and not report.exists()):
+        return None
+    if report and report.stat().st_mtime < path.stat().st_mtime:  # stopped between the two
+        return None
+    try:
+        clip = gclip.open(path)
+    except gclip.ClipError:
+        return None
+    listing = list_series([job.folder], job.options)
+    entries = listing.schedule.entries
+    series = listing.series((), job.options)
+    resolved = job.options.for_series(series.fixed, series.length, series.root)
+    made_by = software((entry.path for entry in entries), job.options.outliers)
+    expected = {**made_by, "options": resolved.provenance()}
+    expected = json.loads(json.dumps(expected))  # as in the clip: tuples as lists
+    moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
+    made_of = clip.provenance.get("inputs")
+    if (
+        any(clip.provenance.get(key) != value for key, value in expected.items())
+        or any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans)
+        or not isinstance(made_of, list)
+        or len(made_of) != len(entries)
+    ):
+        return None
+    same = (  # last, as it reads every scan
+        scan == {"name": entry.name, "sha256": digest(listing.files(entry))}
+        for scan, entry in zip(made_of, entries, strict=True)
     )
-    if errors:
-        print_errors(console, errors)
-    for what, path in (("report", outputs.report), ("traits", outputs.traits)):
-        if path is not None:
-            say(f"{what}: {path}")
-    print_verdict(console, clip, outputs.clip)
-
-
-def _announce(progress: StageProgress, findings: Sequence[Finding]) -> None:
-    """Print what was decided, above the bars of the stages to come."""
-    for line in finding_lines(findings):
-        progress.say(line)
-
-
-def _size(inputs: Sequence[Path]) -> int:
-    """Bytes of the scans."""
-    size = 0
-    with suppress(OSError):  # reading them will say what is wrong
-        for given in inputs:
-            files = given.iterdir() if given.is_dir() else [given]
-            size += sum(path.stat().st_size for path in files if path.is_file())
-    return size
+    return clip if all(same) else None

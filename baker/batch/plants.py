@@ -32,35 +32,41 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
     Raises InputError: files among folders, two plants of one name, or an output that doesn't fit.
     """
     folders = [path for path in inputs if path.is_dir()]
-    if not folders:
-        if names_folder(output) and inputs:
-            find_scans(inputs)
-            raise InputError(
-                f"-o {output} is a folder, but the files are scans of one plant: name its clip, "
-                f"such as {Path(output) / 'plant.gclip'}."
-            )
+    if not folders and not names_folder(output):
         return ()
     for path in inputs:
         require_there(path)
-        if not path.is_dir():
+        if folders and not path.is_dir():
             raise InputError(
                 f"'{path}' is a file and '{folders[0]}' a folder: give folders, a plant each (*/ "
                 "names folders only), or only the files of one plant's scans."
             )
-    many = folders
-    if len(folders) == 1 and not _is_plant(folders[0]):
-        many = _plants_below(folders[0])
-        if not many:
-            find_scans(folders)  # says what is missing
-    elif len(folders) == 1 and not names_folder(output):
-        return ()
-    if output:
-        _require_folder(output, len(many))
-    clips = Path(output)
-    many = [path for path in many if not (clips.exists() and path.samefile(clips))]
-    plants = tuple(Plant(Path(os.path.abspath(path)).name, path) for path in many)
-    _require_distinct(plants)
-    return plants
+    if not folders:
+        raise InputError(
+            f"-o {output} is a folder, but the files are scans of one plant: name its clip, such "
+            f"as {Path(output) / 'plant.gclip'}."
+        )
+    if len(folders) == 1:
+        if not _is_plant(folders[0]):
+            folders = _plants_below(folders[0])
+        elif not names_folder(output):
+            return ()
+    if output and not names_folder(output):
+        raise InputError(
+            f"-o {output}: the clips of {len(folders)} plants need a folder; name one that is "
+            f"there, or with a slash to have it made, such as {Path(output).with_suffix('')}/."
+        )
+    clips, plants = Path(output), dict[str, Plant]()
+    for folder in folders:
+        if clips.exists() and folder.samefile(clips):
+            continue
+        plant = Plant(Path(os.path.abspath(folder)).name, folder)
+        if (earlier := plants.setdefault(plant.name, plant)) is not plant:
+            raise InputError(
+                f"'{earlier.folder}' and '{folder}' would both be {plant.name}.gclip; rename one, "
+                "or bake them into different folders."
+            )
+    return tuple(plants.values())
 
 
 def names_folder(output: str) -> bool:
@@ -84,31 +90,6 @@ def _plants_below(greenhouse: Path) -> list[Path]:
     with asking(greenhouse):
         below = [path for path in greenhouse.iterdir() if path.is_dir()]
     below = [path for path in below if not path.name.startswith(".") and _may_be_plant(path)]
+    if not below:
+        find_scans([greenhouse])  # says what is missing
     return sorted(below, key=lambda path: natural_key(path.name))
-
-
-def _require_folder(output: str, plants: int) -> None:
-    if names_folder(output):
-        return
-    folder = Path(output).with_suffix("")
-    if Path(output).exists():
-        raise InputError(f"-o {output} is a file; the clips of {plants} plants need a folder.")
-    if Path(output).suffix == ".gclip":
-        raise InputError(
-            f"-o {output} is one clip's name, but these are {plants} plants, a clip each: name a "
-            f"folder for them, such as {folder}/."
-        )
-    raise InputError(f"-o {output}: there is no such folder; {output}/ has it made.")
-
-
-def _require_distinct(plants: Sequence[Plant]) -> None:
-    seen: dict[str, Plant] = {}
-    for plant in plants:
-        if not plant.name:
-            raise InputError(f"'{plant.folder}' has no name that its clip could have.")
-        earlier = seen.setdefault(plant.name, plant)
-        if earlier is not plant:
-            raise InputError(
-                f"'{earlier.folder}' and '{plant.folder}' would both be {plant.name}.gclip; "
-                "rename one, or bake them into different folders."
-            )

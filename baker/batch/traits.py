@@ -17,7 +17,6 @@ from gclip.terminal.atomic import atomic_file
 from traits.table import COLUMNS, Namer, measure_days, write_table
 
 if TYPE_CHECKING:
-    from baker.batch.job import TraitsSource
     from gclip.clip import Clip
 
 
@@ -57,8 +56,8 @@ class TraitsTable:
     def close(self) -> None:
         self._rows.close()
 
-    def known(self, plant: str) -> TraitsSource | None:
-        """Of which clip the table has this plant's rows."""
+    def known(self, plant: str) -> tuple[str, str] | None:
+        """Of which clip the table has this plant's rows; see `traits.table.provenance`."""
         return self._rows.execute(
             "SELECT program, digest FROM plants WHERE name = ?", (plant,)
         ).fetchone()
@@ -86,11 +85,9 @@ def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:
     if tuple(next(reader, ())) != COLUMNS:
         return
     for name, rows in groupby(reader, itemgetter(0)):
-        text = io.StringIO()
-        sources = set()
-        for row in rows:
-            sources.add((len(row), *row[-2:]))
-            csv.writer(text, lineterminator="\n").writerow(row)
-        if len(sources) != 1 or sources.pop()[0] != len(COLUMNS):
+        own = list(rows)
+        if {(len(row), *row[-2:]) for row in own} != {(len(COLUMNS), *own[0][-2:])}:
             raise csv.Error("rows of several clips")
-        yield name, row[-2], row[-1], text.getvalue()
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(own)
+        yield name, own[0][-2], own[0][-1], text.getvalue()

@@ -10,22 +10,19 @@ from baker.verdict.doubt import command_for, doubts_in, grouped
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rich.console import Console
-
     from gclip import Clip
 
 VISIBLE_ERROR = 0.01  # marginal error of a transport plan, above which the film is worth a warning
 
 
-def print_summary(
-    console: Console,
+def summary_lines(
     clip: Clip,
     path: Path,
     seconds: dict[str, float],
     cached: str = "",
     verbose: bool = False,
-) -> None:
-    """Print what was baked; with `verbose` also what the transport and each stage did.
+) -> list[str]:
+    """What was baked; with `verbose` also what the transport and each stage did.
 
     seconds: of each stage. cached: how many intervals came from a cache, "" where there is none.
     """
@@ -56,12 +53,11 @@ def print_summary(
     size = path.stat().st_size / 1e6
     rows["written"] = f"{path} ({size:.1f} MB) after {sum(seconds.values()):.1f} s"
     width = max(map(len, rows))
-    for name, value in rows.items():
-        console.print(f"{name:<{width}}  {value}", markup=False, highlight=False)
+    return [f"{name:<{width}}  {value}" for name, value in rows.items()]
 
 
-def print_verdict(console: Console, clip: Clip, path: Path) -> None:
-    """Print which intervals look right, and how to look at the most doubtful one."""
+def verdict_line(clip: Clip, path: Path) -> str:
+    """Which intervals look right, and how to look at the most doubtful one."""
     line, doubts = clip.provenance["verdict"]["line"], grouped(doubts_in(clip))
     look = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
-    console.print(line + look, markup=False, highlight=False)
+    return str(line + look)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import point_spacing
 from baker.pipeline import BakeRecord
 from gclip import Clip
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 class Distances(NamedTuple):
@@ -91,8 +88,8 @@ def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     return Distances(*to_scan), Distances(*to_reconstruction)
 
 
-def print_errors(console: Console, errors: Sequence[HoldoutError]) -> None:
-    """Print a table of the errors, two rows a scan left out, and of all together."""
+def error_lines(errors: Sequence[HoldoutError]) -> list[str]:
+    """A table of the errors, two rows a scan left out, and of all together."""
     rows = [("left out", "distance (series' size = 1)", "mean", "std", "max")]
     named = [(f"{error.date}, {error.name}", error.both) for error in errors]
     for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
@@ -101,6 +98,7 @@ def print_errors(console: Console, errors: Sequence[HoldoutError]) -> None:
             mean, deviation, maximum = (f"{distance:.6f}" for distance in distances)
             rows.append((label, direction, mean, deviation, maximum))
     width = max(len(row[0]) for row in rows)
-    for name, direction, *figures in rows:
-        line = f"{name:<{width}}  {direction:<27}" + "".join(f"{figure:>10}" for figure in figures)
-        console.print(line, markup=False, highlight=False)
+    return [
+        f"{name:<{width}}  {direction:<27}" + "".join(f"{figure:>10}" for figure in figures)
+        for name, direction, *figures in rows
+    ]

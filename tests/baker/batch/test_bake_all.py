@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker.batch.job import PlantJob, bake_plant
+from baker.batch.outputs import Outputs
+from baker.batch.plant import PlantJob, bake_plant
 from baker.cli import main
 from baker.options import Options
 from grow.cli import main as grow
@@ -97,7 +98,7 @@ def test_a_changed_option_a_changed_time_a_missing_report_bake_again(greenhouse,
 
     def state(report: Path | None = None, force: bool = False, **options) -> str:
         chosen = Options(align="none", times=times, **options)
-        return bake_plant(PlantJob("p", folder, clip, chosen, report=report, force=force)).state
+        return bake_plant(PlantJob("p", folder, chosen, Outputs(clip, report, force=force))).state
 
     assert state() == "baked"
     assert state(workers=1) == "unchanged"
@@ -130,7 +131,7 @@ def test_images_are_known_again(tmp_path):
     folder = tmp_path / "komatsuna"
     words = ["--days", "1", "--per-day", "2", "--size", "96x72", "-q"]
     assert grow(["komatsuna", str(folder), *words]) == 0
-    job = PlantJob("k", folder, tmp_path / "k.gclip", Options())
+    job = PlantJob("k", folder, Options(), Outputs(tmp_path / "k.gclip"))
     assert [bake_plant(job).state for _ in range(2)] == ["baked", "unchanged"]
 
 

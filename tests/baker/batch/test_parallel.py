@@ -10,7 +10,6 @@ import sys
 import threading
 import time
 import warnings
-from collections import deque
 from contextlib import closing, suppress
 from pathlib import Path
 
@@ -18,8 +17,9 @@ import pytest
 from pebble import ProcessExpired
 
 from baker.batch.bake_all import bake_here
-from baker.batch.job import Outcome, PlantJob
-from baker.batch.parallel import as_they_complete, process_pool
+from baker.batch.outputs import Outputs
+from baker.batch.parallel import process_pool
+from baker.batch.plant import Outcome, PlantJob
 from baker.options import Options
 from tests.baker.batch.conftest import write_greenhouse
 
@@ -69,17 +69,6 @@ def test_errors_are_raised_here() -> None:
         pool.schedule(fail, [3]).result()
 
 
-def test_only_a_window_of_items_is_under_way() -> None:
-    waiting = deque(range(50))
-    with process_pool(1) as pool:
-        for count, (item, future) in enumerate(
-            as_they_complete(lambda item: pool.schedule(square, [item]), waiting, lambda: 3), 1
-        ):
-            assert future.result() == item * item
-            assert 50 - len(waiting) <= count + 3
-    assert count == 50
-
-
 def test_a_task_that_kills_its_process_fails_alone() -> None:
     with process_pool(2) as pool:
         doomed, other = pool.schedule(die), pool.schedule(square, [3])
@@ -90,22 +79,26 @@ def test_a_task_that_kills_its_process_fails_alone() -> None:
 
 
 def test_a_killed_plant_is_baked_once_more(tmp_path: Path) -> None:
-    jobs = [PlantJob(f"p{k}", tmp_path, tmp_path / f"p{k}.gclip", Options()) for k in range(3)]
+    jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
     with closing(bake_here(jobs, 2, _bake_or_die_once)) as found:
         assert {outcome.name: outcome.state for outcome in found} == dict.fromkeys(
             ("p0", "p1", "p2"), "baked"
         )
 
 
+def _job(folder: Path, name: str) -> PlantJob:
+    return PlantJob(name, folder, Options(), Outputs(folder / f"{name}.gclip"))
+
+
 def _bake_or_die_once(job: PlantJob) -> Outcome:
-    if not job.clip.exists():
-        job.clip.touch()
+    if not job.outputs.clip.exists():
+        job.outputs.clip.touch()
         die()
     return Outcome(job.name, "baked")
 
 
 def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
-    jobs = [PlantJob(f"p{k}", tmp_path, tmp_path / f"p{k}.gclip", Options()) for k in range(3)]
+    jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
     with closing(bake_here(jobs, 1, _bake_or_die)) as found:
         codes = {outcome.name: outcome.code for outcome in found}
     assert codes == {"p0": 0, "p1": 1, "p2": 0}
@@ -189,8 +182,9 @@ def test_plants_have_the_same_bytes_by_any_number_of_workers(tmp_path: Path) -> 
     for workers in (1, 2, 5):
         folder = tmp_path / str(workers)
         folder.mkdir()
-        options = Options(align="none", up="z")
-        jobs = [PlantJob(n, house / n, folder / f"{n}.gclip", options) for n in ("a", "b")]
+        options, names = Options(align="none", up="z"), ("a", "b")
+        outputs = [Outputs(folder / f"{name}.gclip") for name in names]
+        jobs = [PlantJob(n, house / n, options, o) for n, o in zip(names, outputs, strict=True)]
         assert {outcome.state for outcome in bake_here(jobs, workers)} == {"baked"}
         found.append({path.name: path.read_bytes() for path in folder.iterdir()})
     assert found[0] == found[1] == found[2]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from baker.batch.plant import MIN_BYTES_TO_KEEP
+from baker.batch.command import MIN_BYTES_TO_KEEP
 from baker.cli import main
 from gclip import Clip
 

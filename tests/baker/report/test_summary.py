@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from io import StringIO
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
-from baker.report.summary import print_summary, print_verdict
+from baker.report.summary import summary_lines, verdict_line
 from baker.verdict import Doubt, provenance_of
 from gclip import Clip
 
@@ -21,10 +19,8 @@ def saved(baked, tmp_path) -> Clip:
 
 
 def summary(clip: Clip, folder, verbose: bool = False) -> str:
-    text = StringIO()
     path = folder / "plant.gclip"
-    print_summary(Console(file=text, soft_wrap=True), clip, path, {"reading": 1.5}, "", verbose)
-    return text.getvalue()
+    return "\n".join(summary_lines(clip, path, {"reading": 1.5}, "", verbose))
 
 
 def with_marginal_error(clip: Clip, error: float) -> Clip:
@@ -51,14 +47,9 @@ def test_an_inexact_transport_is_put_in_terms_of_the_film(saved, tmp_path):
 
 
 def test_the_last_line_is_the_verdict_and_where_to_look(saved, tmp_path):
-    text = StringIO()
-    print_verdict(Console(file=text, soft_wrap=True), saved, tmp_path / "x.gclip")
-    assert text.getvalue() == "All 2 intervals look right.\n"
+    assert verdict_line(saved, tmp_path / "x.gclip") == "All 2 intervals look right."
     doubts = [Doubt(0.0, 2.0, 1, "label 1 tears", 2.0)]
     provenance = {**saved.provenance, "verdict": provenance_of(saved, doubts)}
-    text = StringIO()
-    judged = replace(saved, provenance=provenance)
-    print_verdict(Console(file=text, soft_wrap=True), judged, Path("x.gclip"))
-    assert text.getvalue() == (
-        "1 of 2 intervals looks right; day 0 to 2: label 1 tears. Look: play x.gclip --day 1\n"
+    assert verdict_line(replace(saved, provenance=provenance), Path("x.gclip")) == (
+        "1 of 2 intervals looks right; day 0 to 2: label 1 tears. Look: play x.gclip --day 1"
     )
