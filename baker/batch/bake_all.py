@@ -17,11 +17,11 @@ from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.plants import Plant
 from baker.batch.progress import StageProgress
-from baker.batch.traits import TraitsTable
 from baker.errors import InputError, writing
 from baker.options import Options, worker_count
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.text import Lossy, printable
+from traits.plants import TraitsTable
 
 ATTEMPTS = 2  # at a plant whose worker is killed
 

@@ -16,13 +16,13 @@ from baker.batch.outputs import Outputs, check_output
 from baker.batch.plant import bake_into
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
-from baker.batch.traits import write_traits
 from baker.errors import InputError
 from baker.options import Options
 from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
 from baker.scans import Finding
 from baker.transport.compile import compile_kernels
+from traits.plants import write_traits
 
 MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
 

@@ -54,7 +54,7 @@ def output(tmp_path) -> Path:
 
 def limited(limit: str, *arguments: object) -> subprocess.CompletedProcess:
     """`bake` in a process that has limited itself."""
-    code = LIMITED.format(limit=limit, modules="baker.report, baker.batch.traits, traits.table")
+    code = LIMITED.format(limit=limit, modules="baker.report, traits.plants, traits.table")
     command = [sys.executable, "-c", code, *map(str, arguments), "-q", "--align", "none"]
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 

@@ -1,4 +1,4 @@
-"""`bake --traits`: what plants and their organs measure, as a table (see the package `traits`)."""
+"""Tables of traits as files: of one plant, or of many, whose unchanged rows are kept."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from baker.errors import InputError, writing
+from gclip.errors import UserError
 from gclip.terminal.atomic import atomic_file
 from traits.table import COLUMNS, Namer, measure_days, write_table
 
@@ -25,7 +25,7 @@ def write_traits(
 ) -> None:
     """Measure one plant at the scans and half-way between, and write the table.
 
-    plant: what the table calls it. Raises InputError where the file can't be written.
+    plant: what the table calls it. Raises UserError where the file can't be written.
     """
     table = io.StringIO()
     write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
@@ -37,7 +37,7 @@ class TraitsTable:
 
     Rows of plants whose clips are up to date are taken from the table that was there before. Rows
     wait in a temporary data base on the disk: memory stays small however many plants there are.
-    InputError where nothing can be written beside `path`, or it can't be read.
+    UserError where nothing can be written beside `path`, or it can't be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -49,7 +49,7 @@ class TraitsTable:
                 with path.open(newline="", encoding="utf-8") as file:
                     self._rows.executemany("INSERT INTO plants VALUES (?, ?, ?, ?)", _plants(file))
         except OSError as error:
-            raise InputError(f"{path} can't be read: {error.strerror or error}.") from None
+            raise UserError(f"{path} can't be read: {error.strerror or error}.") from None
         except (UnicodeDecodeError, csv.Error, sqlite3.IntegrityError):
             self._rows.execute("DELETE FROM plants")  # no table that we wrote
 
@@ -75,8 +75,11 @@ class TraitsTable:
 
 
 def _write(path: Path, chunks: Iterable[str]) -> None:
-    with writing(path), atomic_file(path) as part, part.open("wb") as file:
-        file.writelines(chunk.encode() for chunk in chunks)
+    try:
+        with atomic_file(path) as part, part.open("wb") as file:
+            file.writelines(chunk.encode() for chunk in chunks)
+    except OSError as error:
+        raise UserError(f"{path} can't be written: {error.strerror or error}.") from None
 
 
 def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:
