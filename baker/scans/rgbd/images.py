@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -103,21 +103,12 @@ def schedule_frames(
 
 def read_color(path: Path) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 sRGB. InputError if it can't be read, as of all functions below."""
-    return _decoded(path, lambda mode: "RGB")
+    return _decoded(path, "RGB", "RGB")
 
 
 def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
     """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
-
-    def mode_of_counts(mode: str) -> str:
-        if not mode.startswith("I"):
-            raise InputError(
-                f"'{path}' is no depth image: it must have one channel of whole numbers of 16 "
-                f"bits a pixel, not the kind '{mode}'."
-            )
-        return mode
-
-    return np.maximum(_decoded(path, mode_of_counts), 0).astype(np.float64) * camera.depth_unit
+    return np.maximum(_decoded(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
@@ -125,7 +116,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
     Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
     """
-    labels = _numbers(path, ("1", "L", "P"))
+    labels = _numbers(_decoded(path, "I.*|1|L|P", "RGBA"))
     distinct = len(np.unique(labels))
     if distinct > MAX_LABELS:
         raise InputError(
@@ -137,17 +128,14 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
     """(H, W) bool, True where a channel (other than opacity) is not 0."""
-    return _numbers(path) != 0
+    return _numbers(_decoded(path, "I.*", "RGBA")) != 0
 
 
-def _numbers(path: Path, modes: Sequence[str] = ()) -> NDArray[np.int64]:
-    """(H, W) pixels of one channel in these of Pillow's modes as they are, others as 0xRRGGBB."""
-    pixels = _decoded(
-        path, lambda mode: mode if mode in modes or mode.startswith("I") else "RGBA"
-    ).astype(np.int64)
+def _numbers(pixels: NDArray) -> NDArray[np.int64]:
+    """(H, W) pixels of one channel as they are, coloured ones as 0xRRGGBB."""
     if pixels.ndim == 2:
-        return pixels
-    red, green, blue, alpha = np.moveaxis(pixels, -1, 0)
+        return pixels.astype(np.int64)
+    red, green, blue, alpha = np.moveaxis(pixels.astype(np.int64), -1, 0)
     return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
 
 
@@ -158,8 +146,8 @@ def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
     return {path.name.removeprefix(before).removesuffix(after): path for path in found}
 
 
-def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
-    """An image's pixels; `target` says into which of Pillow's modes the file's is converted."""
+def _decoded(path: Path, kept: str, other: str | None = None) -> NDArray:
+    """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`."""
     import imageio.v3 as iio
     from PIL.Image import DecompressionBombError
 
@@ -177,10 +165,16 @@ def _decoded(path: Path, target: Callable[[str], str]) -> NDArray:
             if content.startswith(PNG) and width * height > MAX_PIXELS_PER_BYTE * len(content):
                 raise OSError(f"its {len(content)} bytes can't hold so many pixels")
             mode = image.metadata(index=0)["mode"]
-            return image.read(index=0, mode=target(mode), writeable_output=False)
+            mode, found = mode if re.fullmatch(kept, mode) else other, mode
+            if mode is not None:
+                return image.read(index=0, mode=mode, writeable_output=False)
     except unreadable as error:
         cause = error.__cause__ or error  # imageio wraps what Pillow says as it opens a file
         reason = " ".join(str(cause).split()).rstrip(".")
         if isinstance(cause, DecompressionBombError):
             reason = f"it has more than {MAX_PIXELS // 10**6} million pixels"
         raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
+    raise InputError(
+        f"'{path}' is no depth image: it must have one channel of whole numbers of 16 bits a "
+        f"pixel, not the kind '{found}'."
+    )

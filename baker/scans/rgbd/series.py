@@ -46,13 +46,7 @@ class ImageSeries:
         labels, but hands none on.
         """
         frame, camera = self.frames[color], self.camera
-        colors, depth = read_color(frame.color), self._depth(frame)
-        painted = np.zeros(depth.shape, bool) if frame.mask is None else read_mask(frame.mask)
-        labels = read_labels(frame.label) if frame.label else None
-        images = ((frame.depth, depth), (frame.mask, painted), (frame.label, labels))
-        for path, image in images:
-            if image is not None:
-                _require_size(frame, path, image, colors)
+        colors, depth, labels, painted = self._images(frame)
         notes: tuple[str, ...] = ()
         if labels is None:
             depth = np.where(painted, 0.0, depth)
@@ -78,11 +72,9 @@ class ImageSeries:
         if self.camera.ground is not None:
             return self.camera.ground
         frame = self.frames[self.schedule.entries[0].path]
-        depth = self._depth(frame)
+        _, depth, labels, _ = self._images(frame)
         ground = depth > 0
-        if frame.label is not None:
-            labels = read_labels(frame.label)
-            _require_size(frame, frame.label, labels, depth)
+        if labels is not None:
             ground &= labels == self.camera.background
         if not ground.any():
             raise InputError(
@@ -91,29 +83,31 @@ class ImageSeries:
             )
         return float(np.median(depth[ground]))
 
-    def _depth(self, frame: Frame) -> NDArray[np.float64]:
-        """The depth image, cut to the colour image where the camera's file says so."""
-        camera, depth = self.camera, read_depth(frame.depth, self.camera)
+    def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
+        """Colours, depth, labels and mask, of one size; depth is cut as the camera's file says."""
+        camera, colors = self.camera, read_color(frame.color)
+        depth = read_depth(frame.depth, camera)
         sides = zip(("height", "width"), (camera.height, camera.width), depth.shape, strict=True)
         for name, said, found in sides:
             if said not in (None, found):
                 raise InputError(
                     f"'{frame.depth}' has the {name} {found}, but '{self.camera_file}' says {said}."
                 )
-        if camera.crop is None:
-            return depth
-        height, width = read_color(frame.color).shape[:2]
-        left, top = camera.crop
-        return depth[top : top + height, left : left + width]
-
-
-def _require_size(frame: Frame, path: Path | None, image: NDArray, color: NDArray) -> None:
-    if image.shape[:2] != color.shape[:2]:
-        sizes = [f"{i.shape[1]}x{i.shape[0]}" for i in (image, color)]
-        raise InputError(
-            f"'{path}' is {sizes[0]} pixels, but '{frame.color.name}' is {sizes[1]}; the images of "
-            "a frame must show the same pixels (or set crop in the camera's file)."
-        )
+        height, width = colors.shape[:2]
+        if camera.crop is not None:
+            left, top = camera.crop
+            depth = depth[top : top + height, left : left + width]
+        labels = read_labels(frame.label) if frame.label else None
+        painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
+        images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
+        for path, image in images:
+            if image is not None and image.shape != (height, width):
+                raise InputError(
+                    f"'{path}' is {image.shape[1]}x{image.shape[0]} pixels, but "
+                    f"'{frame.color.name}' is {width}x{height}; the images of a frame must show "
+                    "the same pixels (or set crop in the camera's file)."
+                )
+        return colors, depth, labels, painted
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
@@ -133,18 +127,15 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
 def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tuple[str, ...]:
     """A sentence on what was repaired, and one on what could not be."""
     plant, unknown, filled = labels != background, repaired.reason > VALID, repaired.depth > 0
-    why = ", ".join(
-        f"{count} {what}"
-        for number, what in enumerate(REASONS)
-        if number > VALID and (count := (repaired.reason == number).sum())
-    )
+    counts = np.bincount(repaired.reason[unknown], minlength=len(REASONS))
+    why = ", ".join(f"{n} {what}" for n, what in zip(counts, REASONS, strict=True) if n)
+    done, lost = labels[unknown & filled], labels[unknown & ~filled]
     notes = (
         f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({why or 'none'}); "
-        f"{(unknown & filled).sum()} filled by diffusion ({_by_label(labels[unknown & filled])}).",
-        f"left out {(unknown & ~filled).sum()} pixels without any valid depth in reach "
-        f"({_by_label(labels[unknown & ~filled])}).",
+        f"{len(done)} filled by diffusion ({_by_label(done)}).",
+        f"left out {len(lost)} pixels without any valid depth in reach ({_by_label(lost)}).",
     )
-    return notes if (unknown & ~filled).any() else notes[:1]
+    return notes if len(lost) else notes[:1]
 
 
 def _by_label(labels: NDArray[np.int64]) -> str:
