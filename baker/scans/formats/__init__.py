@@ -68,12 +68,10 @@ def require_room(count: int, size: float, room: int) -> None:
 
 
 def require_count(announced: int, found: int, what: str = "points") -> None:
-    """FormatError unless as many points were found as a header announces."""
+    """FormatError unless as many points (or lines) were found as a header announces."""
     if found != announced:
-        raise FormatError(
-            f"is cut short, or its header is wrong: it announces {announced} points, but {found} "
-            f"{what} follow."
-        )
+        sizes = f"it announces {announced} {what}, but {found} follow"
+        raise FormatError(f"is cut short, or its header is wrong: {sizes}.")
 
 
 def suffix_of(path: Path) -> str:

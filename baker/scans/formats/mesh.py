@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
-from baker.scans.formats import FormatError
+from baker.scans.formats import FormatError, require_count
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """A mesh gives as many points as it has vertices, but no fewer and no more than these."""
@@ -69,11 +69,7 @@ def _read_off(path: Path) -> Mesh:
     rows = rows if rows[0] else rows[1:]  # the counts may stand in the first line
     vertex_count, face_count = int(rows[0][0]), int(rows[0][1])
     rows = rows[1:]
-    if vertex_count + face_count > len(rows):
-        raise FormatError(
-            f"is cut short, or its header is wrong: it announces {vertex_count} vertices and "
-            f"{face_count} faces, but {len(rows)} lines follow."
-        )
+    require_count(vertex_count + face_count, min(len(rows), vertex_count + face_count), "lines")
     vertices = np.array(rows[:vertex_count], float)
     corners = rows[vertex_count : vertex_count + face_count]
     faces = [np.array(row[1 : 1 + int(row[0])], int) for row in corners]

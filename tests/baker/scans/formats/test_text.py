@@ -77,7 +77,7 @@ def test_point_count_before_rows_is_leicas_format(load):
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
     assert cloud.colors.tolist() == [[10, 20, 30], [40, 50, 60]]
     assert cloud.labels is None
-    with pytest.raises(InputError, match=r"announces 3 points, but 2 rows follow"):
+    with pytest.raises(InputError, match=r"announces 3 rows, but 2 follow"):
         load("3\n1 2 3\n4 5 6\n", "scan.pts")
 
 
