@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import sqlite3
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from itertools import chain, groupby
@@ -29,61 +29,57 @@ def write_traits(
     """
     table = io.StringIO()
     write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
-    _write(path, [table.getvalue()])
+    _write(path, [table.getvalue().encode()])
 
 
 class TraitsTable:
-    """One table of many plants, in the making; `close` drops what was not saved.
+    """One table of many plants, in the making.
 
-    Rows of plants whose clips are up to date are taken from the table that was there before. Rows
-    wait in a temporary data base on the disk: memory stays small however many plants there are.
-    UserError where nothing can be written beside `path`, or it can't be read.
+    Rows of plants whose clips are up to date are taken from the table that was there before.
+    UserError where that can't be read.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._rows = sqlite3.connect("")  # a temporary file, gone when it is closed
-        self._rows.execute("CREATE TABLE plants (name PRIMARY KEY, program, digest, rows)")
+        self._sources: dict[str, tuple[str, str]] = {}
+        self._rows: dict[str, bytes] = {}  # compressed, as there may be thousands of plants
+        if not path.is_file():
+            return
         try:
-            if path.is_file():
-                with path.open(newline="", encoding="utf-8") as file:
-                    self._rows.executemany("INSERT INTO plants VALUES (?, ?, ?, ?)", _plants(file))
+            with path.open(newline="", encoding="utf-8") as file:
+                for name, source, rows in _plants(file):
+                    self.add(name, rows)
+                    self._sources[name] = source
         except OSError as error:
             raise UserError(f"{path} can't be read: {error.strerror or error}.") from None
-        except (UnicodeDecodeError, csv.Error, sqlite3.IntegrityError):
-            self._rows.execute("DELETE FROM plants")  # no table that we wrote
-
-    def close(self) -> None:
-        self._rows.close()
+        except (UnicodeDecodeError, csv.Error):
+            pass  # no table that we wrote, from here on
 
     def known(self, plant: str) -> tuple[str, str] | None:
         """Of which clip the table has this plant's rows; see `traits.table.provenance`."""
-        return self._rows.execute(
-            "SELECT program, digest FROM plants WHERE name = ?", (plant,)
-        ).fetchone()
+        return self._sources.get(plant)
 
     def add(self, plant: str, rows: str) -> None:
         """Take a plant's rows, CSV without a header; nothing where those known are right."""
         if rows:
-            self._rows.execute("INSERT OR REPLACE INTO plants VALUES (?, '', '', ?)", (plant, rows))
+            self._rows[plant] = zlib.compress(rows.encode())
 
     def save(self, plants: Iterable[str]) -> None:
         """Write the rows of these plants in their order; whole or not at all."""
-        query = "SELECT rows FROM plants WHERE name = ?"
-        found = (row for plant in plants for (row,) in self._rows.execute(query, (plant,)))
-        _write(self.path, chain([",".join(COLUMNS) + "\n"], found))
+        rows = (zlib.decompress(self._rows[plant]) for plant in plants if plant in self._rows)
+        _write(self.path, chain([f"{','.join(COLUMNS)}\n".encode()], rows))
 
 
-def _write(path: Path, chunks: Iterable[str]) -> None:
+def _write(path: Path, chunks: Iterable[bytes]) -> None:
     try:
         with atomic_file(path) as part, part.open("wb") as file:
-            file.writelines(chunk.encode() for chunk in chunks)
+            file.writelines(chunks)
     except OSError as error:
         raise UserError(f"{path} can't be written: {error.strerror or error}.") from None
 
 
-def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:
-    """Each plant of a table that we wrote: its name, program and digest, and its rows."""
+def _plants(file: Iterable[str]) -> Iterator[tuple[str, tuple[str, str], str]]:
+    """Each plant of a table that we wrote: its name, what its rows are of, and these."""
     reader = csv.reader(file)
     if tuple(next(reader, ())) != COLUMNS:
         return
@@ -93,4 +89,4 @@ def _plants(file: Iterable[str]) -> Iterator[tuple[str, str, str, str]]:
             raise csv.Error("rows of several clips")
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows(own)
-        yield name, own[0][-2], own[0][-1], text.getvalue()
+        yield name, (own[0][-2], own[0][-1]), text.getvalue()

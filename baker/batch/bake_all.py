@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, as_completed
-from contextlib import closing, nullcontext
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,24 +40,24 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     """
     for folder in filter(None, (outputs.clip, outputs.report)):
         _make_folder(folder)
-    with closing(TraitsTable(outputs.traits)) if outputs.traits else nullcontext() as table:
-        jobs = [_job(plant, options, outputs, table) for plant in plants]
-        outcomes: dict[str, Outcome] = {}
-        with StageProgress(outputs.quiet) as progress:
-            progress("plants", 0, len(jobs))
-            if outputs.cluster is None:
-                found = bake_here(jobs, worker_count(options.workers))
-            else:
-                found = bake_on_cluster(jobs, outputs.cluster, progress.say)
-            with closing(found):
-                for outcome in found:
-                    _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
-                    if table:
-                        table.add(outcome.name, outcome.traits)
-                    outcomes[outcome.name] = replace(outcome, traits="", notes=())
-        listed = [outcomes[plant.name] for plant in plants]
-        if table:
-            table.save(outcome.name for outcome in listed if outcome.state != "failed")
+    table = TraitsTable(outputs.traits) if outputs.traits else None
+    jobs = [_job(plant, options, outputs, table) for plant in plants]
+    outcomes: dict[str, Outcome] = {}
+    with StageProgress(outputs.quiet) as progress:
+        progress("plants", 0, len(jobs))
+        if outputs.cluster is None:
+            found = bake_here(jobs, worker_count(options.workers))
+        else:
+            found = bake_on_cluster(jobs, outputs.cluster, progress.say)
+        with closing(found):
+            for outcome in found:
+                _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
+                if table:
+                    table.add(outcome.name, outcome.traits)
+                outcomes[outcome.name] = replace(outcome, traits="", notes=())
+    listed = [outcomes[plant.name] for plant in plants]
+    if table:
+        table.save(outcome.name for outcome in listed if outcome.state != "failed")
     lines = [] if outputs.quiet else _summary(listed, outputs, sum(progress.seconds.values()))
     if failed := [f"  {one.name}: {one.error}" for one in listed if one.state == "failed"]:
         lines += ["", f"{len(failed)} of {len(listed)} plants failed:", *failed]
@@ -123,8 +122,6 @@ def _make_folder(folder: Path) -> None:
         raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"{folder} can't be written to.")
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:

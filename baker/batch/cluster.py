@@ -102,11 +102,11 @@ class Checked:
 def _solve(
     client: Client, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    executor = client.get_executor(pure=False)
+    def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
+        return client.get_executor(pure=False).map(Checked(function), jobs)
+
     with _task_faults():
-        yield from solve_by(
-            lambda function, jobs: executor.map(Checked(function), jobs), jobs, report_progress
-        )
+        yield from solve_by(map_on_cluster, jobs, report_progress)
 
 
 def _solve_from_worker(

@@ -156,23 +156,15 @@ def current_clip(job: PlantJob) -> Clip | None:
     except gclip.ClipError:
         return None
     listing = list_series([job.folder], job.options)
-    entries = listing.schedule.entries
-    series = listing.series((), job.options)
+    entries, series = listing.schedule.entries, listing.series((), job.options)
     resolved = job.options.for_series(series.fixed, series.length, series.root)
-    made_by = software((entry.path for entry in entries), job.options.outliers)
-    expected = {**made_by, "options": resolved.provenance()}
-    expected = json.loads(json.dumps(expected))  # as in the clip: tuples as lists
     moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
-    made_of = clip.provenance.get("inputs")
-    if (
-        any(clip.provenance.get(key) != value for key, value in expected.items())
-        or any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans)
-        or not isinstance(made_of, list)
-        or len(made_of) != len(entries)
-    ):
+    if any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans):
         return None
-    same = (  # last, as it reads every scan
-        scan == {"name": entry.name, "sha256": digest(listing.files(entry))}
-        for scan, entry in zip(made_of, entries, strict=True)
-    )
-    return clip if all(same) else None
+    expected = {
+        **software((entry.path for entry in entries), job.options.outliers),
+        "options": resolved.provenance(),
+        "inputs": [{"name": e.name, "sha256": digest(listing.files(e))} for e in entries],
+    }
+    found = {key: clip.provenance.get(key) for key in expected}
+    return clip if found == json.loads(json.dumps(expected)) else None  # tuples as lists

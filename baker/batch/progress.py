@@ -27,7 +27,7 @@ class StageProgress(ProgressBars):
         )
         self.seconds: dict[str, float] = {}
         self._stage: str | None = None
-        self._task: TaskID | None = None
+        self._task = TaskID(0)
         self._began = time.perf_counter()
 
     def __exit__(self, *exception: Any) -> None:
@@ -41,14 +41,13 @@ class StageProgress(ProgressBars):
             self._stage = stage
             self._task = self.bars.add_task(stage, total=total, seconds=0.0)
         elapsed = time.perf_counter() - self._began
-        assert self._task is not None
         self.bars.update(self._task, completed=done, total=total, seconds=elapsed)
 
     def _finish(self) -> None:
+        now = time.perf_counter()
         if self._stage is not None:
-            elapsed = time.perf_counter() - self._began
+            elapsed = now - self._began
             self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + elapsed
             if self.plain:
                 self.say(f"{self._stage}: {elapsed:.1f} s")
-        self._stage = None
-        self._began = time.perf_counter()
+        self._stage, self._began = None, now
