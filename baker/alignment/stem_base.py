@@ -17,6 +17,7 @@ from baker.alignment.sample import (
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
 
+CLOSE_SCORE = 0.4  # of two labels that may be the stem's; the likeliest is it in all real scans
 MAX_CANDIDATES = 3
 LOW_SHARE = 0.1  # of the height: the slab in which the stem's base is looked for
 MIN_PART_SHARE = 0.1  # of that slab's points: fewer are noise, not a stem
@@ -26,15 +27,17 @@ BASE_SHARE = 0.04  # of the height: the part of the stem whose middle is the bas
 def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
     """The label of each scan's stem: the organ that touches most others and stands lowest.
 
-    A hanging leaf may reach lower, but touches few others and is high up for the most part. What
-    the same label is in the other scans counts as much, and where labels are numbered anew in every
-    scan, that is about the same for all.
+    A hanging leaf may reach lower, but touches few others and is high up for the most part. A label
+    that is the stem's in two thirds of the scans is it in the others too, where it may be.
     """
     scores = [_stem_scores(sample, vertical) for sample in samples]
-    elsewhere = {}
-    for label in set().union(*scores):
-        elsewhere[label] = float(np.mean([own[label] for own in scores if label in own]))
-    return [max(own, key=lambda label: own[label] + elsewhere[label]) for own in scores]
+    likeliest = [max(own, key=own.__getitem__) for own in scores]
+    usual, count = Counter(likeliest).most_common(1)[0]
+    margin = CLOSE_SCORE if 3 * count >= 2 * len(scores) else 0.0
+    return [
+        usual if own.get(usual, -np.inf) >= own[best] - margin else best
+        for own, best in zip(scores, likeliest, strict=True)
+    ]
 
 
 def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
