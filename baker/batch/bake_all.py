@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from contextlib import closing
 from dataclasses import replace
@@ -14,7 +14,6 @@ from baker.batch.cluster import bake_on_cluster
 from baker.batch.outputs import Outputs
 from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
-from baker.batch.plants import Plant
 from baker.batch.progress import StageProgress
 from baker.errors import InputError, writing
 from baker.options import Options, worker_count
@@ -25,7 +24,7 @@ from traits.plants import TraitsTable
 ATTEMPTS = 2  # at a plant whose worker is killed
 
 
-def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int:
+def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
     """Bake each plant, report how it went, and go on whatever fails.
 
     Returns
@@ -41,7 +40,7 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
     for folder in filter(None, (outputs.clip, outputs.report)):
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None
-    jobs = [_job(plant, options, outputs, table) for plant in plants]
+    jobs = [_job(name, plants[name], options, outputs, table) for name in plants]
     outcomes: dict[str, Outcome] = {}
     with StageProgress(outputs.quiet) as progress:
         progress("plants", 0, len(jobs))
@@ -55,7 +54,7 @@ def bake_all(plants: Sequence[Plant], options: Options, outputs: Outputs) -> int
                 if table:
                     table.add(outcome.name, outcome.traits)
                 outcomes[outcome.name] = replace(outcome, traits="", notes=())
-    listed = [outcomes[plant.name] for plant in plants]
+    listed = [outcomes[name] for name in plants]
     if table:
         table.save(outcome.name for outcome in listed if outcome.state != "failed")
     lines = [] if outputs.quiet else _summary(listed, outputs, sum(progress.seconds.values()))
@@ -103,18 +102,20 @@ def _report(
         progress.say(f"    {note}")
 
 
-def _job(plant: Plant, options: Options, outputs: Outputs, table: TraitsTable | None) -> PlantJob:
+def _job(
+    name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
+) -> PlantJob:
     """The job under names that hold in other processes' working folders."""
-    clip, report = outputs.clip / f"{plant.name}.gclip", outputs.report
+    clip, report = outputs.clip / f"{name}.gclip", outputs.report
     own = replace(
         outputs,
         clip=clip.absolute(),
-        report=report and (report / f"{plant.name}.html").absolute(),
+        report=report and (report / f"{name}.html").absolute(),
         cache=outputs.cache and outputs.cache.absolute(),
     )
     options = replace(options, times=options.times and options.times.absolute())
-    known = table.known(plant.name) if table else None
-    return PlantJob(plant.name, plant.folder.absolute(), options, own, known)
+    known = table.known(name) if table else None
+    return PlantJob(name, folder.absolute(), options, own, known)
 
 
 def _make_folder(folder: Path) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from shutil import get_terminal_size
 
-from baker.batch.plants import Plant
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
 from baker.geometry.parallel import thread_map
@@ -23,19 +22,19 @@ UNWRAPPED = 10**6  # columns of what is no terminal
 
 
 def list_plants(
-    plants: Sequence[Plant], inputs: Sequence[Path], options: Options, quiet: bool = False
+    plants: Mapping[str, Path], inputs: Sequence[Path], options: Options, quiet: bool = False
 ) -> None:
     """Print for each plant what a bake would bake, and what it would decide by itself.
 
     plants: many plants; empty where the `inputs` are one plant's. A plant that can't be read is
     listed with the reason why.
     """
-    for plant in plants:
+    for name, folder in plants.items():
         try:
-            lines = _survey_lines([plant.folder], options, quiet)
+            lines = _survey_lines([folder], options, quiet)
         except InputError as error:
             lines = [str(error)]
-        _print([f"{printable(plant.name)}:", *(f"    {line}" for line in lines), ""])
+        _print([f"{printable(name)}:", *(f"    {line}" for line in lines), ""])
     if not plants:
         _print(_survey_lines(inputs, options, quiet))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from baker.errors import InputError, asking
@@ -13,17 +12,9 @@ from baker.scans.rgbd.camera import find_camera
 from baker.scans.times import natural_key
 
 
-@dataclass(frozen=True)
-class Plant:
-    """name: the folder's own, and that of the clip; folder: where its scans lie."""
-
-    name: str
-    folder: Path
-
-
-def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
-    """The plants to bake into the folder `output`, in the order given; none where the inputs are
-    the scans of one plant, to be baked into one clip.
+def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
+    """The folders of the plants to bake into the folder `output`, by their own names, in the order
+    given; none where the inputs are the scans of one plant, to be baked into one clip.
 
     Several folders are a plant each; so are the folders in a folder that holds no scans itself.
     The folder of the clips is no plant, though a pattern such as */ may name it. Without an output,
@@ -33,7 +24,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders and not names_folder(output):
-        return ()
+        return {}
     for path in inputs:
         require_there(path)
         if folders and not path.is_dir():
@@ -50,23 +41,23 @@ def find_plants(inputs: Sequence[Path], output: str) -> tuple[Plant, ...]:
         if not _is_plant(folders[0]):
             folders = _plants_below(folders[0])
         elif not names_folder(output):
-            return ()
+            return {}
     if output and not names_folder(output):
         raise InputError(
             f"-o {output}: the clips of {len(folders)} plants need a folder; name one that is "
             f"there, or with a slash to have it made, such as {Path(output).with_suffix('')}/."
         )
-    clips, plants = Path(output), dict[str, Plant]()
+    clips, plants = Path(output), dict[str, Path]()
     for folder in folders:
         if clips.exists() and folder.samefile(clips):
             continue
-        plant = Plant(Path(os.path.abspath(folder)).name, folder)
-        if (earlier := plants.setdefault(plant.name, plant)) is not plant:
+        name = Path(os.path.abspath(folder)).name
+        if (earlier := plants.setdefault(name, folder)) is not folder:
             raise InputError(
-                f"'{earlier.folder}' and '{folder}' would both be {plant.name}.gclip; rename one, "
-                "or bake them into different folders."
+                f"'{earlier}' and '{folder}' would both be {name}.gclip; rename one, or bake them "
+                "into different folders."
             )
-    return tuple(plants.values())
+    return plants
 
 
 def names_folder(output: str) -> bool:

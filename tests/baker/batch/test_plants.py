@@ -10,16 +10,16 @@ from baker.errors import InputError
 from tests.baker.batch.conftest import write_plant
 
 
-def names(plants) -> list[str]:
-    return [plant.name for plant in plants]
+def names(plants: dict[str, Path]) -> list[str]:
+    return list(plants)
 
 
 def test_folders_are_plants_files_and_one_folder_are_not(greenhouse, tmp_path):
     house = greenhouse(["p2", "p10"])
     folders = [house / "p2", house / "p10"]
     assert names(find_plants(folders, f"{tmp_path}/clips/")) == ["p2", "p10"]
-    assert find_plants([house / "p2"], "plant.gclip") == ()
-    assert find_plants(sorted((house / "p2").iterdir()), "plant.gclip") == ()
+    assert find_plants([house / "p2"], "plant.gclip") == {}
+    assert find_plants(sorted((house / "p2").iterdir()), "plant.gclip") == {}
 
 
 def test_a_folder_of_folders_of_scans_is_a_greenhouse(greenhouse, tmp_path):
