@@ -105,15 +105,19 @@ def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np
     if not neighbors.indices.size:
         return np.ones(len(points))
     area = neighbors.reach.astype(np.float64) ** 2
+    columns = np.ascontiguousarray(points.T, np.float64)
     for begin in range(0, len(points), POINTS_AT_ONCE):
         part = slice(begin, begin + POINTS_AT_ONCE)
-        near = neighbors.indices[part, :NEIGHBORS_FOR_REACH]
-        patch = np.concatenate([points[part, None], points[near]], axis=1).astype(np.float64)
-        patch -= patch.mean(axis=1, keepdims=True)
-        covariance = np.swapaxes(patch, 1, 2) @ patch / patch.shape[1]
+        near = neighbors.indices[part, :NEIGHBORS_FOR_REACH].T.copy()  # neighbour by neighbour
+        count = len(near) + 1
+        x, y, z = (axis[near] - axis[part] for axis in columns)  # the point itself is at 0
+        xx, yy, zz, xy, yz, zx = (
+            ((a * b).sum(axis=0) - a.sum(axis=0) * b.sum(axis=0) / count) / count
+            for a, b in ((x, x), (y, y), (z, z), (x, y), (y, z), (z, x))
+        )
         # The products of two principal variances, summed: on a sheet that of the larger two. On a
         # disk, evenly covered, each of those is a quarter of the squared radius.
-        products = np.trace(covariance, axis1=1, axis2=2) ** 2 - (covariance**2).sum(axis=(1, 2))
-        spread = 4.0 * np.sqrt(np.maximum(products / 2.0, 0.0))
+        products = xx * yy + yy * zz + zz * xx - xy**2 - yz**2 - zx**2
+        spread = 4.0 * np.sqrt(np.maximum(products, 0.0))
         area[part] = np.minimum(area[part], PLANAR_RATIO * spread)
     return np.minimum(area, np.quantile(area, MAX_AREA_QUANTILE))

@@ -55,8 +55,12 @@ def require_size(cloud: Cloud, path: Path) -> None:
 
 def drop_duplicates(cloud: Cloud) -> Cloud:
     """One point for each position, the first of its kind, whatever labels the others have."""
-    _, first = np.unique(_groups(cloud.points.T), return_index=True)
-    return _keep(cloud, np.sort(first), "at exactly the place of another one")
+    order = np.argsort(cloud.points[:, 0])
+    same = np.diff(cloud.points[order, 0]) == 0
+    some = np.sort(order[np.r_[False, same] | np.r_[same, False]])  # all others are apart in x
+    _, first = np.unique(_groups(cloud.points[some].T), return_index=True)
+    kept = np.delete(np.arange(len(cloud)), np.delete(some, first))
+    return _keep(cloud, kept, "at exactly the place of another one")
 
 
 def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:

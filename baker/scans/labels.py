@@ -115,9 +115,8 @@ def drop_labels(
     found, out, left = set[str](), set[str](), []
     for cloud, path in zip(clouds, paths, strict=True):
         held = np.zeros(len(cloud), bool)
-        for values in _named(cloud, words):
-            texts, index = np.unique(values, return_inverse=True)
-            named = [text.lower() for text in texts.tolist()]
+        for texts, index in _named(cloud, words):
+            named = [text.lower() for text in texts]
             is_out = [t in asked or (not keep_ground and _is_ground(t)) for t in named]
             held |= np.array(is_out, bool)[index]
             found |= {*named}
@@ -135,12 +134,14 @@ def drop_labels(
     return left, (Finding("labels", f"{listed}, {count:,} points, taken out"),)
 
 
-def _named(cloud: Cloud, words: dict[int, str]) -> Iterator[NDArray]:
-    """The labels as texts, and all other fields of words."""
+def _named(cloud: Cloud, words: dict[int, str]) -> Iterator[tuple[list[str], NDArray[np.intp]]]:
+    """The distinct labels as texts and which of them each point has; likewise fields of words."""
     if cloud.labels is not None:
         numbers, index = np.unique(cloud.labels, return_inverse=True)
-        yield np.array([words.get(number, str(number)) for number in numbers.tolist()])[index]
-    yield from (values for values in cloud.fields.values() if values.dtype.kind == "U")
+        yield [words.get(number, str(number)) for number in numbers.tolist()], index
+    for values in (field for field in cloud.fields.values() if field.dtype.kind == "U"):
+        texts, index = np.unique(values, return_inverse=True)
+        yield texts.tolist(), index
 
 
 def _is_ground(text: str) -> bool:

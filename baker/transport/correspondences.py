@@ -87,8 +87,9 @@ def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDAr
     Ties go to the lowest index. The n by m plan uses every point.
     """
     sides = (plan.rows, n), (plan.columns, m)
-    maxima = [_maxima(side, plan.mass, count) for side, count in sides]
-    chosen = np.unique(np.concatenate(maxima))
+    chosen = np.zeros(len(plan.mass), bool)
+    for side, count in sides:
+        chosen[_maxima(side, plan.mass, count)] = True
     return plan.rows[chosen], plan.columns[chosen]
 
 
