@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 
 from baker.errors import InputError, asking, excerpt
@@ -17,6 +18,7 @@ NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "
 BESIDE_SCANS = {"mesh", "arrays"}
 """Readers of files that often lie beside the point clouds they were made from."""
 
+MAX_SEARCHED = 10_000  # entries below a folder without scans, for one to name
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
@@ -79,10 +81,17 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         )
     if not scans:
         below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
-        raise InputError(f"'{folder}' holds no scans{below}{_unknown(entries)}.")
+        if deeper := next(filter(_is_scan, islice(folder.rglob("*"), MAX_SEARCHED)), None):
+            *above, name = deeper.relative_to(folder).parts
+            example = Path(folder, *("*" for _ in above), name)
+            raise InputError(f"'{folder}' holds no scans{below}: name them, as in bake {example}")
+        unknown = _unknown(entries) or f"; known are {KNOWN}"
+        raise InputError(f"'{folder}' holds no scans{below}{unknown}.")
     if len(scans) == 1:
         one = f"only one scan, '{scans[0].name}'; growth needs at least two"
-        raise InputError(f"'{folder}' holds {one}{_unknown(entries)}.")
+        example = folder.parent / "*" / scans[0].name
+        beside = f"; name those in several folders, as in bake {example}"
+        raise InputError(f"'{folder}' holds {one}{_unknown(entries) or beside}.")
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
@@ -93,7 +102,7 @@ def _unknown(entries: Sequence[Path]) -> str:
     files = [path for path in entries if path.is_file() and suffix_of(path) not in READERS]
     kinds = Counter(path.suffix.lower() for path in files if path.suffix)
     if not kinds:
-        return f"; known are {KNOWN}"
+        return ""
     listed = [f"{n} {excerpt(kind)} file{'s' * (n > 1)}" for kind, n in kinds.most_common(3)]
     return (
         f"; it holds {', '.join(listed)}, which can't be read: export point clouds as PLY, LAS or "

@@ -42,8 +42,8 @@ class Lines:
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     """All columns of numbers, and of words where they may be labels.
 
-    `asked` names the columns, whatever a header says, those to skip "-" or "_". Raises FormatError,
-    with the line that doesn't fit.
+    `asked` names the columns, whatever a header says, those to skip "-" or "_"; a file may have
+    fewer. Raises FormatError, with the line that doesn't fit.
     """
     with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = Lines(file)
@@ -52,6 +52,8 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         width = len(values)
         usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
         names = [*map(_axis, named)] if named else usual
+        if asked and width >= 3:
+            names = names[:width]  # of scans of a series some may have no labels
         if named is None and width not in USUAL_WIDTHS:
             example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
             raise FormatError(

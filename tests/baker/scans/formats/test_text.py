@@ -172,3 +172,9 @@ def test_a_million_values_are_read(load):
 )
 def test_axes_by_other_names(load, header):
     assert load(f"{header},label\n1,2,3,4\n").points.tolist() == [[1, 2, 3]]
+
+
+def test_scans_without_labels_have_fewer_columns_than_are_named(load):
+    names = ("x", "y", "z", "r", "label")
+    assert load("1 2 3 4\n", names=names).labels is None
+    assert load("1 2 3 4 5\n", names=names).labels.tolist() == [5]
