@@ -15,6 +15,7 @@ from typing import Annotated, Any, Self
 from msgspec import Meta, Struct, ValidationError, convert
 
 from baker.errors import InputError, asking, excerpt
+from gclip.terminal.text import printable
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
@@ -127,7 +128,7 @@ def read_camera(path: Path) -> Camera:
         for name in re.findall(r"[a-z_]+", place):
             content = content[name]
         found = f"{place.rstrip('`')} is {excerpt(repr(content))}; " if place else ""
-        raise InputError(f"'{path}': {found}{reason}.") from None
+        raise InputError(f"'{path}': {found}{printable(reason, 120)}.") from None
     except (ValueError, RecursionError) as error:
         kind = path.suffix[1:].upper()
         raise InputError(f"'{path}' is no sound {kind} file: {error}.") from error
