@@ -106,6 +106,8 @@ def read_columns(
             reader = import_module(f"{__name__}.{READERS[kind]}")
             with _unpacked(path, largest_unpacked) as plain:
                 columns: Columns = reader.read(plain, *([names] if names else []))
+            if not any(map(len, columns.values.values())):
+                raise FormatError("holds no points.")
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
     except (InputError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
