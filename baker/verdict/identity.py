@@ -17,7 +17,8 @@ from baker.verdict.doubt import MIN_SHARE
 
 # From these values on it is doubtful which organ one is (docs/method.md, "The verdict").
 MIN_MARGIN = 0.1  # of a pair's score over that of another choice: what a turn by 20 degrees costs
-MAX_GROWTH = 3.0  # of an organ's size, over that of the plant's organs; or one by that
+# Of an organ's size, over that of the plant's organs: young ones grow fast, none shrinks much.
+MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0
 MAX_BORN_SHARE = 0.2  # of a scan's points, in a new organ
 MIN_SIZE = 1e-100  # of an organ: its square is still a number
 
@@ -75,9 +76,9 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
         if growth > MAX_GROWTH:
             what = "{name} may be two organs (suddenly much larger)"
             yield IdentityDoubt(organ, what, growth / MAX_GROWTH)
-        if growth * MAX_GROWTH < 1.0:
+        if growth * MAX_SHRINKAGE < 1.0:
             what = "{name} may lack a part (suddenly much smaller)"
-            yield IdentityDoubt(organ, what, 1.0 / (max(growth, 1e-3) * MAX_GROWTH))
+            yield IdentityDoubt(organ, what, 1.0 / (max(growth, 1e-3) * MAX_SHRINKAGE))
     for a in match.losses:
         if (strength := float(first.share[a]) / MIN_SHARE) >= 1.0:
             yield IdentityDoubt(tracks.first[a], "{name} is large but vanishes", strength)

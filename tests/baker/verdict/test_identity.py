@@ -47,8 +47,8 @@ def test_leaves_that_grow_are_sure(series):
 
 
 def test_a_leaf_that_suddenly_is_many_times_as_large_is_doubtful(series):
-    small = [leaf(0, 8, 8, 1), leaf(2, 2, 16, 2), leaf(4, 8, 12, 3)]
-    large = [leaf(0, 8, 8, 1), leaf(2, 9, 16, 2), leaf(4, 8, 12, 3)]
+    small = [leaf(0, 8, 8, 1), leaf(2, 1, 16, 2), leaf(4, 8, 12, 3)]
+    large = [leaf(0, 8, 8, 1), leaf(2, 16, 16, 2), leaf(4, 8, 12, 3)]
     found = series(small, small, large)
     assert [day for day, _, identity in found if identity] == [1.0]
     assert "may be two organs (suddenly much larger)" in found[-1][1]
