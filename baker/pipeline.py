@@ -14,19 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment import Alignment, align
-from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import nearest_neighbors
-from baker.geometry.parallel import MapLike, reporting, thread_map
-from baker.geometry.up_axis import Vertical
-from baker.interpolation.colors import painted
-from baker.interpolation.interval_job import IntervalSolver, interval_jobs, solve_intervals
-from baker.interpolation.keyframes import (
+from baker.alignment.keyframes import (
     AlignedSeries,
     HeldOut,
     Keyframe,
     aligned_keyframes,
     hold_out,
 )
+from baker.alignment.stem_base import base_point
+from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.parallel import MapLike, reporting, thread_map
+from baker.geometry.up_axis import Vertical
+from baker.interpolation.colors import painted
+from baker.interpolation.interval_job import IntervalSolver, interval_jobs, solve_intervals
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import (
     PAPER,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from baker.interpolation.keyframes import Keyframe
+from baker.alignment.keyframes import Keyframe
 from baker.scans import Scan
 from baker.segmentation.hierarchy import Hierarchy
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.alignment.keyframes import Keyframe
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.births import Birth
-from baker.interpolation.keyframes import Keyframe
 from baker.interpolation.timing import Timing
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task

@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.alignment.keyframes import Keyframe
 from baker.geometry.rigid import rotations_between
 from baker.interpolation.attachment import attachments
-from baker.interpolation.keyframes import Keyframe
 from baker.interpolation.spine import unit
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from baker import InputError, Options
-from baker.interpolation.keyframes import held_out_scans
+from baker.alignment.keyframes import held_out_scans
 from baker.pipeline import bake_recorded
 from baker.report.verification import overall, verify
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment import Alignment
+from baker.alignment.register import Alignment
 from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
