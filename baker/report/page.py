@@ -13,7 +13,7 @@ from baker.errors import writing
 from baker.options import Options
 from baker.pipeline import BakeRecord
 from baker.report.pictures import NoPicture, Pictures, scans_pictured, take_pictures
-from baker.report.verification import HoldoutError, overall, verify
+from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
@@ -26,7 +26,7 @@ def write_report(
     path: str | os.PathLike[str],
     clip: Clip,
     record: BakeRecord,
-    errors: Sequence[HoldoutError] | None = None,
+    errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
@@ -38,8 +38,8 @@ def write_report(
     path : path-like
     clip, record
         As `bake_recorded` returns them.
-    errors : sequence of HoldoutError, optional
-        Of `verify`, where scans were left out. By default they are found out here.
+    errors : sequence of HoldoutError
+        Of `verify`.
     title : str
         What the page is called: the clip's name.
     report_progress : callable, optional
@@ -50,7 +50,6 @@ def write_report(
     InputError
         Where the file can't be written. Where the player can't draw, the report says so.
     """
-    found = verify(clip, record, report_progress) if errors is None else errors
     doubts = doubts_in(clip)
     by_interval = grouped(doubts)
     report_progress("report", 0, 1)
@@ -74,8 +73,8 @@ def write_report(
             shown=scans_pictured(clip),
             curves=curves,
             ticks=length_ticks([length for curve in curves for length in curve.lengths]),
-            errors=found,
-            overall=overall(found) if found else None,
+            errors=errors,
+            overall=overall(errors) if errors else None,
             defaults=Options().provenance(),
             dates_of={scan.time: scan.date for scan in clip.scans},
             zip=zip,

@@ -42,5 +42,4 @@ def read_unchanged(paths: Sequence[Path], read: Callable[[], Found]) -> tuple[Fo
 
 def _states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
     with asking(paths[0]):
-        states = [os.stat(path) for path in paths]
-    return [(state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns) for state in states]
+        return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]

@@ -15,6 +15,7 @@ import pytest
 from baker import InputError
 from baker.cli import main
 from baker.report import write_report
+from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
@@ -78,7 +79,7 @@ def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, p
     clip, record = baked
     doubts = [Doubt(2.0, 4.0, 1, "label 1 tears", 2.0), Doubt(2.0, 4.0, 2, "label 2 tears", 1.0)]
     judged = replace(clip, provenance={**clip.provenance, "verdict": provenance_of(clip, doubts)})
-    write_report(tmp_path / "r.html", judged, record, title="plant.gclip")
+    write_report(tmp_path / "r.html", judged, record, verify(judged, record), title="plant.gclip")
     html = (tmp_path / "r.html").read_text()
     text = " ".join(Page(html).text.split())
     places = [
@@ -131,7 +132,7 @@ def test_the_report_does_not_change_the_clip(write_scans, tmp_path):
 
 
 def test_without_opengl_the_report_says_so(baked, tmp_path, player_fails):
-    write_report(tmp_path / "r.html", *baked)
+    write_report(tmp_path / "r.html", *baked, verify(*baked))
     page = Page((tmp_path / "r.html").read_text())
     assert "play: no EGL here." in page.text
     assert "img" not in page.tags
@@ -142,7 +143,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_
     (tmp_path / "r.html").mkdir()
     before = sorted(tmp_path.iterdir())
     with pytest.raises(InputError, match=r"r\.html can't be written"):
-        write_report(tmp_path / "r.html", *baked)
+        write_report(tmp_path / "r.html", *baked, verify(*baked))
     assert sorted(tmp_path.iterdir()) == before
 
 
