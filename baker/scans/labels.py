@@ -169,11 +169,11 @@ def _objection(name: str, clouds: Sequence[Cloud], bad: Sequence[float]) -> Find
     values = [cloud.fields[name] for cloud in clouds]
     in_scans = [np.unique(own) for own in values]
     distinct = np.unique(np.concatenate(in_scans))
+    texts = [str(value).strip().lower() for value in distinct]
     if len(distinct) == 1:
-        return _finding(name, f"is not used, as it is {distinct[0]} everywhere")
+        return _finding(name, f"is not used, as it is {texts[0].removesuffix('.0')} everywhere")
     if max(map(len, in_scans)) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
-    texts = [str(value).strip().lower() for value in distinct]
     asked = np.unique(np.linspace(0, len(clouds) - 1, SCANS_TO_ASK).astype(int))
     found = [_patches(clouds[k].points, values[k]) for k in asked]
     agreement, places, steps = np.mean(found, axis=0)

@@ -50,7 +50,7 @@ def require_one_unit(
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")
     size = f"the last scan is {_short(sizes[-1])} {unit}".rstrip() + " across"
-    found = f"{unit}; {size}" if unit else f"not said; {size}; say it with --unit, as in --unit mm"
+    found = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
     return Finding("unit", found, *doubts[:1])
 
 
