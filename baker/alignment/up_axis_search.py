@@ -52,20 +52,20 @@ def find_up(
     if ground_up is not None:
         along = [Vertical.named(name).height(np.asarray(ground_up)[None])[0] for name in directions]
         found, why = int(np.argmax(along)), "away from the ground that the scans show"
-        close = False
     else:
-        needed = np.array(list(NEEDED_LEADS.values()))
-        found = int(np.argmin(total + needed))
+        found = int(np.argmin(total + list(NEEDED_LEADS.values())))
         why = "as scans usually have it" if found == 0 else "along it the plants stand on stems"
-        close = bool((np.delete(total, found) < total[found] + CLOSE).any())
     up, option, doubts = directions[found], "", list[str]()
     down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
-    over = np.flatnonzero(costs[:, found] - costs[:, down] > TURNED_OVER).tolist()
-    if 2 * len(over) < len(samples):
-        doubts = [f"{names[at]} seems to be upside down: turn it over" for at in over]
-    if close and not doubts:
-        total[found] = np.inf
-        other = directions[int(np.argmin(total))]
+    over = costs[:, found] - costs[:, down] > TURNED_OVER
+    if 2 * over.sum() < len(samples):
+        doubts = [
+            f"{names[at]} seems to be upside down: turn it over" for at in np.flatnonzero(over)
+        ]
+        total = costs[~over].mean(axis=0)
+    lead = np.delete(total, found).min() - total[found]
+    if ground_up is None and lead < CLOSE:
+        other = directions[int(np.argmin(np.where(np.arange(len(total)) == found, np.inf, total)))]
         doubts.append(f"by their shape they might as well grow along {other}")
         option = f"--up {other}"
     return up, [Finding("up", f"{up}, {why}", "; ".join(doubts), option)]
