@@ -59,9 +59,8 @@ def find_up(
     down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
     over = costs[:, found] - costs[:, down] > TURNED_OVER
     if 2 * over.sum() < len(samples):
-        doubts = [
-            f"{names[at]} seems to be upside down: turn it over" for at in np.flatnonzero(over)
-        ]
+        named = [name for name, is_over in zip(names, over, strict=True) if is_over]
+        doubts = [f"{name} seems to be upside down: turn it over" for name in named]
         total = costs[~over].mean(axis=0)
     lead = np.delete(total, found).min() - total[found]
     if ground_up is None and lead < CLOSE:
