@@ -94,6 +94,13 @@ class Options:
     every: int = option(1, "Use only each N-th scan.", metavar="N", min=1)
     transport: Transport = option("auto", "How transport is solved; whole: without any segments.")
     neighbors: int = option(15, "Neighbours in the transport's support (k).", min=1)
+    gamma: float = option(
+        0.3, "Sinkhorn's regularisation, in median costs.", metavar="SHARE", positive=True
+    )
+    tolerance: float = option(
+        1e-3, "Sinkhorn stops at this error of the marginals.", metavar="ERROR", positive=True
+    )
+    iterations: int = option(2000, "Sinkhorn's, at most.", metavar="N", min=1)
     graph_neighbors: int = option(15, "Neighbours in the graph of segment thin (k).", min=1)
     bifurcation: int | None = option(
         None, "A branch longer than N edges makes a fork (segment thin).", metavar="N", min=0

@@ -54,6 +54,18 @@ def test_a_lost_organ_decays_as_asked(write_scans, read_points, decay):
         assert np.allclose(litter.positions[:, 2], ground, atol=1e-3)
 
 
+def test_sinkhorn_stops_where_it_is_asked_to(write_scans):
+    folder, sinkhorn = write_scans(), replace(PLAIN, transport="sinkhorn")
+    early, late = (
+        bake([folder], replace(sinkhorn, iterations=most, tolerance=1e-6)) for most in (1, 5000)
+    )
+    errors = [
+        max(pair.marginal_error for interval in clip.intervals for pair in interval.segments)
+        for clip in (early, late)
+    ]
+    assert errors[0] > 10 * errors[1]
+
+
 def test_every_point_moves_and_movers_are_few(write_scans):
     clip = bake([write_scans()], replace(PLAIN, even=0.0))
     for interval, first, second in zip(clip.intervals, clip.scans, clip.scans[1:], strict=False):
