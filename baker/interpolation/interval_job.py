@@ -38,7 +38,6 @@ class InterpolationOptions:
 
     transport: TransportOptions  # its `workers` does not count
     registered: bool  # whether organs are deformed onto each other before they are transported
-    decay: Motion  # how lost organs leave
     # organs deform along curved paths, attached to their parents, or go in straight lines
     curved: bool
     even: float
@@ -61,6 +60,7 @@ class IntervalJob:
     tasks: tuple[Task, ...]  # what is transported, and what is lost
     timings: Mapping[int, Timing]  # by organ, of those that don't move evenly
     vertical: Vertical
+    decays: Mapping[int, Motion]  # by lost organ, how it leaves
     floor: float  # height that lost organs fall to; 0 where none falls
     attachments: tuple[Attachments, Attachments]  # of matched organs, in both scans
     spacing: float  # mean point spacing of the two scans
@@ -87,7 +87,6 @@ def interval_jobs(
         The organs were found without labels. Most of what is lost then is a bit of a leaf that the
         next scan counts to that leaf: it fades instead of falling.
     """
-    decay = Motion.FADE if found_organs and options.decay == "fall" else Motion(options.decay)
     keyframes = list(series.keyframes)
     if options.smooth:
         keyframes = smooth_organs(keyframes, matches, tracks, series.times)
@@ -111,12 +110,12 @@ def interval_jobs(
             feasible=not options.paper,
         ),
         registered=registered,
-        decay=decay,
         curved=curved,
         even=options.even or 0.0,
         precision=options.precision,
     )
     attached_at = organ_attachments(clouds, spacings, matches, tracks)
+    decays = _decays(tasks, tracks, Motion(options.decay), found_organs)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
@@ -129,13 +128,36 @@ def interval_jobs(
             tasks=tasks[k],
             timings=timings[k],
             vertical=series.vertical,
-            floor=series.floor if any(task.event == "loss" for task in tasks[k]) else 0.0,
+            decays=decays[k],
+            floor=series.floor if Motion.FALL in decays[k].values() else 0.0,
             attachments=attached_at[k],
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             options=chosen,
         )
         for k in range(len(matches))
     ]
+
+
+def _decays(
+    tasks: Sequence[tuple[Task, ...]],
+    tracks: Sequence[IntervalOrgans],
+    decay: Motion,
+    found_organs: bool,
+) -> list[dict[int, Motion]]:
+    """How each lost organ leaves: what a later scan shows again was hidden, and does not fall."""
+    decays, later = [], set[int]()
+    for lost, organs in zip(reversed(tasks), reversed(tracks), strict=True):
+        decays.append(
+            {
+                task.organ: Motion.FADE
+                if decay is Motion.FALL and (found_organs or task.organ in later)
+                else decay
+                for task in lost
+                if task.event == "loss"
+            }
+        )
+        later |= {*organs.second.values()}
+    return decays[::-1]
 
 
 IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
@@ -192,7 +214,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
 
     def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
         if task.event == "loss":
-            return leaving(task, job.start, options.decay, job.vertical, job.floor), None
+            decay = job.decays[task.organ]
+            return leaving(task, job.start, decay, job.vertical, job.floor), None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()

@@ -54,6 +54,17 @@ def test_a_lost_organ_decays_as_asked(write_scans, read_points, decay):
         assert np.allclose(litter.positions[:, 2], ground, atol=1e-3)
 
 
+def test_an_organ_that_comes_back_fades_and_does_not_fall(write_scans):
+    folder = write_scans(days=(1, 2, 3))
+    hidden = np.loadtxt(folder / "day01.txt")
+    np.savetxt(folder / "day01.txt", hidden[hidden[:, 3] != 1], fmt="%.4f")
+    clip = bake([folder], PLAIN)
+    assert [g.motion for g in clip.intervals[0].groups] == [Motion.MOVE, Motion.FADE]
+    (track,) = [t for t in clip.track_table if t.name == "label 1"]
+    assert track.lost is None
+    assert clip.at(3.0).litter is None
+
+
 def test_sinkhorn_stops_where_it_is_asked_to(write_scans):
     folder, sinkhorn = write_scans(), replace(PLAIN, transport="sinkhorn")
     early, late = (
