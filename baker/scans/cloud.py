@@ -61,9 +61,8 @@ def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The (3,) origin of a series, by the (N, 3) world positions of its first scan.
 
     Zeros while float32 about the world's zero is exact enough (its step stays below 2e-6 of the
-    plant); beyond that the lower corner of the box that holds 98 % of the points along each axis
-    (single stray points, such as a scanner's zero returns, don't count), rounded down to the power
-    of ten below the box's size so that it reads well and is the same for nearly equal scans.
+    plant); beyond that the lower corner of the box of 98 % of the points along each axis, as a
+    scanner's zero returns don't count, rounded down to the power of ten below the box's size.
     """
     low, high = np.percentile(points, [1, 99], axis=0)
     size = float((high - low).max())

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from baker.scans.formats.lzf import decompress
+from baker.scans.formats.pcd import decompress
 from tests.baker.sound_files import lzf_literals
 
 TEXT = b"leaf leaf leaf stem " * 20 + bytes(range(64)) + b"\0" * 300
