@@ -67,10 +67,12 @@ class Camera:
         """The view that a clip opens with: all of its movers in the picture, seen from where the
         plant looks widest.
 
-        turning: leave room for a full turn, so that the plant stays in the picture from every yaw.
+        turning: about the stem, with room for a full turn, so that the plant stays in the picture.
         """
         points = outline(clip)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        if turning:
+            middle[:2] = stem(clip)
         target = axes(clip.up).T @ middle
         reach = np.hypot(*(points[:, :2] - middle[:2]).T)
         profile = np.column_stack([reach, points[:, 2] - middle[2]])
@@ -221,6 +223,15 @@ def outline(clip: Clip) -> Vector:
         for share in (0.0, 0.5, 1.0)
     ]
     return np.concatenate(samples).astype(float) @ axes(clip.up).T
+
+
+def stem(clip: Clip) -> Vector:
+    """(2,) where the stem stands, in the first two axes of `axes`: the root organ's median."""
+    first = clip.at(clip.times[0])
+    roots = [track.id for track in clip.track_table if track.parent is None]
+    standing = np.isin(first.tracks, roots[:1])
+    points = first.local[standing] if standing.any() else first.local
+    return np.asarray(np.median(points @ axes(clip.up).T, axis=0)[:2])
 
 
 def _widest_yaw(horizontal: Vector) -> float:

@@ -64,6 +64,18 @@ def test_zoom_comes_nearer_and_never_through_the_target() -> None:
     assert 0.0 < nearest.near < nearest.distance < nearest.far
 
 
+def test_a_turntable_goes_round_the_stem(make_clip) -> None:
+    clip = make_clip()
+    first = clip.at(clip.times[0])
+    target = np.array(Camera.home(clip, turning=True).target)
+    np.testing.assert_allclose(target[:2], np.median(first.local[first.tracks == 0], axis=0)[:2])
+    # From every side the stem's line is upright in the middle of the picture.
+    line = target + np.array([[0.0, 0, -1], [0, 0, 1]])
+    for yaw in (0.0, 1.0, 4.0):
+        camera = Camera.home(clip, turning=True).orbit(yaw, 0)
+        np.testing.assert_allclose(on_screen(camera, line, 1.0)[:, 0], 0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize("aspect", [0.6, 1.0, 16 / 9])
 @pytest.mark.parametrize("up", ["z", "-y"])
 def test_home_shows_the_whole_clip_and_fills_the_picture(make_clip, aspect: float, up: str) -> None:
