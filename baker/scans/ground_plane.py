@@ -72,12 +72,18 @@ class Ground:
         held = (heights <= self.thickness) & (inside >= 0)
         held |= (heights <= self.rim) & (np.abs(inside) <= self.margin)
         rising = ~held & (heights <= 3 * self.thickness) & (inside >= self.margin)
-        if rising.sum() > 1:
-            spacing = np.median(KDTree(points[rising]).query(points[rising], k=2)[0][:, 1])
-            layer = np.flatnonzero(held & (heights >= -self.thickness))
+        layer = np.flatnonzero(held & (heights >= -self.thickness))
+        if min(rising.sum(), len(layer)) > 1:
+            spacing = min(_spacing(points[rising]), _spacing(points[layer]))
             distances, _ = KDTree(turned[rising, :2]).query(turned[layer, :2])
             held[layer[distances <= spacing]] = False
         return held
+
+
+def _spacing(points: Points) -> float:
+    from scipy.spatial import KDTree
+
+    return float(np.median(KDTree(points).query(points, k=2)[0][:, 1]))
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
