@@ -68,17 +68,19 @@ def nearest_neighbors(
 
     k = min(k, len(points) - 1)
     order = morton_order(points)
-    ordered = points[order]
-    tree = KDTree(ordered, balanced_tree=False)
-    distances, nearest = tree.query(ordered, np.arange(1, k + 2), workers=workers)
-    # Of points in one place, any may come first: each point itself is moved to the first column.
-    other = np.flatnonzero(nearest[:, 0] != np.arange(len(points)))
-    itself = np.argmax(nearest[other] == other[:, None], axis=1)
-    nearest[other, itself] = nearest[other, 0]
+    ordered, numbers = points[order], order.astype(np.int32)
+    tree, ranks = KDTree(ordered, balanced_tree=False), np.arange(1, k + 2)
     shape = len(points), k
     found = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
-    found.indices[order] = order.astype(np.int32).take(nearest[:, 1:])
-    found.distances[order] = distances[:, 1:]
+    stops = range(POINTS_AT_ONCE, len(points), POINTS_AT_ONCE)
+    for part in np.split(np.arange(len(points)), stops):
+        distances, nearest = tree.query(ordered[part], ranks, workers=workers)
+        # Of points in one place, any may come first: each itself is moved to the first column.
+        other = np.flatnonzero(nearest[:, 0] != part)
+        itself = np.argmax(nearest[other] == part[other, None], axis=1)
+        nearest[other, itself] = nearest[other, 0]
+        found.indices[order[part]] = numbers.take(nearest[:, 1:])
+        found.distances[order[part]] = distances[:, 1:]
     return found
 
 

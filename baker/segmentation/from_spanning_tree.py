@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import RootedTree, spanning_tree
+from baker.geometry.graph import RootedTree, chain_ends, spanning_tree
 from baker.geometry.neighbors import Neighbors
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
@@ -59,14 +59,11 @@ def _segment_starts(
 def _hierarchy(tree: RootedTree, starts: NDArray[np.bool_]) -> Hierarchy:
     """Segments numbered from the root on, each point in the segment that began above it last."""
     heads = tree.order[starts[tree.order]]
-    number = np.full(len(tree.order), -1)
+    number = np.empty(len(starts), np.intp)
     number[heads] = np.arange(len(heads))
-    segment, parent = number.tolist(), tree.parent.tolist()
-    for point in tree.order.tolist():
-        if segment[point] < 0:
-            segment[point] = segment[parent[point]]
-    _, members = split_by_label(np.array(segment))
-    parents = [NO_PARENT, *(segment[parent[head]] for head in heads[1:].tolist())]
+    segment = number[chain_ends(np.where(starts, np.arange(len(starts)), tree.parent))]
+    _, members = split_by_label(segment)
+    parents = [NO_PARENT, *segment[tree.parent[heads[1:]]].tolist()]
     notes: tuple[str, ...] = ()
     if tree.bridges:
         notes = (f"{tree.bridges} gaps in the cloud bridged, the widest {tree.widest:.3g}",)
