@@ -12,36 +12,18 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from baker.geometry.attachment import Attachment, attachment
 from baker.interpolation.movers import OrganMovers, shifted
+from baker.interpolation.organ_attachments import Attachment, attachment
 from baker.interpolation.resampling import position_at
 from baker.matching import IntervalOrgans, Match
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import NO_PARENT
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 MAX_WIDENING = 0.25  # point spacings by which a gap may widen; less is not seen
 FOLLOWING_RADIUS = 0.5  # root mean square radii of an organ; nearer points follow its attachment
-
-
-def attachments(cloud: NDArray[np.floating], hierarchy: Hierarchy) -> dict[int, Attachment]:
-    """Where each segment of a scan, (N, 3) points, is attached: if it has points and a parent."""
-    from scipy.spatial import cKDTree
-
-    @cache
-    def tree(segment: int) -> cKDTree:
-        return cKDTree(cloud.take(hierarchy.segments[segment], axis=0), balanced_tree=False)
-
-    return {
-        segment: attachment(cloud.take(members, axis=0), tree(parent))
-        for segment, (members, parent) in enumerate(
-            zip(hierarchy.segments, hierarchy.parents, strict=True)
-        )
-        if parent != NO_PARENT and len(members) and len(hierarchy.segments[parent])
-    }
 
 
 def attached(

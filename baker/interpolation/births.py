@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.attachment import Attachment
+from baker.interpolation.organ_attachments import Attachment
 from baker.interpolation.timing import Timing
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT

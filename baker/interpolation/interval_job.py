@@ -12,10 +12,10 @@ from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.attachment import attached, attachments
+from baker.interpolation.attachment import attached
 from baker.interpolation.births import Birth, births
 from baker.interpolation.movers import OrganMovers, leaving, moving
-from baker.interpolation.organ_attachments import Attachments, organ_attachments
+from baker.interpolation.organ_attachments import Attachments, attachments, organ_attachments
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import OrganShape, organ_shapes
 from baker.interpolation.paths import Deviation, OrganPaths

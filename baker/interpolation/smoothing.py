@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.keyframes import Keyframe
 from baker.geometry.rigid import rotations_between
-from baker.interpolation.attachment import attachments
+from baker.interpolation.organ_attachments import attachments
 from baker.interpolation.spine import unit
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
