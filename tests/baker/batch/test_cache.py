@@ -62,7 +62,7 @@ def test_a_scan_more_costs_its_own_intervals(scans, baked):
 @pytest.mark.parametrize(
     ("change", "solved"),
     [
-        ({"decay": "fade"}, 4),
+        ({"decay": "fade"}, 0),  # nothing is lost
         ({"workers": 2}, 0),
         ({"unit": "mm"}, 0),
         ({"graph_neighbors": 7}, 0),  # there are labels
