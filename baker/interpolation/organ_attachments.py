@@ -1,7 +1,7 @@
 """Where organs are attached to their parents: in one scan, and through a whole series.
 
-In one scan that is where they are nearest. But an organ may touch its parent at several places: a
-leaf whose tip hangs against the stem does so at its base and at its tip. Through a series the attachment moves little from scan to scan; tips don't stay.
+In one scan that is where they are nearest. But a leaf whose tip hangs against the stem touches it
+at its base and at its tip. Through a series an attachment moves little; tips don't stay.
 """
 
 from __future__ import annotations
