@@ -42,6 +42,7 @@ NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # among how many points they
 # their kinds, stem and leaf, in 1.2 (two grasses) to 5, heights in steps in 1.5 to 4.
 MIN_AGREEMENT = 0.5  # of neighbours, beyond chance
 MAX_PLACES, MAX_PLACES_OF_FEW, FEW_VALUES = 2.0, 1.25, 3  # in which a label may lie
+MIN_POINTS_OF_PLACE = 30
 MAX_STEPS = 0.9  # of neighbours that differ, differ by one: heights or scan lines
 
 
@@ -58,13 +59,18 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    clouds: Sequence[Cloud], paths: Sequence[Path], is_asked: bool = False
+    clouds: Sequence[Cloud],
+    paths: Sequence[Path],
+    is_asked: bool = False,
+    are_needed: bool = False,
 ) -> tuple[list[Cloud], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    Returned with the scans: where labels are from ("" where there are none), what they are called
-    where it is by words, and which fields were passed over; none where they are what the user
-    asked for. Raises InputError where such a field holds neither whole numbers nor words.
+    is_asked: the fields are named by the user. are_needed: the user said that there are labels, so
+    a field that is called labels is not doubted. Returned with the scans: where labels are from (""
+    where there are none), what they are called where it is by words, and which fields were passed
+    over; none where they are what the user asked for. Raises InputError where such a field holds
+    neither whole numbers nor words.
     """
     names: list[str] = []
     findings: list[Finding] = []
@@ -81,7 +87,8 @@ def choose_labels(
                 "or read the scans without labels (--labels ignore)."
             )
         objection = _objection(name, [clouds[k] for k in having], [v for _, v in bad])
-        if is_asked or not objection:
+        at_their_word = are_needed and is_known and objection and objection.doubt
+        if is_asked or not objection or at_their_word:
             names.append(name)
             if not is_known:
                 said = "is taken for labels: its values lie together as those of organs do"
@@ -220,7 +227,9 @@ def _patches(points: NDArray[np.floating], labels: NDArray) -> tuple[float, floa
     _, piece = connected_components(csr_matrix(edges, shape=(len(points),) * 2), directed=False)
     _, first, size = np.unique(piece, return_index=True, return_counts=True)
     places = counts**2 / np.bincount(label[first], size.astype(float) ** 2)
-    typical = max(np.median(places), np.median(np.repeat(places, counts)))
+    many = counts >= MIN_POINTS_OF_PLACE  # a few points lie apart by chance
+    places, counts = places[many], counts[many]
+    typical = max(np.median(places), np.median(np.repeat(places, counts))) if many.any() else 1.0
     differ = np.abs(label[near[:, 0]] - label)[~same[:, 0]]
     steps = float((differ == 1).mean()) if len(differ) and len(names) > NEIGHBORS else 0.0
     return float(agreement), float(typical), steps

@@ -71,7 +71,10 @@ def read_series(
     found = list(map(_about, origins, raw))
     paths = [entry.path for entry in entries]
     keep = options.ground == "keep"
-    clouds, field, words, labels = choose_labels(found, paths, options.label_field is not None)
+    are_needed = options.labels in ("consistent", "independent")
+    clouds, field, words, labels = choose_labels(
+        found, paths, options.label_field is not None, are_needed
+    )
     clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
     clouds, ground_up, ground = take_out_ground(

@@ -189,6 +189,13 @@ def test_kinds_of_organs_are_no_labels():
     assert choice(organ=words[ORGANS]) == ("organ", "")
 
 
+def test_labels_that_are_needed_are_taken_at_their_word():
+    kinds = {"organ": np.minimum(ORGANS, 1)}
+    scans = [Cloud(PLANT, fields=kinds)] * 2
+    assert choose_labels(scans, PATHS[:2])[1] == ""
+    assert choose_labels(scans, PATHS[:2], are_needed=True)[1] == "organ"
+
+
 def test_a_field_of_any_name_counts_where_its_values_lie_as_organs_do():
     field, said = choice(object_no=ORGANS)
     assert (field, said) == ("object_no", "")
