@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from baker.batch.cluster import bake_on_cluster
-from baker.batch.outputs import Outputs
+from baker.batch.outputs import Outputs, check_writable
 from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.progress import StageProgress
@@ -123,6 +123,7 @@ def _make_folder(folder: Path) -> None:
         raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
+    check_writable(folder)
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:

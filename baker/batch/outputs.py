@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,3 +53,10 @@ def check_output(path: Path, what: str, *suffixes: str) -> None:
         raise InputError(f"{path} is a folder; a file's name is needed.")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist.")
+    check_writable(path.parent)
+
+
+def check_writable(folder: Path) -> None:
+    """Raise InputError where nothing can be written into a folder."""
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: you may not write into this folder.")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pebble import ProcessPool
 
 PATIENCE = 5.0  # seconds that a task has to end once its parent has
+PATIENCE_OF_PARENT = 20.0  # the same where the parent ends it, on a machine that may be busy
 PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
 # With a fork server, processes are forked from one that has our libraries and no threads.
 START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
@@ -31,8 +32,9 @@ def process_pool(workers: int) -> Iterator[ProcessPool]:
     process and end with it, however it ends. Leaving the context by an exception ends their tasks
     by one, too, so that half-written files are removed. What travels has to be picklable.
     """
-    from pebble import ProcessPool
+    from pebble import CONSTS, ProcessPool
 
+    CONSTS.term_timeout = PATIENCE_OF_PARENT
     _start_fork_server()
     context = get_context(START_METHOD)
     reader, writer = context.Pipe(duplex=False)
