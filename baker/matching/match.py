@@ -71,7 +71,8 @@ def match_series(
     by_label : bool
         Labels are consistent: match by them. Else match down the hierarchies.
     distance : callable
-        Of two segments, (n, 3) and (m, 3), in length units; for matching down the hierarchies.
+        Of two segments, (n, 3) and (m, 3), in length units; for matching down the hierarchies. The
+        pipeline chooses it: the Wasserstein distance.
     rules : GreedyRules, optional
     report_progress : callable
         Called with the number of segments matched and the number of all.
