@@ -59,4 +59,4 @@ def check_output(path: Path, what: str, *suffixes: str) -> None:
 def check_writable(folder: Path) -> None:
     """Raise InputError where nothing can be written into a folder."""
     if not os.access(folder, os.W_OK):
-        raise InputError(f"{folder}: you may not write into this folder.")
+        raise InputError(f"{folder}: permission denied to write into this folder.")

@@ -216,13 +216,12 @@ def _patches(points: NDArray[np.floating], labels: NDArray) -> tuple[float, floa
     names, label = np.unique(labels[::step], return_inverse=True)
     if len(points) < MIN_SAMPLE or len(names) == 1:
         return 1.0, 1.0, 0.0
-    distances, near = KDTree(points).query(points, k=NEIGHBORS + 1)
-    distances, near = distances[:, 1:], near[:, 1:]
+    near = KDTree(points).query(points, k=NEIGHBORS + 1)[1][:, 1:]
     same = label[near] == label[:, None]
     counts = np.bincount(label)
     by_chance = float(((counts / len(label)) ** 2).sum())
     agreement = (same[:, 0].mean() - by_chance) / (1.0 - by_chance)
-    source, k = np.nonzero(same & (distances <= 3.0 * np.median(distances[:, -1])))
+    source, k = np.nonzero(same)
     edges = np.ones(len(source)), (source, near[source, k])
     _, piece = connected_components(csr_matrix(edges, shape=(len(points),) * 2), directed=False)
     _, first, size = np.unique(piece, return_index=True, return_counts=True)

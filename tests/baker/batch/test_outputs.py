@@ -18,5 +18,7 @@ def test_names_that_cannot_be_written_are_refused(tmp_path, name):
 def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypatch):
     check_output(tmp_path / "a.gclip", "a clip", ".gclip")
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # as for another user
-    with pytest.raises(InputError, match=f"{tmp_path}: you may not write into this folder"):
+    with pytest.raises(
+        InputError, match=f"{tmp_path}: permission denied to write into this folder"
+    ):
         check_output(tmp_path / "a.gclip", "a clip", ".gclip")
