@@ -77,9 +77,9 @@ def bake_here(
     processes = max(1, min(workers, len(jobs)))
     cores = workers // processes
     jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
-    with process_pool(processes) as pool:
+    with process_pool(processes) as submit:
         for attempt in range(1, ATTEMPTS + 1):
-            futures: dict[Future, PlantJob] = {pool.schedule(bake, [job]): job for job in jobs}
+            futures: dict[Future, PlantJob] = {submit(bake, job): job for job in jobs}
             jobs = []
             for future in as_completed(futures):
                 job = futures.pop(future)  # and with it what came back

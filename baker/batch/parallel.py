@@ -6,16 +6,15 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
-
-    from pebble import ProcessPool
 
 PATIENCE = 5.0  # seconds that a task has to end once its parent has
 PATIENCE_OF_PARENT = 20.0  # the same where the parent ends it, on a machine that may be busy
@@ -23,10 +22,13 @@ PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.spa
 # With a fork server, processes are forked from one that has our libraries and no threads.
 START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
+Submit = Callable[..., "Future[Any]"]
+"""``submit(function, *arguments)``"""
+
 
 @contextmanager
-def process_pool(workers: int) -> Iterator[ProcessPool]:
-    """A pool of worker processes; one that is killed takes only its own task with it.
+def process_pool(workers: int) -> Iterator[Submit]:
+    """Worker processes to submit tasks to; one that is killed takes only its own task with it.
 
     They are not forked from this process, whose threads may hold locks. They leave Ctrl-C to this
     process and end with it, however it ends. Leaving the context by an exception ends their tasks
@@ -40,7 +42,7 @@ def process_pool(workers: int) -> Iterator[ProcessPool]:
     reader, writer = context.Pipe(duplex=False)
     pool = ProcessPool(workers, initializer=_follow_parent, initargs=[writer], context=context)
     try:
-        yield pool
+        yield lambda function, *arguments: pool.schedule(_run, [function, *arguments])
         pool.close()
     except BaseException:
         for _ in range(workers):  # one that is still starting would end with a traceback
@@ -82,6 +84,14 @@ def _follow_parent(started: Connection) -> None:
         os._exit(1)
 
     Thread(target=end_with_parent, daemon=True).start()
+
+
+def _run(function: Callable[..., Any], *arguments: Any) -> Any:
+    """A task. If it is ended the process ends with it, and begins none of those that wait."""
+    try:
+        return function(*arguments)
+    except SystemExit:
+        os._exit(1)
 
 
 def _end_task(number: int, frame: object) -> None:

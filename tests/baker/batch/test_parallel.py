@@ -57,25 +57,26 @@ def warn(number: int) -> int:
 
 
 def test_results_are_from_other_processes() -> None:
-    with process_pool(2) as pool:
-        assert list(pool.map(square, range(9)).result()) == [k * k for k in range(9)]
-        processes = set(pool.map(whoami, range(4)).result())
+    with process_pool(2) as submit:
+        squares = [submit(square, k) for k in range(9)]
+        assert [task.result() for task in squares] == [k * k for k in range(9)]
+        processes = {task.result() for task in [submit(whoami, k) for k in range(4)]}
     assert len(processes) == 2
     assert os.getpid() not in processes
 
 
 def test_errors_are_raised_here() -> None:
-    with pytest.raises(ArithmeticError, match="no 3"), process_pool(2) as pool:
-        pool.schedule(fail, [3]).result()
+    with pytest.raises(ArithmeticError, match="no 3"), process_pool(2) as submit:
+        submit(fail, 3).result()
 
 
 def test_a_task_that_kills_its_process_fails_alone() -> None:
-    with process_pool(2) as pool:
-        doomed, other = pool.schedule(die), pool.schedule(square, [3])
+    with process_pool(2) as submit:
+        doomed, other = submit(die), submit(square, 3)
         assert other.result() == 9
         with pytest.raises(ProcessExpired):
             doomed.result()
-        assert pool.schedule(square, [4]).result() == 16
+        assert submit(square, 4).result() == 16
 
 
 def test_a_killed_plant_is_baked_once_more(tmp_path: Path) -> None:
@@ -111,9 +112,9 @@ def _bake_or_die(job: PlantJob) -> Outcome:
 
 
 def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
-    with suppress(KeyboardInterrupt), process_pool(2) as pool:
+    with suppress(KeyboardInterrupt), process_pool(2) as submit:
         for _ in range(8):
-            pool.schedule(leave_marker, [tmp_path])
+            submit(leave_marker, tmp_path)
         processes = _wait_for_markers(tmp_path, 2)
         raise KeyboardInterrupt
     assert not any(map(alive, processes))
@@ -125,8 +126,9 @@ def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
         "from pathlib import Path\n"
         "from baker.batch.parallel import process_pool\n"
         "from tests.baker.batch.test_parallel import leave_marker\n"
-        "with process_pool(2) as pool:\n"
-        f"    pool.map(leave_marker, 2 * [Path({str(tmp_path)!r})]).result()\n"
+        "with process_pool(2) as submit:\n"
+        f"    tasks = [submit(leave_marker, Path({str(tmp_path)!r})) for _ in range(2)]\n"
+        "    tasks[0].result()\n"
     )
     command = subprocess.Popen([sys.executable, "-c", code])
     processes = _wait_for_markers(tmp_path, 2)
@@ -147,8 +149,9 @@ def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
         "with bars:\n"
         "    task = bars.bars.add_task('warning', total=40)\n"
         "    for _ in range(5):\n"
-        "        with process_pool(4) as pool:\n"
-        "            for number in pool.map(warn, range(8)).result():\n"
+        "        with process_pool(4) as submit:\n"
+        "            for one in [submit(warn, k) for k in range(8)]:\n"
+        "                one.result()\n"
         "                bars.bars.update(task, advance=1)\n"
     )
     ours, terminal = pty.openpty()
