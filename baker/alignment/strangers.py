@@ -11,7 +11,7 @@ from baker.alignment.icp import trimmed_residual
 from baker.alignment.sample import EvenSample
 from baker.scans.finding import Finding
 
-REACH = 2  # scans before and after one that it is compared with
+SCANS_AROUND = 2  # before and after one that it is compared with
 # Of the plant's size: by how much a scan has to be farther from those around it than these are from
 # each other. Of 20 real series no scan is 0.06 farther; of scans of another plant among them 60 %.
 MAX_EXCESS = 0.055
@@ -30,18 +30,18 @@ def strangers(
     size = max(float(np.ptp(sample.points, axis=0).max()) for sample in samples)
     distances = np.zeros((count, count))
     for i in range(count):
-        for j in range(i + 1, min(i + REACH + 1, count)):
+        for j in range(i + 1, min(i + SCANS_AROUND + 1, count)):
             step = np.linalg.inv(transforms[i]) @ transforms[j]
             distances[i, j] = trimmed_residual(samples[i], samples[j], step)
     distances += distances.T
-    odd = []
+    unlike = []
     for k in range(int(count == 2), count):
-        around = [j for j in range(max(k - REACH, 0), min(k + REACH + 1, count)) if j != k]
-        others = [distances[i, j] for i in around for j in around if i < j <= i + REACH]
+        around = [j for j in range(count) if 0 < abs(j - k) <= SCANS_AROUND]
+        others = [distances[i, j] for i in around for j in around if i < j <= i + SCANS_AROUND]
         excess = np.median(distances[k, around]) - (np.median(others) if others else 0.0)
         if excess > (MAX_EXCESS if others else MAX_RESIDUAL) * size:
-            odd.append(names[k])
-    if not odd:
+            unlike.append(names[k])
+    if not unlike:
         return []
-    doubt = f"{', '.join(odd)} may be of another plant, upside down or in another unit"
+    doubt = f"{', '.join(unlike)} may be of another plant, upside down or in another unit"
     return [Finding("plant", "the same one in all scans", doubt)]

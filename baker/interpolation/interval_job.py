@@ -146,16 +146,11 @@ def _decays(
 ) -> list[dict[int, Motion]]:
     """How each lost organ leaves: what a later scan shows again was hidden, and does not fall."""
     decays, later = [], set[int]()
-    for lost, organs in zip(reversed(tasks), reversed(tracks), strict=True):
-        decays.append(
-            {
-                task.organ: Motion.FADE
-                if decay is Motion.FALL and (found_organs or task.organ in later)
-                else decay
-                for task in lost
-                if task.event == "loss"
-            }
-        )
+    for interval, organs in zip(reversed(tasks), reversed(tracks), strict=True):
+        lost = [task.organ for task in interval if task.event == "loss"]
+        fading = {organ for organ in lost if found_organs or organ in later}
+        fading = fading if decay is Motion.FALL else set()
+        decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
         later |= {*organs.second.values()}
     return decays[::-1]
 

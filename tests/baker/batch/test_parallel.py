@@ -111,6 +111,11 @@ def _bake_or_die(job: PlantJob) -> Outcome:
     return Outcome(job.name, "baked")
 
 
+def test_a_task_that_is_ended_takes_its_process_with_it() -> None:
+    with pytest.raises(ProcessExpired), process_pool(1) as submit:
+        submit(sys.exit, 3).result()
+
+
 def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
     with suppress(KeyboardInterrupt), process_pool(2) as submit:
         for _ in range(8):

@@ -189,6 +189,13 @@ def test_kinds_of_organs_are_no_labels():
     assert choice(organ=words[ORGANS]) == ("organ", "")
 
 
+def test_a_few_points_do_not_tell_that_labels_are_kinds():
+    few = np.zeros(len(PLANT), int)
+    for leaf in (1, 2):
+        few[np.flatnonzero(leaf == ORGANS)[np.argsort(-np.abs(LEAVES[leaf - 1][:, 0]))[:12]]] = 1
+    assert choice(organ=few) == ("organ", "")
+
+
 def test_labels_that_are_needed_are_taken_at_their_word():
     kinds = {"organ": np.minimum(ORGANS, 1)}
     scans = [Cloud(PLANT, fields=kinds)] * 2
