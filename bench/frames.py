@@ -38,17 +38,17 @@ import gclip
 from bench.synthetic import growing, static
 from gclip import Clip
 from gclip.evaluate import layers_at
-from player.camera import Camera
-from player.chunks import estimate
-from player.context import headless
-from player.detail import Pace
-from player.dots import Way
 from player.export import Film, export
 from player.export.video import write_mp4
-from player.offscreen import Offscreen
-from player.renderer import Renderer
-from player.style import Style
-from player.window import LOADING
+from player.gl.context import headless
+from player.rendering.headless import Offscreen
+from player.rendering.point_buffers import estimate
+from player.rendering.points import Way
+from player.rendering.renderer import Renderer
+from player.view.camera import Camera
+from player.view.style import Style
+from player.window.app import LOADING
+from player.window.dynamic_resolution import Pace
 
 Size = tuple[int, int]
 ROUNDS = 5

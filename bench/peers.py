@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from bench.synthetic import growing
 from gclip.evaluate import bernstein
-from player.camera import Camera
+from player.view.camera import Camera
 
 Draw = Callable[[float], NDArray]
 PIXELS = 2  # a point's diameter in the peers' pictures
@@ -58,8 +58,8 @@ class Plant:
 
 
 def ours(plant: Plant, plain: bool) -> Draw:
-    from player.offscreen import Offscreen
-    from player.style import Style
+    from player.rendering.headless import Offscreen
+    from player.view.style import Style
 
     offscreen = Offscreen(plant.clip, plant.size, supersample=1)
     style = Style(depth_cue=False, eye_dome=0.0, show_ground=False) if plain else Style()

@@ -7,7 +7,7 @@ picture = render(gclip.open("plant.gclip"), day=12.5, size=(1280, 720))   # (720
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from player.offscreen import render
+    from player.rendering.headless import render
 
 __all__ = ["render"]
 
@@ -16,6 +16,6 @@ def __getattr__(name: str) -> Any:
     """Load the graphics libraries only when a picture is wanted: `--help` stays instant."""
     if name != "render":
         raise AttributeError(f"module 'player' has no attribute {name!r}")
-    from player.offscreen import render
+    from player.rendering.headless import render
 
     return render

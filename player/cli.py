@@ -16,8 +16,8 @@ from gclip.terminal.command import run_app
 from gclip.terminal.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
-from player.keys import help_text
-from player.style import Style
+from player.ui.keys import help_text
+from player.view.style import Style
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -180,7 +180,7 @@ def play_command(
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
         from player.export import Film
-        from player.export.stamp import Stamps
+        from player.export.annotations import Stamps
 
         film = Film(
             *(_size(size or SIZE), fps, seconds, turning, style, days, every),
@@ -202,7 +202,7 @@ def play_command(
             console if console.is_terminal else Console(file=stdout, width=200), _open(clip), clip
         )
     else:
-        from player.start import Wanted, start
+        from player.window.start import Wanted, start
 
         files = [clip] if second is None else [clip, second]
         chosen = None if size is None else _size(size)
@@ -211,7 +211,7 @@ def play_command(
 
 def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
     from player.export import export, format_of
-    from player.progress import FrameProgress
+    from player.export.progress import FrameProgress
 
     chosen = format_of(output, film)
     clip = _open(path)
@@ -220,7 +220,7 @@ def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | No
         if not first <= day <= last:
             raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
     if camera is not None:
-        from player.camera_path import load_path
+        from player.view.camera_animation import load_path
 
         film = replace(film, path=load_path(camera, clip))
     with FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:

@@ -23,11 +23,11 @@ from PIL import Image, ImageGrab
 
 import gclip
 from gclip import Clip
-from player.camera import Camera
 from player.export import Film, export
-from player.export.stamp import Stamps
-from player.offscreen import Offscreen
-from player.style import Style
+from player.export.annotations import Stamps
+from player.rendering.headless import Offscreen
+from player.view.camera import Camera
+from player.view.style import Style
 
 HERE = Path(__file__).parent
 GAP = 6  # pixels between the parts of a picture

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from gclip.evaluate import linear_to_srgb, srgb_to_linear
 
 if TYPE_CHECKING:
-    from player.camera import Camera
-    from player.offscreen import Offscreen
-    from player.style import Style
+    from player.rendering.headless import Offscreen
+    from player.view.camera import Camera
+    from player.view.style import Style
 
 CLEAR, DENSE = 0.02, 0.98  # opacities so near to none or full are eight bits' rounding
 FAR_AWAY = 1e3  # scene radii

@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from player.colors import Colors
-from player.export.stamp import Stamps, stamped
-from player.style import Style
+from player.export.annotations import Stamps, stamped
+from player.view.colors import Colors
+from player.view.style import Style
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gclip import Clip
-    from player.camera import Camera
-    from player.camera_path import CameraPath
-    from player.offscreen import Offscreen
+    from player.rendering.headless import Offscreen
+    from player.view.camera import Camera
+    from player.view.camera_animation import CameraPath
 
 SECONDS_AN_INTERVAL = 1.5
 SHORTEST, LONGEST = 4.0, 30.0  # seconds of a film whose length was not asked for
@@ -124,7 +124,7 @@ class Film:
 
     def camera(self, clip: Clip, day: float | None = None) -> Camera:
         """From where a day is seen; without one, the film's first picture."""
-        from player.camera import Camera
+        from player.view.camera import Camera
 
         if self.path:
             return self.path.at(self.days(clip)[0] if day is None else day)

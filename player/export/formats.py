@@ -9,17 +9,18 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from player.colors import Colors
+from player.atomic_write import check_folder
 from player.errors import PlayerError
-from player.export import image, stamp, usd, video
+from player.export import image, usd, video
+from player.export.annotations import check as check_stamps
 from player.export.film import Film
-from player.export.output import check_folder
+from player.view.colors import Colors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gclip import Clip
-    from player.offscreen import Offscreen
+    from player.rendering.headless import Offscreen
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 
@@ -70,7 +71,7 @@ def export(
     if count > MOST:
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
     if chosen.picture:
-        stamp.check(film.stamps, clip, film)
+        check_stamps(film.stamps, clip, film)
     colors = Colors(clip)
     worn = colors.baked(film.style) if chosen.points else colors.worn(film.style)
     chosen.write(worn, film, path, progress)
@@ -160,7 +161,7 @@ def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def _offscreen(clip: Clip, film: Film) -> Offscreen:
-    from player.offscreen import Offscreen
+    from player.rendering.headless import Offscreen
 
     return Offscreen(clip, film.size)
 
@@ -185,14 +186,14 @@ FORMATS: tuple[Format, ...] = (
     Format(
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
     ),
-    Format("plant.html", "one page to turn and play in any browser, offline", _from("page")),
+    Format("plant.html", "one page to turn and play in any browser, offline", _from("web.page")),
     Format("cloud.ply", "one point cloud, for any program", _from("ply"), points=True, days=1),
     Format(
         "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
         _from("ply", "write_sequence"), sequence=True, points=True, days=2,
     ),
     Format(
-        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("glb"),
+        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("gltf"),
         points=True,
     ),
     Format(

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from player.atomic_write import free_name, whole_file, whole_sequence
 from player.errors import PlayerError
-from player.export.output import free_name, whole_file, whole_sequence
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

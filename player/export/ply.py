@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from player.atomic_write import whole_file, whole_sequence
 from player.export.film import Film
-from player.export.output import whole_file, whole_sequence
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -87,7 +87,7 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
-    from player.dates import date_at
+    from player.view.dates import date_at
 
     kinds = vertices.dtype
     lines = [

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from player.atomic_write import whole_file
 from player.export.film import Film
-from player.export.output import whole_file
 from traits import measure_days, write_table
 from traits.table import Namer
 

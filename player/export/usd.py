@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film
-from player.export.output import whole_file
 
 if TYPE_CHECKING:
     from gclip import Clip, Group, Interval
@@ -129,7 +129,7 @@ def _linear_colors(
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) from local coordinates to the stage's: y or z up as it is, else turned to z up."""
-    from player.camera import axes
+    from player.view.camera import axes
 
     matrix = np.eye(4)
     if clip.up != "y":

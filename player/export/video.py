@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film
-from player.export.output import whole_file
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,7 +11,7 @@ import pytest
 
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
-from player.context import headless
+from player.gl.context import headless
 from tests.player.shown import SIZE, Shown, small_clip
 
 ClipMaker = Callable[..., Clip]

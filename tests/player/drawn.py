@@ -12,9 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.camera import Camera
-from player.renderer import Renderer
-from player.style import Style
+from player.rendering.renderer import Renderer
+from player.view.camera import Camera
+from player.view.style import Style
 
 Picture = NDArray[np.integer]
 
@@ -50,7 +50,7 @@ def drawn(
     """
     with pytest.MonkeyPatch.context() as patch:
         if as_on_a_gpu:
-            patch.setattr("player.renderer.on_cpu", lambda context: False)
+            patch.setattr("player.rendering.renderer.on_cpu", lambda context: False)
         renderer = Renderer(context, clip, supersample, **renderer_options)
     framebuffer = context.simple_framebuffer(size, 3)
     whole = renderer.draw(framebuffer, day, camera, style or Style(), size, every=every)

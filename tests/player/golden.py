@@ -21,24 +21,24 @@ from numpy.typing import NDArray
 
 import gclip
 from gclip import Clip
-from player.camera import Camera
-from player.camera_path import CameraPath
-from player.choices import Compare
-from player.colors import Colors
-from player.compare import panes_of
-from player.context import headless
-from player.detail import Detail
-from player.dots import Way
+from player.export.annotations import Stamps
 from player.export.film import Film
-from player.export.stamp import Stamps
-from player.measures import Measures, home_camera
-from player.offscreen import Offscreen
-from player.scene import Scene
-from player.show import Shown
-from player.stage import Stage
-from player.style import Style
-from player.suited import suited
-from player.timeline import Timeline
+from player.gl.context import headless
+from player.rendering.headless import Offscreen
+from player.rendering.points import Way
+from player.view.camera import Camera
+from player.view.camera_animation import CameraPath
+from player.view.choices import Compare
+from player.view.colors import Colors
+from player.view.playback import Timeline
+from player.view.split_view import panes_of
+from player.view.state import Scene
+from player.view.style import Style
+from player.window.dynamic_resolution import Detail
+from player.window.opened_clip import Shown
+from player.window.suited import suited
+from player.window.viewports import Stage
+from player.window.window_size import Measures, home_camera
 from tests.player.drawn import drawn
 
 FOLDER = Path(__file__).parent / "pictures"
@@ -161,7 +161,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, False)
         shown = replace(suited(plain, [Shown(clip, plant)]), **scene)
         panes = panes_of(shown, [clip], [plant])
-        from player.overlay import Facts, Overlay
+        from player.ui.overlay import Facts, Overlay
 
         facts = Facts(Colors(clip).scale(style), panes=panes if len(panes) > 1 else ())
         with _screen(size) as (context, screen):

@@ -15,7 +15,7 @@ import numpy as np
 
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
-from player.layout import Layout, arrange
+from player.ui.layout import Layout, arrange
 
 SIZE = (640, 480)
 TIMES = (0.0, 2.0, 3.0)
@@ -27,9 +27,9 @@ import json, sys, time
 from dataclasses import replace
 from pathlib import Path
 from imgui_bundle import imgui
-from player.panel_widgets import Widgets
-from player.show import Shown
-from player.window import show
+from player.ui.panel_widgets import Widgets
+from player.window.opened_clip import Shown
+from player.window.app import show
 
 switches, switch = {}, Widgets.switch
 

@@ -113,8 +113,8 @@ def test_help_needs_no_graphics() -> None:
 def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -> None:
     from PIL import Image
 
-    from player.camera import Camera
-    from player.camera_path import CameraPath, save_path
+    from player.view.camera import Camera
+    from player.view.camera_animation import CameraPath, save_path
 
     clip = make_clip()
     clip.save(tmp_path / "a.gclip")

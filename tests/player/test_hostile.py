@@ -172,8 +172,8 @@ def test_gltf_and_usd_hold_names_as_text(make_clip: ClipMaker, tmp_path: Path, n
 def test_pictures_with_nasty_titles_are_drawn(
     make_clip: ClipMaker, tmp_path: Path, nasty: str
 ) -> None:
-    from player.export.stamp import Stamps
-    from player.style import Style
+    from player.export.annotations import Stamps
+    from player.view.style import Style
 
     clip = poisoned(make_clip(), nasty)
     film = Film(
@@ -188,7 +188,7 @@ def test_the_window_writes_any_name(make_clip: ClipMaker, nasty: str) -> None:
 
 
 def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> None:
-    from player.export.output import free_name
+    from player.atomic_write import free_name
 
     for path in (free_name(nasty, "film.mp4", tmp_path), free_name(nasty, "a/%04d.png", tmp_path)):
         assert tmp_path in path.parents

@@ -55,16 +55,16 @@ def told(clip: Clip, path: Path) -> None:
 
 def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
-    from player.camera import Camera
-    from player.camera_path import CameraPath
-    from player.chunks import Portion, estimate
-    from player.closing import ClosingDistances
-    from player.colors import Colors
-    from player.dates import date_at, elapsed, short_dates
-    from player.layout import arrange
-    from player.measures import home_camera
-    from player.style import Style
-    from player.timeline import Timeline
+    from player.rendering.point_buffers import Portion, estimate
+    from player.rendering.splat_radius import ClosingDistances
+    from player.ui.layout import arrange
+    from player.view.camera import Camera
+    from player.view.camera_animation import CameraPath
+    from player.view.colors import Colors
+    from player.view.dates import date_at, elapsed, short_dates
+    from player.view.playback import Timeline
+    from player.view.style import Style
+    from player.window.window_size import home_camera
 
     dates = [scan.date for scan in clip.scans]
     home = Camera.home(clip, ASPECT)
@@ -111,7 +111,7 @@ USES: dict[str, Callable[[Clip, Path], None]] = {
 
 def drawn(clip: Clip, path: Path) -> None:
     """A small picture, without an error that OpenGL would report."""
-    from player.offscreen import Offscreen
+    from player.rendering.headless import Offscreen
 
     with Offscreen(clip, (48, 36), supersample=1) as offscreen:
         for day in (clip.times[0], clip.times[-1]):
@@ -121,12 +121,12 @@ def drawn(clip: Clip, path: Path) -> None:
 
 def overlaid(clip: Clip, path: Path) -> None:
     """What lies over the plant in the window: names and dates as a clip has them."""
-    from player.camera import Camera
-    from player.context import headless
-    from player.overlay import Facts, Overlay
-    from player.scene import Scene
-    from player.style import Style
-    from player.timeline import Timeline
+    from player.gl.context import headless
+    from player.ui.overlay import Facts, Overlay
+    from player.view.camera import Camera
+    from player.view.playback import Timeline
+    from player.view.state import Scene
+    from player.view.style import Style
 
     context = headless()
     framebuffer = context.simple_framebuffer((900, 500))

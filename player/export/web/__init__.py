@@ -1,0 +1,1 @@
+"""Exports a clip as one HTML page that plays it."""

@@ -1,0 +1,1 @@
+"""OpenGL: contexts, shaders, framebuffers, memory and errors."""

@@ -1,0 +1,1 @@
+"""Renders a clip's points with OpenGL, on a screen or without one."""

@@ -1,0 +1,110 @@
+"""Pictures of a clip, without a screen."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from player.gl.context import headless
+from player.gl.gl_errors import (
+    ContextLost,
+    OutOfGpuMemory,
+    check_context,
+    pictures_of,
+    samples_within,
+)
+from player.view.camera import Camera
+from player.view.style import Style
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+
+def render(
+    clip: Clip,
+    day: float,
+    size: tuple[int, int] = (1280, 720),
+    camera: Camera | None = None,
+    style: Style | None = None,
+) -> NDArray[np.uint8]:
+    """A picture of the plant on `day`: (height, width, 4) uint8 sRGB, top row first.
+
+    size:   (width, height) in pixels.
+    camera: where from; None frames the whole series.
+    Raises PlayerError where no OpenGL can be had.
+    """
+    with Offscreen(clip, size) as offscreen:
+        return offscreen.picture(day, camera, style)
+
+
+class Offscreen:
+    """A renderer with a framebuffer of its own, for one picture after the other."""
+
+    def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
+        self.clip = clip
+        self.size = size
+        self._supersample = supersample
+        self._made = ExitStack()
+        self._begin()
+
+    def _begin(self) -> None:
+        from player.rendering.renderer import Renderer
+
+        with ExitStack() as made:
+            self.context = headless()
+            made.callback(self.context.release)
+            self._supersample = samples_within(self.context, self.size, self._supersample)
+            self._renderer = Renderer(self.context, self.clip, self._supersample)
+            made.callback(self._renderer.release)
+            with pictures_of(self.size):
+                self._framebuffer = self.context.simple_framebuffer(self.size)
+            made.callback(self._framebuffer.release)
+            self._made = made.pop_all()
+
+    @cached_property
+    def home(self) -> Camera:
+        """The whole series in the picture."""
+        return Camera.home(self.clip, self.size[0] / self.size[1])
+
+    def picture(
+        self, day: float, camera: Camera | None = None, style: Style | None = None
+    ) -> NDArray[np.uint8]:
+        """(height, width, 4) uint8 sRGB, top row first.
+
+        Where the driver was reset, all is begun anew once; where the GPU's memory is full, with one
+        sample a pixel. Raises PlayerError where that doesn't help, ClipError where the clip's file
+        was cut short after it was opened.
+        """
+        camera, style = camera or self.home, style or Style()
+        try:
+            return self._picture(day, camera, style)
+        except OutOfGpuMemory:
+            if self._supersample == 1:
+                raise
+            self._supersample = 1
+        except ContextLost:
+            pass
+        self.release()
+        self._begin()
+        return self._picture(day, camera, style)
+
+    def _picture(self, day: float, camera: Camera, style: Style) -> NDArray[np.uint8]:
+        width, height = self.size
+        self._renderer.draw(self._framebuffer, day, camera, style, self.size)
+        pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
+        check_context(self.context)
+        return pixels.reshape(height, width, 4)[::-1]
+
+    def release(self) -> None:
+        """Give the context back, if that has not been done."""
+        self._made.close()
+
+    def __enter__(self) -> Offscreen:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()

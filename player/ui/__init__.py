@@ -1,0 +1,1 @@
+"""The panel, the timeline, the help and the annotations over the picture."""

@@ -1,0 +1,246 @@
+"""The one table of keys and mouse actions: it drives the handling, the help overlay and `--help`.
+
+A key is named as GLFW does, in lower case ("space", "page_up", "f11"), or by the character typed
+("?", "+"), which is right on every keyboard layout; "shift+left" asks for the modifier.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from player.ui import actions
+from player.view.choices import Wish
+
+if TYPE_CHECKING:
+    from player.view.state import Scene
+
+NUDGED, FRAMED = "back, on a little", "one frame back, on"
+SIDES = "front, side, back, top"
+KEYED = "add, remove a camera key"
+SIZED = "smaller, larger points"
+ORGANS = "next, previous organ"
+WIPED = "move the wipe"
+ZOOM_STEP = 1.12  # factor of one wheel notch
+TURN = math.radians(180.0)  # orbit of a drag over the window's height
+
+_SHOWN = {
+    "space": "Space",
+    "left": "←",
+    "right": "→",
+    "up": "↑",
+    "down": "↓",
+    "page_up": "PgUp",
+    "page_down": "PgDn",
+    "escape": "Esc",
+    "home": "Home",
+    "tab": "Tab",
+    "end": "End",
+    "-": "−",
+}
+
+
+@dataclass(frozen=True)
+class Action:
+    """Something that keys, and perhaps a button on the screen, do to the scene.
+
+    keys:    any of them does it.
+    help:    what it does, in a few words.
+    row:     the line of help that it shares with its neighbours, if it has no line of its own.
+    repeats: goes on while the key is held.
+    """
+
+    name: str
+    section: str
+    keys: tuple[str, ...]
+    help: str
+    do: Callable[[Scene], Scene]
+    row: str = ""
+    repeats: bool = False
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The keys as people read them: "Space", "Shift ←", "G"."""
+        return tuple(label(key) for key in self.keys)
+
+
+@dataclass(frozen=True)
+class Drag:
+    """A mouse button held and moved over the plant.
+
+    do: from the scene and the way moved, (right, down) in window heights, to the next scene.
+    """
+
+    name: str
+    button: str
+    shift: bool
+    label: str
+    help: str
+    do: Callable[[Scene, float, float], Scene]
+
+
+def label(key: str) -> str:
+    """A key's name as people read it."""
+    *modifiers, last = key.split("+") if len(key) > 1 else [key]
+    return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.upper())])
+
+
+def _timed(move: str, *given: float) -> Callable[[Scene], Scene]:
+    """A move of the timeline, by its name."""
+    return lambda scene: scene.clock(lambda timeline: getattr(timeline, move)(*given))
+
+
+ACTIONS: tuple[Action, ...] = (
+    Action("play", "Time", ("space",), "play, pause", _timed("toggled")),
+    Action("back", "Time", ("left",), "back a little", actions.nudged(-1), NUDGED, True),
+    Action("on", "Time", ("right",), "on a little", actions.nudged(1), NUDGED, True),
+    Action("frame back", "Time", (",",), "one frame back", _timed("framed", -1), FRAMED, True),
+    Action("frame on", "Time", (".",), "one frame on", _timed("framed", 1), FRAMED, True),
+    Action(
+        "previous", "Time", ("page_up", "shift+left"), "previous scan", _timed("stepped", -1),
+        "previous, next scan", True,
+    ),
+    Action(
+        "next", "Time", ("page_down", "shift+right"), "next scan", _timed("stepped", 1),
+        "previous, next scan", True,
+    ),
+    Action("first", "Time", ("home",), "first scan", actions.to_first, "first, last scan"),
+    Action("last", "Time", ("end",), "last scan", actions.to_last, "first, last scan"),
+    Action("slower", "Time", ("[", "down"), "slower", _timed("slower"), "slower, faster"),
+    Action("faster", "Time", ("]", "up"), "faster", _timed("faster"), "slower, faster"),
+    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.looped),
+    Action("begin", "Time", ("i",), "play from here", actions.begun, "play from, up to here"),
+    Action("end", "Time", ("o",), "play up to here", actions.ended, "play from, up to here"),
+    Action("whole", "Time", ("u",), "play the whole series", actions.unbounded),
+    Action("fit", "View", ("f",), "whole plant", actions.fitted),
+    Action("front", "View", ("1",), "from the front", actions.looked(0.0), SIDES),
+    Action("side", "View", ("2",), "from the side", actions.looked(90.0), SIDES),
+    Action("behind", "View", ("3",), "from behind", actions.looked(180.0), SIDES),
+    Action("above", "View", ("4",), "from above", actions.looked(0.0, 90.0), SIDES),
+    Action("parallel", "View", ("5",), "perspective or parallel", actions.flattened),
+    Action("turn", "View", ("t",), "go round the plant", actions.turned),
+    Action("add key", "View", ("k",), "add a camera key", actions.keyed, KEYED),
+    Action("drop key", "View", ("shift+k",), "remove a camera key", actions.unkeyed, KEYED),
+    Action("follow", "View", ("j",), "follow the camera's path", actions.followed),
+    Action(
+        "save path", "View", ("shift+j",), "save the camera's path",
+        lambda s: replace(s, wish=Wish.SAVE_PATH),
+    ),
+    Action("color", "Look", ("c",), "colour by something else", actions.recolored),
+    Action("smaller", "Look", ("-",), "smaller points", actions.smaller, SIZED, True),
+    Action("larger", "Look", ("+", "="), "larger points", actions.larger, SIZED, True),
+    Action("pixels", "Look", ("p",), "points sized in the world or in pixels", actions.pixeled),
+    Action("ground", "Look", ("g",), "light or dark ground", actions.grounded),
+    Action("floor", "Look", ("b",), "floor and shadow", actions.styled("show_ground")),
+    Action("depth", "Look", ("d",), "depth cue", actions.styled("depth_cue")),
+    Action("shading", "Look", ("m",), "shading: none, soft, strong", actions.shaded),
+    Action("guides", "Look", ("a",), "scale bar and axes", actions.switched("guides")),
+    Action("legend", "Look", ("y",), "legend", actions.switched("legend")),
+    Action("next organ", "Organs", ("n",), "next organ", actions.picked_next(1), ORGANS),
+    Action("last organ", "Organs", ("shift+n",), "previous organ", actions.picked_next(-1), ORGANS),
+    Action("hide", "Organs", ("x",), "hide the organ", actions.hidden),
+    Action("alone", "Organs", ("z",), "the organ alone", actions.isolated),
+    Action("show all", "Organs", ("shift+x",), "show all organs", actions.all_shown),
+    Action("compare", "Compare", ("v",), "with the nearest scan", actions.compared),
+    Action("wipe left", "Compare", ("<",), "wipe to the left", actions.wiped(-0.05), WIPED, True),
+    Action("wipe right", "Compare", (">",), "wipe to the right", actions.wiped(0.05), WIPED, True),
+    Action("picture", "Window", ("s",), "save a picture", actions.pictured),
+    Action("export", "Window", ("e",), "export, or stop exporting", actions.exported),
+    Action("format", "Window", ("shift+e",), "what to export", actions.reformatted),
+    Action("size", "Window", ("r",), "size of pictures", actions.picture_resized),
+    Action("transparent", "Window", ("shift+s",), "pictures without ground", actions.cut_out),
+    Action("panel", "Window", ("tab",), "panel", actions.switched("panel")),
+    Action("fullscreen", "Window", ("f11",), "full screen", actions.switched("fullscreen")),
+    Action("help", "Window", ("h", "?", "f1"), "this help", actions.switched("help")),
+    Action("leave", "Window", ("escape",), "close, let go, or quit", actions.left),
+    Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
+)  # fmt: skip
+
+
+def _orbited(scene: Scene, right: float, down: float) -> Scene:
+    return scene.seen(lambda c: c.orbit(-TURN * right, TURN * down))
+
+
+def _panned(scene: Scene, right: float, down: float) -> Scene:
+    return scene.seen(lambda c: c.pan(right, -down))
+
+
+DRAGS: tuple[Drag, ...] = (
+    Drag("orbit", "left", False, "Drag", "turn the plant", _orbited),
+    Drag("pan", "left", True, "Shift drag", "shift the plant", _panned),
+    Drag("pan", "right", False, "Right drag", "shift the plant", _panned),
+    Drag("pan", "middle", False, "Middle drag", "shift the plant", _panned),
+)
+
+
+def wheeled(scene: Scene, notches: float, right: float = 0.0, up: float = 0.0) -> Scene:
+    """The wheel over the window: nearer to what is under the cursor for a turn away from the user.
+
+    right, up: the cursor from the picture's middle, in shares of the picture's height.
+    """
+    return scene.seen(lambda c: c.zoom_at(ZOOM_STEP**notches, right, up))
+
+
+def picked(scene: Scene, track: int | None) -> Scene:
+    """A click on an organ, or beside the plant."""
+    return scene.styled(picked=None if track == scene.style.picked else track)
+
+
+def scrubbed(scene: Scene, day: float) -> Scene:
+    """A click or drag on the timeline."""
+    return scene.clock(lambda t: t.at(day))
+
+
+def action(name: str) -> Action:
+    return next(action for action in ACTIONS if action.name == name)
+
+
+def action_for(key: str) -> Action | None:
+    """What a key does, None where it does nothing."""
+    return next((action for action in ACTIONS if key in action.keys), None)
+
+
+def drag_for(button: str, shift: bool) -> Drag | None:
+    """What a mouse button does; shift counts only where the table gives it a meaning of its own."""
+    fitting = [drag for drag in DRAGS if drag.button == button and drag.shift in (shift, False)]
+    return max(fitting, key=lambda drag: drag.shift, default=None)
+
+
+def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
+    """What to show as help: for each section its rows (key labels, what they do)."""
+    table: dict[str, dict[str, list[str]]] = {}
+    for entry in ACTIONS:
+        rows = table.setdefault(entry.section, {})
+        if entry.section == "View" and not rows:
+            rows.update(_mouse_rows())
+        if entry.section == "Organs" and not rows:
+            rows["pick an organ"] = ["Click"]
+        if entry.section == "Compare" and not rows:
+            rows["move the wipe"] = ["Drag line"]
+        rows.setdefault(entry.row or entry.help, []).extend(entry.labels)
+        if entry.name == "play":
+            rows["go to a day"] = ["Drag timeline"]
+    return {
+        section: [(tuple(labels), text) for text, labels in rows.items()]
+        for section, rows in table.items()
+    }
+
+
+def _mouse_rows() -> dict[str, list[str]]:
+    rows: dict[str, list[str]] = {}
+    for drag in DRAGS:
+        rows.setdefault(drag.help, []).append(drag.label)
+    return {**rows, "nearer, farther": ["Wheel"]}
+
+
+def help_text() -> str:
+    """The table as plain text, for `play --help`."""
+    table = sections()
+    width = max(len("  ".join(labels)) for rows in table.values() for labels, _ in rows)
+    lines = ["Keys and mouse in the window"]
+    for section, rows in table.items():
+        lines += ["", section]
+        lines += [f"  {'  '.join(labels):<{width}}   {text}" for labels, text in rows]
+    return "\n".join(lines)

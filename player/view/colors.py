@@ -1,0 +1,242 @@
+"""What colours mean: the one place that the window, its legend and every export ask.
+
+A mover wears its scan's colours, its organ's, or the colour of a value: the organ's age, the
+mover's height or speed, or its error. Age is one value an organ, so it comes as another palette of
+tracks; height and speed are found in the shaders (value.glsl), which read their colours off a ramp;
+errors stand in the clip's own colours, in a copy of it (against.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip.evaluate import srgb_to_linear
+from gclip.file import check_whole
+from player.errors import PlayerError
+from player.view.holdout_error import Errors
+from player.view.style import Style
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+STEPS = 256  # texels of a ramp
+SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
+FAST = 0.98  # share of the movers that are slower than the fastest colour says
+BACK = 0.12  # how much of their own colour organs keep beside a highlighted one
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB (IEC 61966-2-1)
+NAMES = {
+    "scan": "scan colours",
+    "track": "organs",
+    "age": "age",
+    "speed": "growth speed",
+    "height": "height",
+    "error": "error",
+}
+TITLES = NAMES | {"error": "error against a scan left out"}
+MAPS = {
+    "age": "crameri:imola_r",
+    "speed": "colorbrewer:YlOrRd",
+    "height": "viridis",
+    "error": "plasma",
+}
+
+
+class Value(IntEnum):
+    """What the shaders find a value of; their VALUED."""
+
+    NONE = 0
+    HEIGHT = 1
+    SPEED = 2
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What the ends of a ramp stand for.
+
+    name: of the colouring; low, high: its values at the ends, in `unit`.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def title(self) -> str:
+        return TITLES[self.name]
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """The ends in words, lowest first; the unit stands with the highest."""
+        return worded(self.low), f"{worded(self.high)} {self.unit}"
+
+    def colors(self) -> NDArray[np.uint8]:
+        """(STEPS, 3) uint8 sRGB, from low to high."""
+        from cmap import Colormap
+
+        ramp = np.asarray(Colormap(MAPS[self.name])(np.linspace(0.0, 1.0, STEPS)))
+        return np.round(255.0 * ramp[:, :3]).astype(np.uint8)
+
+
+def chosen(clip: Clip, style: Style) -> str:
+    """The colouring that a style comes to with a clip: one of NAMES."""
+    if style.color_by in ("auto", "scan"):
+        return "scan" if clip.has_colors else "track"
+    return style.color_by
+
+
+class Colors:
+    """Of one clip."""
+
+    def __init__(self, clip: Clip) -> None:
+        self._clip = clip
+
+    def scale(self, style: Style) -> Scale | None:
+        """What to explain in a legend; None for the scans' and the organs' own colours.
+
+        Raises PlayerError for errors where the clip holds no scan that was left out.
+        """
+        clip, name = self._clip, chosen(self._clip, style)
+        time = clip.time_unit
+        if name == "age":
+            return Scale(name, 0.0, clip.times[-1] - clip.times[0], time)
+        if name == "height":
+            return Scale(name, 0.0, self._heights[1] - self._heights[0], clip.unit or "units")
+        if name == "speed":
+            unit = f"{clip.unit or 'units'} a {time.removesuffix('s')}"
+            return Scale(name, 0.0, self._fastest, unit)
+        if name == "error":
+            high = rounded_up(max(self._errors.high, 1e-9))
+            return Scale(name, 0.0, high, clip.unit or "units")
+        return None
+
+    def worn(self, style: Style) -> Clip:
+        """The clip to draw: a copy with its errors as colours where a style shows them.
+
+        Raises PlayerError as `scale` does.
+        """
+        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
+        return self._clip if scale is None else self._errors.painted(scale.colors(), scale.high)
+
+    def left_out(self, number: int, style: Style) -> Clip:
+        """A scan that was left out, as a clip that wears a style's colours."""
+        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
+        ramp, highest = (None, 1.0) if scale is None else (scale.colors(), scale.high)
+        return self._errors.scan_as_clip(number, ramp, highest)
+
+    def baked(self, style: Style) -> Clip:
+        """The clip to write into files that hold one colour a mover: as `worn`, and without the
+        scans' colours where a style shows the organs'. Raises PlayerError for other values, which
+        change while the plant grows.
+        """
+        name = chosen(self._clip, style)
+        if self.value(style) is not Value.NONE or name == "age":
+            raise PlayerError(
+                f"--color {name} changes while the plant grows: it is for pictures and films; "
+                "point files take scan, track or error."
+            )
+        if name != "track":
+            return self.worn(style)
+        bare = [replace(i, start_colors=None, end_colors=None) for i in self._clip.intervals]
+        return replace(self._clip, intervals=tuple(bare))
+
+    def value(self, style: Style) -> Value:
+        return {"height": Value.HEIGHT, "speed": Value.SPEED}.get(
+            chosen(self._clip, style), Value.NONE
+        )
+
+    def palette(self, day: float, style: Style) -> NDArray[np.float32]:
+        """(tracks, 4) float32: linear light, and what is left of a mover's own colour.
+
+        The fourth number is 0 for hidden organs, 1 for most; between them for those that stand
+        back behind a highlighted one. Organs' colours have that taken into account already.
+        """
+        light = srgb_to_linear(self._track_colors(day, style) / 255.0)
+        kept = np.ones(len(light))
+        if style.picked is not None:
+            kept[:] = BACK
+            kept[style.picked] = 1.0
+        grey = 0.35 * (light @ LUMINANCE)[:, None]
+        light = kept[:, None] * light + (1.0 - kept[:, None]) * grey
+        kept[[track for track in style.hidden if track < len(kept)]] = 0.0
+        if style.alone is not None:
+            kept[np.arange(len(kept)) != style.alone] = 0.0
+        return np.column_stack([light, kept]).astype(np.float32)
+
+    def ramp(self, style: Style) -> NDArray[np.float32]:
+        """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
+        valued, texels = self.value(style) is not Value.NONE, np.zeros((STEPS, 4), np.float32)
+        scale = self.scale(style) if valued else None
+        if scale is not None:
+            texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
+        return texels
+
+    def uniforms(self) -> dict[str, object]:
+        """How value.glsl gets from positions and velocities to values from 0 to 1."""
+        from player.view.camera import axes
+
+        low, high = self._heights
+        upward = axes(self._clip.up)[2] / (high - low)
+        return {
+            "height_axis": (*upward.tolist(), -low / (high - low)),
+            "fastest": self._fastest,
+        }
+
+    def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
+        """(tracks, 3) uint8 sRGB."""
+        scale = self.scale(style) if chosen(self._clip, style) == "age" else None
+        if scale is None:
+            return self._clip.palette[:, :3]
+        first = self._clip.times[0]
+        born = np.array([max(track.born, first) for track in self._clip.track_table])
+        share = np.clip((day - born) / max(scale.high, 1e-12), 0.0, 1.0)
+        return scale.colors()[np.round((STEPS - 1) * share).astype(int)]
+
+    @cached_property
+    def _errors(self) -> Errors:
+        return Errors(self._clip)
+
+    @cached_property
+    def _heights(self) -> tuple[float, float]:
+        """Of the lowest and the highest mover, along the plant's up axis."""
+        from player.view.camera import outline
+
+        levels = outline(self._clip)[:, 2]
+        low, high = float(levels.min()), float(levels.max())
+        return low, max(high, low + max(1e-6, 1e-9 * abs(low)))
+
+    @cached_property
+    def _fastest(self) -> float:
+        """In the clip's units: the speed of the fastest colour, which few movers exceed."""
+        speeds = [np.zeros(1)]
+        for interval in self._clip.intervals:
+            moving = [group for group in interval.groups if group.motion == "move"]
+            count = sum(group.count for group in moving)
+            some = slice(0, count, max(count // SAMPLE, 1))
+            check_whole(interval.tracks)
+            start, end = (
+                np.asarray(points[some], float)
+                for points in (interval.start_positions, interval.end_positions)
+            )
+            step = np.ones(3) if interval.box is None else interval.box.step
+            way = np.linalg.norm((end - start) * step, axis=1)
+            speeds.append(way / (interval.end - interval.start))
+        return rounded_up(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
+
+
+def worded(value: float) -> str:
+    """Three digits of it, as people write them: 2,510 and no 2.51e+03."""
+    return f"{float(f'{value:.3g}'):,.12g}"
+
+
+def rounded_up(value: float) -> float:
+    """The next number that people like to read on a scale: 1, 1.5, 2, 3, 4, 5, 6, 8 times 10^n."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(next(step * power for step in steps if step * power >= value * (1 - 1e-9)))

@@ -1,0 +1,139 @@
+"""What stands beside the plant: one of its scans, or another clip in step. No graphics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from player.view.camera import Camera, axes
+from player.view.choices import Compare
+from player.view.dates import date_at
+
+if TYPE_CHECKING:
+    from gclip import Clip
+    from player.view.state import Scene
+
+ALIKE = 3.0  # how many times as large another plant may be to be shown at the same scale
+NEAR = 0.3  # of its radius: how near plants stand to count as the same one
+
+
+@dataclass(frozen=True)
+class Pane:
+    """A part of the window that shows a clip on a day.
+
+    clip:        its number among those shown.
+    left, right: the part, in shares of the width.
+    own:         the part holds a whole picture; else it is cut out of one as wide as all of them.
+    caption:     what is seen there, "" where there is nothing to tell.
+    left_out:    number of the scan that is seen instead, of those left out of the clip.
+    """
+
+    clip: int
+    day: float
+    camera: Camera
+    left: float = 0.0
+    right: float = 1.0
+    own: bool = True
+    caption: str = ""
+    left_out: int | None = None
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two clips, seen alike.
+
+    homes: of each the camera that shows all of it, at the same scale if they are of like size.
+    shift: from the first one's local coordinates to the second's, where both show the same plant
+           in the same place; None where they show different ones.
+    """
+
+    homes: tuple[Camera, Camera]
+    shift: tuple[float, float, float] | None
+
+    @classmethod
+    def of(cls, first: Clip, second: Clip, homes: tuple[Camera, Camera]) -> Pair:
+        if _same_place(first, second):
+            shift = _triple(np.asarray(first.origin) - np.asarray(second.origin))
+            return cls((homes[0], homes[0]), shift)
+        if 1.0 / ALIKE < homes[0].radius / homes[1].radius < ALIKE:
+            farther = max(home.distance for home in homes)
+            homes = replace(homes[0], distance=farther), replace(homes[1], distance=farther)
+        return cls(homes, None)
+
+    def transferred(self, camera: Camera) -> Camera:
+        """The second clip's camera that sees what the first one's does."""
+        if self.shift is not None:
+            return replace(camera, target=_triple(np.asarray(camera.target) + self.shift))
+        home, other = self.homes
+        scale = other.distance / home.distance
+        moved = axes(home.up) @ (np.asarray(camera.target) - home.target)
+        return replace(
+            camera,
+            target=_triple(np.asarray(other.target) + scale * (axes(other.up).T @ moved)),
+            distance=scale * camera.distance,
+            yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
+            up=other.up,
+            radius=other.radius,
+        )
+
+
+def panes_of(
+    scene: Scene, clips: Sequence[Clip], names: Sequence[str], pair: Pair | None = None
+) -> tuple[Pane, ...]:
+    """The panes of a scene, from left to right.
+
+    names: of the clips; pair: of two of them.
+    """
+    day, first = scene.timeline.day, clips[0]
+    if scene.compare is Compare.OFF:
+        return (Pane(0, day, scene.camera),)
+    if pair is not None:
+        left = Pane(0, day, scene.camera, caption=names[0])
+        other = matched_day(first, clips[1], day)
+        right = Pane(1, other, pair.transferred(scene.camera), caption=names[1])
+    else:
+        left = _nearest_scan(first, day, scene.camera)
+        right = Pane(0, day, scene.camera, caption=f"Now, {date_at(first.scans, day)}")
+    cut = scene.wipe if scene.compare is Compare.WIPE else 0.5
+    own = scene.compare is Compare.BESIDE
+    return replace(left, right=cut, own=own), replace(right, left=cut, own=own)
+
+
+def _nearest_scan(clip: Clip, day: float, camera: Camera) -> Pane:
+    """The scan nearest in time, be it one that was left out."""
+    scan = min(clip.scans, key=lambda scan: abs(scan.time - day))
+    number, held = min(
+        enumerate(clip.held_out), key=lambda entry: abs(entry[1].time - day), default=(0, None)
+    )
+    if held is not None and abs(held.time - day) < abs(scan.time - day):
+        caption = f"Left out: scan of {held.date}"
+        return Pane(0, held.time, camera, caption=caption, left_out=number)
+    return Pane(0, scan.time, camera, caption=f"Scan of {scan.date}")
+
+
+def matched_day(first: Clip, second: Clip, day: float) -> float:
+    """The day of another clip that goes with one of the first: the same where the series overlap,
+    else as long after its own first scan.
+    """
+    (begin, end), (low, high) = (clip.times[:: len(clip.times) - 1] for clip in (first, second))
+    if max(begin, low) < min(end, high):
+        return min(max(day, low), high)
+    return min(low + day - begin, high)
+
+
+def _same_place(first: Clip, second: Clip) -> bool:
+    if first.up != second.up:
+        return False
+    boxes = [np.add(clip.bounds, clip.origin) for clip in (first, second)]
+    middles = [box.mean(axis=0) for box in boxes]
+    sizes = [float(np.linalg.norm(box[1] - box[0])) / 2 for box in boxes]
+    apart = float(np.linalg.norm(middles[0] - middles[1]))
+    return apart < NEAR * max(sizes) and max(sizes) < ALIKE * min(sizes)
+
+
+def _triple(vector: np.ndarray) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), float(vector[2])

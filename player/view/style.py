@@ -1,0 +1,96 @@
+"""How the plant is to look: what the user chooses, apart from camera and time."""
+
+from dataclasses import dataclass, replace
+
+COLOR_CHOICES = ("auto", "scan", "track", "age", "speed", "height", "error")
+GROUND_CHOICES = ("dark", "light")
+
+Light = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Style:
+    """The look of a picture.
+
+    color_by:    "scan" for the scans' own colours, "track" for one colour an organ, "auto" for the
+                 scans' colours where there are any. "scan" falls back to "track" without any.
+                 "age", "speed", "height" and "error" colour by value (player/view/colors.py).
+    ground:      "dark" or "light", the background.
+    point_size:  factor on the clip's natural point size, 1 closes the surfaces.
+    depth_cue:   far parts recede into the background.
+    eye_dome:    strength of the shading found from depth alone, 0 switches it off
+                 (Boucheny 2009, eye-dome lighting).
+    show_ground: a soft floor with the plant's shadow.
+    pixels:      diameter of all points in pixels of a picture 720 high, whatever their distance;
+                 None gives them the size in the world that closes the surfaces.
+    picked:      the track that is highlighted: all others stand back.
+    hidden:      tracks that are not drawn; alone: the only track that is.
+    """
+
+    color_by: str = "auto"
+    ground: str = "dark"
+    point_size: float = 1.0
+    depth_cue: bool = True
+    eye_dome: float = 1.0
+    show_ground: bool = True
+    pixels: float | None = None
+    picked: int | None = None
+    hidden: frozenset[int] = frozenset()
+    alone: int | None = None
+
+    @property
+    def marked(self) -> bool:
+        """Whether organs are told apart beyond their colours."""
+        return bool(self.hidden) or self.picked is not None or self.alone is not None
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A background's colours and the lights that go with them, all in linear light.
+
+    above, below: the wall at the picture's top and bottom; floor: the floor where it is lit.
+    shadow:       the floor where the plant keeps all light away.
+    haze:         what far parts of the plant recede into.
+    sky_light, floor_light, lamp_light: light on the plant from above, from below, from the lamp.
+    """
+
+    above: Light
+    below: Light
+    floor: Light
+    shadow: Light
+    haze: Light
+    sky_light: Light
+    floor_light: Light
+    lamp_light: Light
+
+
+GROUNDS = {
+    "dark": Ground(
+        above=(0.0070, 0.0110, 0.0135),
+        below=(0.0180, 0.0235, 0.0240),
+        floor=(0.0560, 0.0660, 0.0620),
+        shadow=(0.0035, 0.0050, 0.0055),
+        haze=(0.0200, 0.0280, 0.0290),
+        sky_light=(0.56, 0.62, 0.70),
+        floor_light=(0.22, 0.22, 0.20),
+        lamp_light=(1.02, 0.96, 0.84),
+    ),
+    "light": Ground(
+        above=(0.80, 0.84, 0.84),
+        below=(0.72, 0.73, 0.71),
+        floor=(0.93, 0.92, 0.89),
+        shadow=(0.10, 0.12, 0.115),
+        haze=(0.70, 0.73, 0.72),
+        sky_light=(0.56, 0.60, 0.64),
+        floor_light=(0.34, 0.34, 0.32),
+        lamp_light=(0.86, 0.83, 0.76),
+    ),
+}
+
+# What transparent pictures are found from (player/export/cutout.py): the same light on the plant
+# before a black and before a grey wall. Grey stays below white where the wall is brightest.
+GROUNDS |= {
+    f"{name} on {screen}": replace(ground, above=(level,) * 3, below=(level,) * 3)
+    for name, ground in tuple(GROUNDS.items())
+    for screen, level in (("black", 0.0), ("grey", 0.8))
+}

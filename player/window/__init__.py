@@ -1,0 +1,1 @@
+"""The window: what it shows, its input, and what the input does."""

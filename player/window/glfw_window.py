@@ -1,0 +1,192 @@
+"""What GLFW is asked for: a window with OpenGL 3.3, its events, and the full screen."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from player.errors import PlayerError
+
+if TYPE_CHECKING:
+    from player.window.input import Controls
+
+SMALLEST = (320, 240)  # units
+EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
+
+
+@contextmanager
+def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
+    """A window whose OpenGL context is current, closed at the end.
+
+    size: (width, height) in units of 1/96 inch.
+    Raises PlayerError where there is no display, or no OpenGL 3.3.
+    """
+    if sys.platform == "darwin":
+        # Two copies of GLFW clash there; imgui-bundle brings one and makes `glfw` use it.
+        import imgui_bundle  # noqa: F401
+    import glfw
+
+    reasons: list[str] = []
+    glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason)))
+    if not glfw.init():
+        raise PlayerError(
+            "no window can be opened, because there is no display "
+            f"({_last(reasons)}); start it on a desktop, or {EXPORT_INSTEAD}."
+        )
+    try:
+        handle = _created(size, title) or _created_without_gpu(size, title)
+        if not handle:
+            raise PlayerError(
+                f"this display offers no OpenGL 3.3 ({_last(reasons)}); install a newer graphics "
+                f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
+            )
+        per_unit = glfw.get_window_size(handle)[0] / size[0]
+        least_width, least_height = (round(per_unit * length) for length in SMALLEST)
+        any_size = (glfw.DONT_CARE, glfw.DONT_CARE)
+        glfw.set_window_size_limits(handle, least_width, least_height, *any_size)
+        glfw.make_context_current(handle)
+        glfw.swap_interval(1)
+        yield handle
+    finally:
+        glfw.terminate()
+
+
+def _created(size: tuple[int, int], title: str) -> Any:
+    """A window with OpenGL 3.3, or nothing."""
+    import glfw
+
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 3)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+    glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
+    glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
+    glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
+    glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
+    return glfw.create_window(*size, title, None, None)
+
+
+def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
+    """The same where Mesa draws it on the CPU, slower: a GPU's driver may be broken."""
+    import glfw
+
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
+    return _created(size, title) if glfw.init() else None
+
+
+def events_to(
+    handle: Any,
+    controls: Controls,
+    to_units: Callable[[float, float], tuple[float, float]],
+    draw_again: Callable[[], None],
+    dropped: Callable[[list[str]], None] = lambda names: None,
+) -> None:
+    """Hand the window's events on to `controls`.
+
+    to_units:   from the cursor's coordinates to units.
+    draw_again: called when the system needs the picture anew.
+    dropped:    called with the names of files dropped on the window.
+    """
+    import glfw as untyped
+
+    glfw: Any = untyped
+    named = {
+        code: name.removeprefix("KEY_").lower()
+        for name, code in vars(glfw).items()
+        if name.startswith("KEY_") and len(name) > len("KEY_A")
+    }
+    buttons = {
+        glfw.MOUSE_BUTTON_LEFT: "left",
+        glfw.MOUSE_BUTTON_MIDDLE: "middle",
+        glfw.MOUSE_BUTTON_RIGHT: "right",
+    }
+    repeating = shifted = False
+
+    def on_key(_: Any, code: int, scancode: int, action: int, modifiers: int) -> None:
+        nonlocal repeating, shifted
+        repeating, shifted = action == glfw.REPEAT, bool(modifiers & glfw.MOD_SHIFT)
+        shortcut = modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER)
+        if action != glfw.RELEASE and code in named and not shortcut:
+            controls.key(named[code], bool(modifiers & glfw.MOD_SHIFT), repeating)
+
+    def on_character(_: Any, code: int) -> None:
+        # Characters, not key codes: "?" and "+" are elsewhere on every keyboard layout.
+        controls.key(chr(code).lower(), shifted, repeating)
+
+    def on_button(window: Any, code: int, action: int, modifiers: int) -> None:
+        if code not in buttons:
+            return
+        if action == glfw.PRESS:
+            controls.press(buttons[code], bool(modifiers & glfw.MOD_SHIFT))
+        else:
+            controls.release(buttons[code])
+
+    glfw.set_key_callback(handle, on_key)
+    glfw.set_char_callback(handle, on_character)
+    glfw.set_mouse_button_callback(handle, on_button)
+    glfw.set_cursor_pos_callback(handle, lambda _, x, y: controls.move(*to_units(x, y)))
+    glfw.set_cursor_enter_callback(handle, lambda _, entered: None if entered else controls.leave())
+    glfw.set_scroll_callback(handle, lambda _, right, up: controls.wheel(up))
+    glfw.set_window_refresh_callback(handle, lambda _: draw_again())
+    glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
+
+
+def hide_cursor(handle: Any, wanted: bool) -> None:
+    """Over the window."""
+    import glfw
+
+    glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN if wanted else glfw.CURSOR_NORMAL)
+
+
+def switch_fullscreen(handle: Any, wanted: bool) -> None:
+    """Go to the full screen of the monitor that shows most of the window, or back from it."""
+    import glfw as untyped
+
+    glfw: Any = untyped
+    if wanted == bool(glfw.get_window_monitor(handle)):
+        return
+    if wanted:
+        glfw.set_window_user_pointer(
+            handle, (*glfw.get_window_pos(handle), *glfw.get_window_size(handle))
+        )
+        monitor = _monitor_of(handle)
+        mode = glfw.get_video_mode(monitor)
+        glfw.set_window_monitor(handle, monitor, 0, 0, *mode.size, mode.refresh_rate)
+    else:
+        glfw.set_window_monitor(handle, None, *glfw.get_window_user_pointer(handle), 0)
+
+
+def shortest_frame() -> float:
+    """Seconds below which the next picture would not be shown anyway."""
+    import glfw
+
+    monitor = glfw.get_primary_monitor()
+    rate = glfw.get_video_mode(monitor).refresh_rate if monitor else 0
+    return 0.8 / (rate if rate > 0 else 60)
+
+
+def _monitor_of(handle: Any) -> Any:
+    import glfw
+
+    left, top = glfw.get_window_pos(handle)
+    width, height = glfw.get_window_size(handle)
+
+    def shared(monitor: Any) -> int:
+        x, y = glfw.get_monitor_pos(monitor)
+        size = glfw.get_video_mode(monitor).size
+        across = min(left + width, x + size.width) - max(left, x)
+        down = min(top + height, y + size.height) - max(top, y)
+        return max(across, 0) * max(down, 0)
+
+    return max(glfw.get_monitors(), key=shared)
+
+
+def _text(reason: str | bytes) -> str:
+    return reason.decode(errors="replace") if isinstance(reason, bytes) else reason
+
+
+def _last(reasons: list[str]) -> str:
+    return reasons[-1].rstrip(".") if reasons else "no reason given"

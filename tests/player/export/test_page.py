@@ -1,0 +1,312 @@
+"""The HTML page: the plant of the clip, in a real browser, with nothing from outside."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import sync_playwright
+
+from gclip import Clip, HeldOutScan, Motion, Track
+from player.export import Film, export
+from player.export.web.encode import pack
+from player.view.style import Style
+
+FAILING = """window.Worker = class {
+    postMessage() { setTimeout(() => this.onerror(new Event("error"))); }
+};"""
+NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
+SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+
+
+@pytest.fixture(scope="module")
+def browser(chromium: str) -> Iterator[Any]:
+    with sync_playwright() as control:
+        started = control.chromium.launch(
+            executable_path=chromium, args=[*SOFTWARE_GL, "--no-sandbox"]
+        )
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Export a clip, open the page from disk, and see to it that it asks for nothing else."""
+    context = browser.new_context(
+        viewport={"width": 480, "height": 360}, has_touch=True, reduced_motion="reduce"
+    )
+    tab = context.new_page()
+    troubles: list[str] = []
+    tab.on("pageerror", lambda error: troubles.append(str(error)))
+    tab.on("console", lambda message: troubles.append(message.text))
+    tab.on("request", lambda request: troubles.append(request.url))
+
+    def open_(clip: Clip, film: Film | None = None, before: str = "") -> Any:
+        """before: a script that runs before the page's own."""
+        path = tmp_path / "plant.html"
+        if before:
+            tab.add_init_script(before)
+        export(clip, film or Film(), path)
+        tab.goto(path.as_uri())
+        until(tab, "window.viewer !== undefined")
+        tab.evaluate(f"viewer.seek({clip.times[-1]})")
+        assert tab.text_content("#trouble") == ""
+        asked = [url for url in troubles if not url.startswith("blob:")]  # the page's own worker
+        assert asked == [path.as_uri()], "the page itself, and nothing else"
+        return tab
+
+    yield open_
+    context.close()
+
+
+def until(tab: Any, what: str) -> None:
+    """Wait for something to become true (playwright's own way would need `eval` in the page)."""
+    for _ in range(600):
+        if tab.evaluate(what):
+            return
+        tab.wait_for_timeout(50)
+    raise AssertionError(f"never became true: {what}")
+
+
+def screenshot(tab: Any) -> np.ndarray:
+    from PIL import Image
+
+    with Image.open(io.BytesIO(tab.screenshot())) as shot:
+        return np.asarray(shot.convert("RGB")).astype(int)
+
+
+@pytest.mark.parametrize(
+    ("degree", "lost"), [(1, Motion.FALL), (2, Motion.FADE), (3, Motion.REMOVE)]
+)
+def test_the_browser_interpolates_as_the_clip_does(
+    opened: Any, make_clip: Any, degree: int, lost: Motion
+) -> None:
+    clip = make_clip(degree=degree, lost=lost, colors=((200, 40, 30, 255), (30, 90, 200, 255)))
+    tab = opened(clip)
+    for day in (0.0, 2.2, 4.1, 5.0):
+        tab.evaluate(f"viewer.seek({day})")
+        layers = tab.evaluate(f"viewer.positions({day}).map((layer) => Array.from(layer.values))")
+        frame = clip.at(day)
+        expected = [frame.local] if frame.litter is None else [frame.local, frame.litter.local]
+        seen = np.concatenate([np.array(layer).reshape(-1, 3) for layer in layers])
+        assert np.abs(seen - np.concatenate(expected)).max() <= clip.spacing / 60
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "window.Worker = class { constructor() { throw new Error('not from the disk'); } };",
+        FAILING,
+        "",
+    ],
+    ids=["refused", "failing", "there"],
+)
+def test_a_page_unpacks_with_a_worker_and_without(opened: Any, make_clip: Any, broken: str) -> None:
+    clip = make_clip(degree=3, colors=((200, 40, 30, 255), (30, 90, 200, 255)))
+    tab = opened(clip, before=broken)
+    assert tab.evaluate("viewer.clip.unpacker.worker !== null") is (broken == "")
+    layers = tab.evaluate("viewer.positions(5).map((layer) => Array.from(layer.values))")
+    seen = np.concatenate([np.array(layer).reshape(-1, 3) for layer in layers])
+    frame = clip.at(5.0)
+    expected = [frame.local] if frame.litter is None else [frame.local, frame.litter.local]
+    assert np.abs(seen - np.concatenate(expected)).max() <= clip.spacing / 60
+    assert tab.evaluate("viewer.renderer.share(0)") == 1
+    assert not tab.is_visible("#waiting")
+
+
+def test_the_canvas_keeps_its_size_while_less_is_drawn(opened: Any, make_clip: Any) -> None:
+    """A canvas of another size waits for all that is being drawn."""
+    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+    whole = screenshot(tab)
+    draw = """() => {
+        const { renderer, clock, camera, look } = viewer;
+        renderer.draw(clock.day, camera, look, [240, 180], 1, true);
+        return [renderer.canvas.width, renderer.canvas.height];
+    }"""
+    assert tab.evaluate(draw) == [480, 360]
+    small = screenshot(tab)
+    assert (small != whole).any()
+    assert np.abs(small - whole).mean() < 4.0
+
+
+def test_fingers_turn_and_pinch(opened: Any, make_clip: Any) -> None:
+    tab = opened(make_clip())
+    touch = tab.context.new_cdp_session(tab)
+
+    def fingers(kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    yaw, distance = tab.evaluate("[viewer.camera.yaw, viewer.camera.distance]")
+    fingers("touchStart", (240, 150))
+    for x in range(240, 301, 20):
+        fingers("touchMove", (x, 150))
+    fingers("touchEnd")
+    until(tab, f"viewer.camera.yaw < {yaw} - 0.3")
+    fingers("touchStart", (220, 150), (260, 150))
+    for aside in range(0, 41, 10):
+        fingers("touchMove", (220 - aside, 150), (260 + aside, 150))
+    fingers("touchEnd")
+    until(tab, f"viewer.camera.distance < 0.6 * {distance}")
+
+
+def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
+    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+    assert not tab.is_visible("#scale"), "these colours mean nothing"
+    first = screenshot(tab)
+    plant = first[100:240, 140:340]
+    assert (plant[..., 0] > plant[..., 2] + 60).mean() > 0.05, "the red plant is seen"
+
+    yaw, pitch = tab.evaluate("[viewer.camera.yaw, viewer.camera.pitch]")
+    tab.mouse.move(240, 150)
+    tab.mouse.down()
+    tab.mouse.move(330, 170, steps=3)
+    tab.mouse.up()
+    turned = tab.evaluate("[viewer.camera.yaw, viewer.camera.pitch]")
+    assert turned[0] == pytest.approx(yaw - np.pi * 90 / 360)
+    assert turned[1] == pytest.approx(pitch + np.pi * 20 / 360)
+    tab.wait_for_timeout(400)
+    assert np.abs(screenshot(tab) - first).mean() > 0.5
+
+    distance = tab.evaluate("viewer.camera.distance")
+    tab.mouse.wheel(0, -200)
+    until(tab, f"viewer.camera.distance < {distance}")
+    pinch = """([a, b, c, d]) => {
+        const at = (id, x) => ({ pointerId: id, clientX: x, clientY: 150, bubbles: true });
+        const canvas = document.getElementById("picture");
+        canvas.setPointerCapture = () => {};
+        const tell = (kind, id, x) => canvas.dispatchEvent(new PointerEvent(kind, at(id, x)));
+        tell("pointerdown", 11, a); tell("pointerdown", 12, b);
+        tell("pointermove", 11, c); tell("pointermove", 12, d);
+        return viewer.camera.distance;
+    }"""
+    distance = tab.evaluate("viewer.camera.distance")
+    assert tab.evaluate(pinch, [220, 260, 200, 280]) == pytest.approx(distance / 2)
+
+    box = tab.locator("#track").bounding_box()
+    tab.mouse.click(box["x"] + 0.4 * box["width"], box["y"] + 15)
+    assert tab.evaluate("viewer.clock.day") == 2.0, "a click near a scan's mark goes to the scan"
+    assert tab.locator(".mark").count() == 3
+    tab.keyboard.press("Home")
+    assert tab.evaluate("viewer.clock.day") == 0.0
+    tab.keyboard.press("Space")
+    until(tab, "viewer.clock.day > 0.2")
+    tab.keyboard.press("Space")
+    tab.wait_for_timeout(100)
+    assert tab.text_content("#date").startswith("day ")
+
+    tab.keyboard.press("f")
+    tab.keyboard.press("g")
+    tab.wait_for_timeout(300)
+    assert screenshot(tab)[5, 5].min() > 150, "light ground"
+    tab.keyboard.press("c")
+    assert tab.evaluate("viewer.look.byTrack") is True
+
+
+def test_fewer_movers_leave_no_gaps(opened: Any, make_clip: Any) -> None:
+    clip = make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255)))
+    tab = opened(clip)
+    covered = """([every, quick]) => {
+        const { renderer, camera, look } = viewer, { canvas, gl } = renderer;
+        const { width, height } = canvas, bytes = new Uint8Array(4 * width * height);
+        renderer.draw(0, camera, look, [width, height], every, quick);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+        let red = 0;
+        for (let i = 0; i < bytes.length; i += 4) red += bytes[i] > bytes[i + 2] + 60;
+        return red;
+    }"""
+    tab.evaluate("viewer.seek(0)")
+    whole = tab.evaluate(covered, [1, False])
+    assert whole > 2000
+    for every in (1, 2, 8):
+        assert tab.evaluate(covered, [every, True]) == pytest.approx(whole, rel=0.25)
+
+
+def test_a_picture_drawn_slice_by_slice_is_the_same(opened: Any, make_clip: Any) -> None:
+    """At rest, where a machine is slow, movers are drawn a few at a time."""
+    tab = opened(make_clip())
+    tab.evaluate("viewer.seek(1.5)")
+    compared = """() => {
+        const { renderer, camera, look } = viewer, { canvas, gl } = renderer;
+        const { width, height } = canvas;
+        const [[few, whole], [many, sliced]] = [Infinity, 7].map((slice) => {
+            const bytes = new Uint8Array(4 * width * height), size = [width, height];
+            const steps = [...renderer.steps(1.5, camera, look, size, 1, false, () => slice)];
+            gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            return [steps.length, bytes];
+        });
+        const apart = whole.map((value, i) => Math.abs(value - sliced[i]));
+        return [few, many, apart.reduce((most, one) => Math.max(most, one), 0)];
+    }"""
+    few, many, apart = tab.evaluate(compared)
+    assert many > few + 10
+    assert apart <= 2, "the last bits of sums depend on how a driver splits what it adds up"
+
+    tab.evaluate("Object.assign(viewer.state, { slice: 100, level: 2 })")
+    tab.keyboard.press("+")
+    until(tab, "viewer.state.steps !== null")
+    until(tab, "viewer.state.steps === null")
+    assert tab.evaluate("viewer.state.slice") >= 100
+    assert tab.evaluate("viewer.renderer.canvas.width") == 480, "sharp again"
+
+
+def test_the_page_explains_the_colors_of_errors(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    real = HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local + np.float32(2.0))
+    tab = opened(replace(clip, held_out=(real,)), Film(style=Style(color_by="error")))
+    assert tab.is_visible("#scale")
+    assert "error against a scan left out" in tab.text_content("#scale")
+    assert "mm" in tab.text_content("#scale small")
+    tab.keyboard.press("c")
+    assert not tab.is_visible("#scale"), "organs' colours mean something else"
+
+
+def test_names_from_the_clip_are_text_and_nothing_else(
+    opened: Any, make_clip: Any, tmp_path: Path
+) -> None:
+    clip = make_clip()
+    table = tuple(replace(track, name=NASTY) for track in clip.track_table)
+    scans = tuple(replace(scan, name=NASTY, date=NASTY) for scan in clip.scans)
+    tab = opened(replace(clip, track_table=table, scans=scans), Film(title=NASTY))
+    tab.evaluate("viewer.act('organs')")
+    assert tab.evaluate("window.hurt") is None
+    assert tab.title() == NASTY
+    assert tab.text_content("#title") == NASTY
+    assert NASTY in tab.text_content("#organs")
+
+
+def test_the_page_is_the_same_every_time_and_needs_nothing(make_clip: Any, tmp_path: Path) -> None:
+    for name in ("a.html", "b.html"):
+        export(make_clip(), Film(title="x"), tmp_path / name)
+    text = (tmp_path / "a.html").read_text()
+    assert text == (tmp_path / "b.html").read_text()
+    assert not re.search(r"""(src|href)=["']|https?://|@import|url\(""", text)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.html", "b.html"]
+    json.loads(re.search(r'id="clip">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_packing_is_finer_than_the_eye_and_small(make_clip: Any) -> None:
+    clip = make_clip(degree=2)
+    interval = clip.intervals[0]
+    packed = pack(interval, clip.spacing)
+    assert max(packed.step) <= clip.spacing / 32
+    assert len(packed.data) < 0.8 * 20 * len(interval)
+
+
+def test_more_tracks_than_16_bits_hold(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    many = tuple(Track(i, f"organ {i}", (i % 256, 80, 90)) for i in range(70_000))
+    last = clip.intervals[-1]
+    tracks = last.tracks.astype(np.uint32) + 69_990
+    clip = replace(
+        clip, track_table=many, intervals=(*clip.intervals[:-1], replace(last, tracks=tracks))
+    )
+    tab = opened(clip)
+    assert tab.evaluate("viewer.clip.load(1).then((data) => Math.max(...data.tracks))") == 69_991

@@ -1,0 +1,378 @@
+"""What graphics drivers do to a player: a sentence, and where there is one the slower way."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import moderngl
+import numpy as np
+import pytest
+from PIL import Image
+
+from player.cli import main
+from player.errors import PlayerError
+from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
+from player.rendering.headless import Offscreen, render
+from player.rendering.point_buffers import ChunkStore, estimate
+from player.rendering.points import Way
+from player.rendering.renderer import Renderer
+from player.view.camera import Camera
+from player.view.style import Style
+from tests.player.conftest import ClipMaker
+from tests.player.drawn import read_pixels
+from tests.player.shown import Shown, small_clip
+
+SIZE = (96, 72)
+
+
+class FaultyContext:
+    """Stands for a context that reports these errors, one at each look, and then none."""
+
+    def __init__(self, *errors: str) -> None:
+        self._errors = list(errors)
+
+    @property
+    def error(self) -> str:
+        return self._errors.pop(0) if self._errors else "GL_NO_ERROR"
+
+
+@pytest.fixture
+def saved(make_clip: ClipMaker, tmp_path: Path) -> Path:
+    path = tmp_path / "plant.gclip"
+    make_clip().save(path)
+    return path
+
+
+def report(monkeypatch: pytest.MonkeyPatch, *errors: str) -> list[str]:
+    """Have all contexts report these errors, one at each look; gives those that are left."""
+    left = list(errors)
+    real = moderngl.Context.error.fget  # type: ignore[attr-defined]
+
+    def error(self: moderngl.Context) -> str:
+        return left.pop(0) if left else real(self)
+
+    monkeypatch.setattr(moderngl.Context, "error", property(error))
+    return left
+
+
+def sentence(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    assert main([str(argument) for argument in arguments]) == 2
+    output, said = capsys.readouterr()
+    assert (output, said.count("\n")) == ("", 1)
+    assert said.startswith("play: ")
+    assert said.endswith(".\n")
+    return said
+
+
+def test_errors_are_told_apart() -> None:
+    check_context(FaultyContext())  # type: ignore[arg-type]
+    for error, raised in (
+        ("GL_OUT_OF_MEMORY", OutOfGpuMemory),
+        ("GL_CONTEXT_LOST", ContextLost),
+        ("GL_INVALID_OPERATION", RuntimeError),
+    ):
+        with pytest.raises(raised):
+            check_context(FaultyContext(error))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("point_size", "differ"), [("0.3", 0.002), ("1", 0.0)])
+def test_opengl_3_3_alone_draws_the_same_pictures(
+    saved: Path, point_size: str, differ: float
+) -> None:
+    """Small points are scattered by a compute shader or, without these, drawn by OpenGL itself.
+
+    differ: the share of pixels that may: of two points equally near, either may be seen.
+    """
+    # Mesa says it is 3.3, but would run compute shaders all the same.
+    alone = (
+        "import sys, moderngl; from player.cli import main\n"
+        "if sys.argv.pop(1) == '3.3':\n"
+        "    moderngl.Context.compute_shader = lambda *_: sys.exit('a compute shader in 3.3')\n"
+        "sys.exit(main(sys.argv[1:]))"
+    )
+    pictures = {}
+    for version in ("3.3", "4.5"):
+        folder = saved.with_name(version)
+        command = [sys.executable, "-c", alone, version, saved, "--export", folder / "%04d.png"]
+        options = ["--size", "96x72", "--seconds", "0.3", "--fps", "10", "--point-size", point_size]
+        done = subprocess.run(
+            [*command, *options], capture_output=True, text=True,
+            env={**os.environ, "MESA_GL_VERSION_OVERRIDE": version},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        files = sorted(folder.iterdir())
+        pictures[version] = np.array([Image.open(file).convert("RGB") for file in files], int)
+    old, new = pictures.values()
+    assert len(new) >= 3
+    assert (new.max(axis=3) > 60).sum(axis=(1, 2)).min() > 300, "a plant is in every picture"
+    assert (np.abs(old - new).max(axis=3) > 2).mean() <= differ
+
+
+def test_less_than_3_3_is_a_sentence(saved: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "player", saved, "--export", saved.with_name("x.png")],
+        env={**os.environ, "MESA_GL_VERSION_OVERRIDE": "3.1"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "apt-get install libegl1" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_gpu_that_fails_leaves_the_work_to_the_next_device(
+    monkeypatch: pytest.MonkeyPatch, make_clip: ClipMaker
+) -> None:
+    real, asked = moderngl.create_context, []
+
+    def broken_first(**settings: Any) -> moderngl.Context:
+        asked.append(settings["device_index"])
+        if settings["device_index"] == 0:
+            raise RuntimeError("eglInitialize failed (0x3001)")
+        return real(**settings | {"device_index": 0})
+
+    monkeypatch.setattr(moderngl, "create_context", broken_first)
+    assert render(make_clip(), 1.0, SIZE).shape == (72, 96, 4)
+    assert asked == [0, 1]
+
+
+def test_a_picture_that_no_driver_draws_is_a_sentence(
+    saved: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = saved.with_name("x.png")
+    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 100_000_000)
+    said = sentence(capsys, saved, "--export", output, "--size", "16384x2048")
+    assert "16384x2048" in said
+    assert "GB" in said
+    assert list(saved.parent.iterdir()) == [saved]
+
+
+def test_large_pictures_take_fewer_samples(
+    context: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    longest = context.info["GL_MAX_TEXTURE_SIZE"]
+    assert samples_within(context, (640, 480), 2) == 2
+    assert samples_within(context, (longest // 2, 16), 2) == 2
+    assert samples_within(context, (longest // 2 + 1, 16), 2) == 1
+    assert samples_within(context, (longest, 16), 2) == 1
+    with pytest.raises(PlayerError, match=f"at most {longest} pixels"):
+        samples_within(context, (16, longest + 1), 1)
+    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 60 * 640 * 480 * 4 - 1)
+    assert samples_within(context, (640, 480), 2) == 1
+    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 60 * 640 * 480 - 1)
+    with pytest.raises(PlayerError, match="GPU's memory"):
+        samples_within(context, (640, 480), 2)
+
+
+def test_a_wide_picture_is_drawn(make_clip: ClipMaker) -> None:
+    """Twice its width is more than textures hold: it has one sample a pixel."""
+    picture = render(make_clip(), 1.0, (9000, 20))
+    assert picture.shape == (20, 9000, 4)
+
+
+def test_out_of_memory_is_tried_again_with_less(
+    make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clip = make_clip()
+    with Offscreen(clip, SIZE, supersample=1) as offscreen:
+        coarse = offscreen.picture(1.0)
+    real, failed = Renderer.draw, []
+
+    def failing(self: Renderer, *arguments: Any, **named: Any) -> bool:
+        if self.supersample > 1:
+            failed.append(self)
+            raise OutOfGpuMemory("full")
+        return real(self, *arguments, **named)
+
+    monkeypatch.setattr(Renderer, "draw", failing)
+    with Offscreen(clip, SIZE) as offscreen:
+        assert (offscreen.picture(1.0) == coarse).all()
+        assert (offscreen.picture(1.0) == coarse).all()
+    assert len(failed) == 1
+
+
+def test_out_of_memory_for_good_is_a_sentence(
+    saved: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report(monkeypatch, *["GL_OUT_OF_MEMORY"] * 100)
+    said = sentence(capsys, saved, "--export", saved.with_name("x.png"), "--size", "96x72")
+    assert "memory" in said
+    assert list(saved.parent.iterdir()) == [saved]
+
+
+def test_a_reset_driver_is_begun_with_anew(
+    make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clip = make_clip()
+    whole = render(clip, 1.0, SIZE)
+    left = report(monkeypatch, "GL_CONTEXT_LOST")
+    assert (render(clip, 1.0, SIZE) == whole).all()
+    assert left == []
+    report(monkeypatch, *["GL_CONTEXT_LOST"] * 9)
+    with pytest.raises(ContextLost, match=r"reset.*\.$"):
+        render(clip, 1.0, SIZE)
+
+
+def test_a_driver_that_does_not_come_back_is_a_sentence(
+    make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Offscreen(make_clip(), SIZE) as offscreen:
+
+        def gone() -> None:
+            raise PlayerError("there is no driver any more.")
+
+        monkeypatch.setattr("player.rendering.headless.headless", gone)
+        report(monkeypatch, "GL_CONTEXT_LOST")
+        with pytest.raises(PlayerError, match="no driver any more"):
+            offscreen.picture(1.0)
+
+
+def test_movers_make_room_on_a_full_gpu(
+    context: moderngl.Context, make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clip = make_clip()
+    store = ChunkStore(context, clip, room=1 << 30)
+    from player.rendering.point_buffers import Chunk
+
+    chunks = [Chunk(0, first, 100) for first in (0, 100, 200)]
+    for chunk in chunks[:2]:
+        store[chunk]
+    report(monkeypatch, "GL_OUT_OF_MEMORY")
+    assert store[chunks[2]].count == 100
+    assert store.size < 3 * 100 * estimate(clip.intervals[0]) + 1000
+    assert sum(chunk in store for chunk in chunks) == 2, "one made room for the last one"
+    report(monkeypatch, *["GL_OUT_OF_MEMORY"] * 9)
+    with pytest.raises(OutOfGpuMemory):
+        store[Chunk(1, 0, 100)]
+    monkeypatch.undo()
+    store.release()
+
+
+def test_compute_shaders_that_fail_leave_the_work_to_points(
+    make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch, context: moderngl.Context
+) -> None:
+    if context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
+
+    tries = []
+
+    def broken(self: moderngl.Context, source: str) -> None:
+        tries.append(source)
+        raise moderngl.Error("GLSL Compiler failed\n\ncompute_shader\n==\n0:1(1): error: no\n")
+
+    clip = make_clip()
+    renderers = [Renderer(context, clip, way=way) for way in (Way.POINTS, Way.COMPUTE)]
+    framebuffer, camera = context.simple_framebuffer(SIZE, 3), Camera.home(clip, 4 / 3)
+    monkeypatch.setattr(moderngl.Context, "compute_shader", broken)
+    pictures = []
+    for renderer in (*renderers, renderers[1]):
+        renderer.draw(framebuffer, 1.0, camera, Style(point_size=0.3), SIZE)
+        pictures.append(read_pixels(framebuffer))
+    assert len(tries) == 1, "once is enough"
+    assert (pictures[0].max(axis=2) > 60).sum() > 300
+    assert (pictures[1] == pictures[0]).all()
+    assert (pictures[2] == pictures[0]).all()
+
+
+def test_shaders_that_do_not_compile_are_a_sentence(
+    saved: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(self: moderngl.Context, **sources: str) -> None:
+        raise moderngl.Error("GLSL Compiler failed\n\nfragment_shader\n====\n0:1(1): error: no\n")
+
+    monkeypatch.setattr(moderngl.Context, "program", broken)
+    said = sentence(capsys, saved, "--export", saved.with_name("x.png"))
+    assert "LIBGL_ALWAYS_SOFTWARE" in said
+
+
+def test_no_egl_at_all_is_a_sentence(saved: Path) -> None:
+    """In a process whose EGL knows no driver."""
+    done = subprocess.run(
+        [sys.executable, "-m", "player", saved, "--export", saved.with_name("x.png")],
+        env={**os.environ, "__EGL_VENDOR_LIBRARY_DIRS": "/nowhere"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "apt-get install libegl1 libgl1" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_window_without_its_driver_is_drawn_by_the_cpu(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    """Its first attempt finds no driver; what the second one relies on is put right by the test."""
+    before = (
+        "import glfw, os\n"
+        "end = glfw.terminate\n"
+        "glfw.terminate = lambda: (os.environ.pop('LIBGL_DRIVERS_PATH', None), end())\n"
+    )
+    shown = Shown(display | {"LIBGL_DRIVERS_PATH": "/nowhere"}, clip_file, (320, 240), before)
+    shown.end()
+
+
+def test_a_window_whose_context_is_lost_goes_on(
+    display: dict[str, str], clip_file: Path, tmp_path: Path
+) -> None:
+    log, lose = tmp_path / "windows", tmp_path / "lose"
+    before = (
+        "import glfw, moderngl, pathlib\n"
+        "real, create = moderngl.Context.error.fget, glfw.create_window\n"
+        f"log, lose = open({str(log)!r}, 'a', buffering=1), pathlib.Path({str(lose)!r})\n"
+        "def error(self):\n"
+        "    if not lose.exists():\n"
+        "        return real(self)\n"
+        "    lose.unlink()\n"
+        "    return 'GL_CONTEXT_LOST'\n"
+        "moderngl.Context.error = property(error)\n"
+        "def created(*wishes):\n"
+        "    print('window', file=log)\n"
+        "    return create(*wishes)\n"
+        "glfw.create_window = created\n"
+    )
+    shown = Shown(display, clip_file, (320, 240), before)
+    shown.key("g")
+    shown.until(lambda state: state["ground"] == "light")
+    windows = log.read_text().count("window")
+    lose.touch()
+    shown.until(lambda state: log.read_text().count("window") == windows + 1)
+    count = len(shown.states)
+    state = shown.until(lambda state: len(shown.states) > count + 5)
+    assert state["ground"] == "light", "where the lost one was"
+    shown.end()
+
+
+def test_a_clip_cut_short_under_the_window_is_told(display: dict[str, str], tmp_path: Path) -> None:
+    path = tmp_path / "plant.gclip"
+    small_clip().save(path)
+    whole = tmp_path / "whole.gclip"
+    shutil.copy(path, whole)
+    shown = Shown(display, path, (320, 240))
+    os.truncate(path, 5000)
+    shown.until(lambda state: "cut short" in state["notice"])
+    shutil.copy(whole, path)  # in place, as nobody should
+    shown.until(lambda state: "Baked anew" in state["notice"])
+    shown.end()
+
+
+@pytest.mark.parametrize("suffix", [".html", ".glb", ".usda", ".ply", ".csv", ".png"])
+def test_a_clip_cut_short_under_an_export_is_told(
+    make_clip: ClipMaker, tmp_path: Path, suffix: str
+) -> None:
+    """In a process that may die of it."""
+    path = tmp_path / "plant.gclip"
+    make_clip().save(path)
+    code = (
+        "import os, sys, gclip; from pathlib import Path; from player.export import Film, export\n"
+        "clip = gclip.open(sys.argv[1]); os.truncate(sys.argv[1], 0)\n"
+        "try: export(clip, Film((64, 48)), Path(sys.argv[2]))\n"
+        "except gclip.ClipError as error: sys.exit(str(error))"
+    )
+    output = tmp_path / f"out{suffix}"
+    done = subprocess.run(
+        [sys.executable, "-c", code, path, output], capture_output=True, text=True
+    )
+    assert done.returncode == 1, "a sentence, not a signal"
+    assert done.stderr.strip().endswith("cut short while it was open.")
+    assert os.listdir(tmp_path) == ["plant.gclip"]

@@ -1,0 +1,188 @@
+"""Movers come to the GPU chunk by chunk, and leave it when there is no room."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+
+import player.rendering.point_cloud
+from gclip import Clip, Motion
+from gclip.evaluate import layers_at
+from gclip.morton import BLOCK
+from gclip.pack import Movers, pack_interval
+from player.gl.gpu_memory import room
+from player.rendering import point_buffers
+from player.rendering.point_buffers import ChunkStore, Portion, estimate
+from player.rendering.point_cloud import Movers as DrawnMovers
+from player.rendering.prefetch import Fetcher
+from player.rendering.renderer import Renderer
+from player.view.camera import Camera
+from player.view.style import Style
+from tests.player.drawn import drawn
+
+SIZE = (160, 120)
+
+
+@pytest.fixture
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr(point_buffers, "LENGTH", 333)
+    monkeypatch.setattr(player.rendering.point_cloud, "LENGTH", 333)
+    return 333
+
+
+def series(clip: Clip, count: int) -> Clip:
+    """The clip's first interval again and again."""
+    first = clip.intervals[0]
+    return replace(
+        clip,
+        intervals=tuple(replace(first, start=float(k), end=k + 1.0) for k in range(count)),
+        scans=tuple(replace(clip.scans[0], time=float(k)) for k in range(count + 1)),
+    )
+
+
+def whole(clip: Clip, day: float) -> list[Portion]:
+    return [Portion(layer, layer.group.count) for layer in layers_at(clip, day)]
+
+
+@pytest.mark.parametrize(
+    ("degree", "colors", "size"), [(1, None, 14), (2, None, 20), (2, ((9,) * 4, (9,) * 4), 28)]
+)
+def test_bytes_a_mover(
+    context: moderngl.Context, make_clip, degree: int, colors: tuple | None, size: int
+) -> None:
+    clip = series(make_clip(degree=degree, colors=colors), 1)
+    assert estimate(clip.intervals[0]) == size
+    store = ChunkStore(context, clip, 1 << 30)
+    store.load(whole(clip, 0.0), 1.0)
+    buffers = 2 + degree + (2 if colors else 0)
+    assert 0 < store.size - size * len(clip.intervals[0]) <= buffers * point_buffers.PADDING
+    store.release()
+
+
+def test_an_interval_that_does_not_fit_is_drawn_in_chunks(
+    context: moderngl.Context, make_clip, small_chunks: int
+) -> None:
+    clip = make_clip(lost=Motion.FADE)
+    camera = Camera.fit(clip.bounds)
+    chunked, whole = (drawn(context, clip, 2.1, camera, SIZE, memory=room) for room in (1, None))
+    assert (whole.max(axis=2) > 60).sum() > 1000
+    assert (chunked == whole).all()
+
+
+@pytest.mark.parametrize("computed", [False, True])
+def test_positions_do_not_depend_on_the_chunks(
+    context: moderngl.Context, make_clip, small_chunks: int, computed: bool
+) -> None:
+    if computed and context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
+    clip = make_clip(degree=2)
+    renderer = Renderer(context, clip, memory=1)
+    frame = clip.at(3.3)
+    found = renderer.positions(3.3, computed)
+    assert np.abs(found - frame.local).max() < 1e-4 * np.linalg.norm(np.subtract(*clip.bounds))
+    renderer.release()
+
+
+def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks: int) -> None:
+    clip = series(make_clip(), 9)
+    limit = 3 * len(clip.intervals[0]) * estimate(clip.intervals[0])
+    store = ChunkStore(context, clip, limit)
+    for day in np.linspace(0, 9, 30):
+        there = store.load(whole(clip, float(day)), 1.0)
+        assert there == [portion.count for portion in whole(clip, float(day))]
+        assert 0 < store.size <= limit
+    store.release()
+    assert store.size == 0
+
+
+def test_without_time_the_beginning_is_there_and_the_rest_follows(
+    context: moderngl.Context, make_clip, small_chunks: int
+) -> None:
+    clip = make_clip()
+    store, wanted = ChunkStore(context, clip, 1 << 30), whole(clip, 3.0)
+    assert store.load(wanted, 0.0) == [min(small_chunks, portion.count) for portion in wanted]
+    assert store.load(wanted, 1.0) == [portion.count for portion in wanted]
+    store.release()
+
+
+def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, make_clip) -> None:
+    clip = series(make_clip(), 3)
+    store = ChunkStore(context, clip, 1 << 30)
+    ends = time.monotonic() + 10.0
+    (chunk, _), *_ = whole(clip, 1.5)[0].chunks()
+    while chunk not in store and time.monotonic() < ends:
+        store.load(whole(clip, 0.5), 0.1)
+    assert chunk in store
+    (last, _), *_ = whole(clip, 2.5)[0].chunks()
+    assert last not in store
+    store.release()
+
+
+def test_patience_draws_what_is_there(
+    context: moderngl.Context, make_clip, small_chunks: int
+) -> None:
+    clip = make_clip()
+    renderer = Renderer(context, clip)
+    framebuffer = context.simple_framebuffer(SIZE)
+    view = (1.0, Camera.fit(clip.bounds), Style(), SIZE)
+    assert not renderer.draw(framebuffer, *view, patience=0.0)
+    assert not renderer.draw(framebuffer, *view, every=2)
+    assert renderer.draw(framebuffer, *view)
+    assert renderer.draw(framebuffer, *view, patience=0.0)
+    renderer.release()
+
+
+@pytest.mark.parametrize("every", [2, 3, 1000, 10**6])
+def test_one_mover_in_many(
+    context: moderngl.Context, make_clip, small_chunks: int, every: int
+) -> None:
+    """Of each chunk; a shadow takes one in a thousand of ten million."""
+    clip = make_clip()
+    context.simple_framebuffer(SIZE).use()
+    movers = DrawnMovers(context, clip)
+    layers = layers_at(clip, 2.1)
+    found = movers.captured("positions", 3, [Portion(x, x.group.count, every) for x in layers], {})
+    taken = [np.arange(n) % small_chunks % every == 0 for n in (x.group.count for x in layers)]
+    wanted = movers.positions(layers)[np.concatenate(taken)]
+    np.testing.assert_array_equal(found, wanted)
+    movers.draw("shadow", [Portion(x, x.group.count, every) for x in layers], {}, fewer=every)
+    assert context.error == "GL_NO_ERROR"
+    movers.release()
+
+
+def test_the_fetcher_reads_one_interval_and_stops(make_clip) -> None:
+    clip = make_clip()
+    fetcher = Fetcher()
+    fetcher.fetch(0, clip.intervals[0])
+    fetcher.fetch(1, clip.intervals[1])
+    ends = time.monotonic() + 10.0
+    while not fetcher.done(1) and time.monotonic() < ends:
+        time.sleep(0.001)
+    assert fetcher.done(1)
+    fetcher.stop()
+
+
+def test_there_is_room(context: moderngl.Context) -> None:
+    assert room(context) >= 256 << 20
+
+
+def test_a_prefix_is_a_fair_sample() -> None:
+    """Shares of the tracks, and of the plant's parts, up to the chance of drawing whole blocks."""
+    random = np.random.default_rng(5)
+    points = random.normal(size=(200_000, 3)) * [3.0, 1.0, 5.0]
+    tracks = (points[:, 2] > 2.0).astype(int) + (points[:, 0] > 0.0)
+    interval = pack_interval(0.0, 1.0, [Movers(Motion.MOVE, (points, points), tracks)], spacing=1.0)
+    for count in (20_000, 50_000, 100_000):
+        for values, bins in (
+            (interval.tracks, 3),
+            (interval.start_positions[:, 2] > 30_000, 2),
+            (interval.start_positions[:, 1] // 8192, 8),
+        ):
+            full = np.bincount(values.astype(int), minlength=bins) / len(interval)
+            some = np.bincount(values[:count].astype(int), minlength=bins) / count
+            chance = np.sqrt(full * (1 - full) * BLOCK / count)
+            assert (np.abs(some - full) <= 4.0 * chance + 1e-3).all()

@@ -1,0 +1,117 @@
+"""Dots drawn by OpenGL's points and by the compute shader make the same picture."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+import pytest
+
+import player.rendering.renderer
+from gclip import Clip, Motion, ScanMark, Track
+from gclip.pack import Movers, pack_interval
+from player.rendering.points import Way
+from player.rendering.renderer import Renderer
+from player.view.style import Style
+from tests.player.drawn import Picture, camera_at, drawn, read_pixels
+
+SIZE = (161, 119)  # no multiple of a tile's side
+COUNT = 30_001  # odd: compute shaders draw movers by twos
+
+
+def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -> Clip:
+    """A waving sheet with a smaller one before it, many movers to every pixel."""
+    random = np.random.default_rng(7)
+    behind = random.random(COUNT) < 0.7
+    x, z = random.uniform(-20, 20, COUNT), random.uniform(0, 40, COUNT)
+    start = np.column_stack([x, 2.0 * np.sin(x / 4.0), z])
+    start[~behind] = 0.4 * start[~behind] + [0.0, -10.0, 12.0]
+    middle, end = start * [1.1, 1.0, 1.1], start * [1.2, 2.0, 1.0]
+    paint = random.integers(0, 256, (2, COUNT, 4)).astype(np.uint8)
+    movers = Movers(
+        Motion.MOVE,
+        (start, middle, end),
+        np.where(behind, 0, tracks - 1),
+        *(paint if colors else (None, None)),
+    )
+    return Clip(
+        scans=(ScanMark("a", 0.0, "", COUNT), ScanMark("b", 1.0, "", COUNT)),
+        intervals=(pack_interval(0.0, 1.0, [movers], spacing=1.0, precision=precision),),
+        track_table=tuple(
+            Track(i, str(i), ((200, 90, 40), (40, 120, 220))[i % 2]) for i in range(tracks)
+        ),
+        spacing=0.2,
+    )
+
+
+def picture(
+    context: moderngl.Context, clip: Clip, way: Way, style: Style | None = None, every: int = 1
+) -> Picture:
+    camera = camera_at(clip, SIZE, -80, 0.1)
+    return drawn(context, clip, 0.4, camera, SIZE, style, way=way, every=every)
+
+
+@pytest.fixture
+def compute_context(context: moderngl.Context) -> moderngl.Context:
+    if context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
+    return context
+
+
+@pytest.mark.parametrize(
+    "clip",
+    [
+        dense_clip(),
+        dense_clip(precision="float32"),
+        dense_clip(colors=True),
+        dense_clip(tracks=1500),
+        dense_clip(tracks=70_000),
+    ],
+    ids=["quantised", "float32", "scan colours", "many tracks", "wide tracks"],
+)
+def test_both_ways_make_the_same_picture(compute_context: moderngl.Context, clip: Clip) -> None:
+    by_points = picture(compute_context, clip, Way.POINTS)
+    computed = picture(compute_context, clip, Way.COMPUTE)
+    assert (by_points.max(axis=2) > 60).sum() > 2000
+    # Where two movers are equally near to 1 part in 4 million, either may stay.
+    assert (np.abs(by_points - computed).max(axis=2) > 2).mean() < 0.002
+
+
+def test_successive_pictures_are_the_same(compute_context: moderngl.Context) -> None:
+    """Whichever way the renderer finds to be faster after the first of them."""
+    clip = dense_clip()
+    renderer = Renderer(compute_context, clip)
+    framebuffer = compute_context.simple_framebuffer(SIZE, 3)
+    pictures = []
+    for _ in range(3):
+        renderer.draw(framebuffer, 0.4, camera_at(clip, SIZE, -80, 0.1), Style(), SIZE)
+        pictures.append(read_pixels(framebuffer))
+    renderer.release()
+    assert (pictures[0].max(axis=2) > 60).sum() > 2000
+    for other in pictures[1:]:
+        assert (np.abs(pictures[0] - other).max(axis=2) > 2).mean() < 0.002
+
+
+def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where both can be had, changing from one to the other is hardly seen."""
+    clip, style = dense_clip(), Style(show_ground=False)
+    dots = picture(context, clip, Way.AUTO, style)
+    monkeypatch.setattr(player.rendering.renderer, "LARGEST", 0.0)
+    splats = picture(context, clip, Way.AUTO, style)
+    assert (dots != splats).any()
+    plant = splats.max(axis=2) > 60
+    assert (dots.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.05)
+    assert np.abs(dots - splats)[plant].mean() < 6
+
+
+@pytest.mark.parametrize("way", [Way.POINTS, Way.COMPUTE])
+@pytest.mark.parametrize("every", [2, 8])
+def test_fewer_movers_show_the_same_plant(
+    compute_context: moderngl.Context, way: Way, every: int
+) -> None:
+    clip, style = dense_clip(), Style(show_ground=False)
+    whole = picture(compute_context, clip, way, style)
+    some = picture(compute_context, clip, way, style, every=every)
+    assert (some != whole).any()
+    plant = whole.max(axis=2) > 60
+    assert (some.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.1)
+    assert np.abs(some - whole)[plant].mean() < 12

@@ -1,0 +1,54 @@
+"""The one table: nothing in it is ambiguous, and all of it reaches the help and the handling."""
+
+from player.ui import keys
+from player.ui.layout import PANEL, TIMELINE, TOP_BUTTONS, WIPE
+
+
+def test_no_key_means_two_things() -> None:
+    used = [key for action in keys.ACTIONS for key in action.keys]
+    assert len(used) == len(set(used))
+    names = [action.name for action in keys.ACTIONS]
+    assert len(names) == len(set(names))
+
+
+def test_every_named_key_is_one_that_glfw_reports() -> None:
+    import glfw
+
+    for action in keys.ACTIONS:
+        for key in action.keys:
+            last = key.split("+")[-1] if len(key) > 1 else key
+            assert len(last) == 1 or hasattr(glfw, f"KEY_{last.upper()}"), key
+
+
+def test_every_button_does_an_action() -> None:
+    for name in (*TOP_BUTTONS, "previous", "play", "next", "at end", "faster", "slower"):
+        assert keys.action(name).help
+
+
+def test_the_help_lists_every_key_and_every_drag() -> None:
+    text = keys.help_text()
+    shown = {label for rows in keys.sections().values() for labels, _ in rows for label in labels}
+    for action in keys.ACTIONS:
+        assert set(action.labels) <= shown
+        assert (action.row or action.help) in text
+    assert {drag.label for drag in keys.DRAGS} <= shown
+    assert "Wheel" in shown
+
+
+def test_labels_read_well() -> None:
+    assert keys.label("shift+left") == "Shift ←"
+    assert keys.label("+") == "+"
+    assert keys.label("h") == "H"
+    assert keys.label("page_up") == "PgUp"
+
+
+def test_shift_counts_only_where_the_table_says_so() -> None:
+    assert keys.drag_for("left", shift=False).name == "orbit"  # type: ignore[union-attr]
+    assert keys.drag_for("left", shift=True).name == "pan"  # type: ignore[union-attr]
+    assert keys.drag_for("right", shift=True).name == "pan"  # type: ignore[union-attr]
+    assert keys.drag_for("fourth", shift=False) is None
+
+
+def test_places_are_no_actions() -> None:
+    names = {action.name for action in keys.ACTIONS}
+    assert not names & {TIMELINE, PANEL, WIPE}

@@ -1,0 +1,92 @@
+"""What stands beside the plant, and which organ is under the cursor."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from player.view.camera import Camera
+from player.view.choices import Compare
+from player.view.playback import Timeline
+from player.view.split_view import Pair, matched_day, panes_of
+from player.view.state import Scene
+from player.view.style import Style
+from player.window.picking import organ_at
+from tests.player.conftest import ClipMaker
+
+SIZE = (800.0, 600.0)
+
+
+def scene_of(clip: object, day: float, compare: Compare) -> Scene:
+    camera = Camera.home(clip, 4 / 3)  # type: ignore[arg-type]
+    timeline = Timeline.of(clip.times).at(day)  # type: ignore[attr-defined]
+    return Scene(timeline, camera, camera, Style(), False, compare=compare)
+
+
+def test_the_nearest_scan_stands_beside_the_day(make_clip: ClipMaker) -> None:
+    clip = make_clip()
+    for day, scan in ((0.9, 0.0), (1.1, 2.0), (4.0, 5.0)):
+        left, right = panes_of(scene_of(clip, day, Compare.BESIDE), [clip], ["a"])
+        assert (left.day, right.day) == (scan, day)
+        assert (left.left, left.right, right.left, right.right) == (0.0, 0.5, 0.5, 1.0)
+        assert f"day {scan:g}" in left.caption
+    assert len(panes_of(scene_of(clip, 1.0, Compare.OFF), [clip], ["a"])) == 1
+    wiped = replace(scene_of(clip, 1.0, Compare.WIPE), wipe=0.3)
+    left, right = panes_of(wiped, [clip], ["a"])
+    assert (left.right, right.left, left.own) == (0.3, 0.3, False)
+
+
+def test_days_of_two_series(make_clip: ClipMaker) -> None:
+    clip = make_clip()
+    scans = [replace(scan, time=scan.time + 1.0) for scan in clip.scans]
+    later = replace(clip, scans=tuple(scans))
+    assert matched_day(clip, later, 3.0) == 3.0
+    assert matched_day(clip, later, 0.0) == 1.0
+    next_year = replace(clip, scans=tuple(replace(s, time=s.time + 365.0) for s in clip.scans))
+    assert matched_day(clip, next_year, 3.0) == 368.0
+    assert matched_day(next_year, clip, 368.0) == 3.0
+
+
+def test_the_same_plant_is_seen_from_the_same_place(make_clip: ClipMaker) -> None:
+    clip = make_clip()
+    moved = replace(clip, origin=(5.0, 0.0, 0.0))
+    homes = (Camera.home(clip), Camera.home(moved))
+    camera = homes[0].orbit(0.4, 0.1).pan(0.1, 0.2)
+    seen = Pair.of(clip, moved, homes).transferred(camera)
+    assert np.allclose(seen.eye + moved.origin, camera.eye + clip.origin)
+
+
+def test_another_plant_is_seen_from_its_own_side_at_the_same_scale(make_clip: ClipMaker) -> None:
+    first, second = make_clip(), replace(make_clip(up="y"), origin=(9000.0, 0.0, 0.0))
+    pair = Pair.of(first, second, (Camera.home(first), Camera.home(second)))
+    seen = pair.transferred(pair.homes[0])
+    assert seen.up == "y"
+    assert seen.distance == pair.homes[0].distance
+    assert np.allclose(seen.target, pair.homes[1].target)
+    assert seen.yaw == pytest.approx(pair.homes[1].yaw)
+
+
+def test_a_click_finds_the_organ_that_is_seen(make_clip: ClipMaker) -> None:
+    clip = make_clip()
+    camera = replace(Camera.home(clip, 4 / 3), yaw=-np.pi / 2, pitch=0.0)
+
+    def at(x: float, y: float, **style: object) -> int | None:
+        return organ_at(clip, 0.0, camera, Style(**style), (x, y), SIZE)  # type: ignore[arg-type]
+
+    assert at(330.0, 300.0) == 0
+    assert at(470.0, 300.0) == 1
+    assert at(10.0, 10.0) is None
+    assert at(470.0, 300.0, hidden=frozenset((1,))) is None
+    assert at(470.0, 300.0, alone=0) is None
+    # From behind, right is left.
+    camera = camera.orbit(np.pi, 0.0)
+    assert at(330.0, 300.0) == 1
+
+
+def test_what_lies_in_front_is_picked(make_clip: ClipMaker) -> None:
+    """From the side, the sheet's two halves lie one behind the other."""
+    clip = make_clip()
+    for yaw, front in ((0.0, 1), (np.pi, 0)):
+        home = Camera.home(clip, 4 / 3)
+        camera = replace(home, target=(0.0, 0.0, 20.0), yaw=yaw, pitch=0.0)
+        assert organ_at(clip, 0.0, camera, Style(), (400.0, 300.0), SIZE) == front

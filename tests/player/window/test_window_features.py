@@ -1,0 +1,247 @@
+"""What the window can do beyond playing: by mouse and keys, as a user would."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from player.ui.layout import PANEL_WIDTH
+from tests.player.shown import DATES, TIMES, Shown, layout, small_clip
+
+SIZE = (900, 600)
+LATER = (1.0, *TIMES[1:])
+
+
+@pytest.fixture(scope="module")
+def opened(display: dict[str, str], clip_file: Path) -> Iterator[Shown]:
+    shown = Shown(display, clip_file, SIZE, panel=True)
+    yield shown
+    shown.end()
+
+
+@pytest.fixture
+def shown(opened: Shown) -> Shown:
+    """Paused at the first scan, seen from home, nothing picked, the mouse on the background."""
+    opened.point(20, 200)
+    state = opened.settled()
+    if state["playing"]:
+        opened.key("space")
+    opened.key("Home", "f", "u")
+    opened.until(lambda state: state["day"] == 0.0 and state["at_home"])
+    return opened
+
+
+def click(shown: Shown, x: float, y: float) -> None:
+    shown.point(x, y)
+    shown.settled()
+    shown.xdotool("mousedown", 1)
+    time.sleep(0.05)
+    shown.xdotool("mouseup", 1)
+
+
+def test_tab_opens_and_closes_the_panel_and_the_plant_has_the_rest(shown: Shown) -> None:
+    narrow = shown.settled()
+    shown.key("Tab")
+    wide = shown.until(lambda state: not state["panel"])
+    assert wide["at_home"]
+    place = layout((float(SIZE[0]), float(SIZE[1])))
+    shown.point(place.x_of(2.0), place.line)
+    shown.xdotool("click", 1)
+    shown.until(lambda state: state["day"] == 2.0)
+    shown.point(*place.buttons["panel"].middle)
+    shown.xdotool("click", 1)
+    shown.until(lambda state: state["panel"] and state["home"] == narrow["home"])
+
+
+def test_the_panel_s_controls_work_and_leave_the_plant_alone(shown: Shown) -> None:
+    before = shown.settled()
+    click(shown, *before["switches"]["Floor and shadow"])
+    after = shown.until(lambda state: state["floor"] != before["floor"])
+    assert (after["yaw"], after["target"]) == (before["yaw"], before["target"])
+    shown.xdotool("click", "--repeat", 3, 5)  # scrolls the panel; nothing comes nearer
+    assert shown.settled()["distance"] == before["distance"]
+    shown.key("b")
+    shown.until(lambda state: state["floor"] == before["floor"])
+
+
+def test_organs_are_picked_hidden_and_shown(shown: Shown) -> None:
+    click(shown, (SIZE[0] - PANEL_WIDTH) / 2, 290)
+    picked = shown.until(lambda state: state["picked"] is not None)["picked"]
+    shown.key("z")
+    shown.until(lambda state: state["alone"] == picked)
+    shown.key("z", "x")
+    shown.until(lambda state: state["hidden"] == [picked] and state["picked"] is None)
+    shown.key("shift+x", "n")
+    shown.until(lambda state: state["hidden"] == [] and state["picked"] == 0)
+    shown.key("shift+n")
+    shown.until(lambda state: state["picked"] == 1)
+    click(shown, 20, 150)
+    shown.until(lambda state: state["picked"] is None)
+
+
+def test_the_wheel_goes_to_the_cursor(shown: Shown) -> None:
+    before = shown.settled()
+    shown.point(480, 200)
+    shown.xdotool("click", "--repeat", 3, 4)
+    after = shown.until(lambda state: state["distance"] < 0.8 * before["distance"])
+    assert after["target"] != before["target"]
+    shown.xdotool("click", "--repeat", 3, 5)
+    back = shown.until(lambda state: state["distance"] == pytest.approx(before["distance"]))
+    assert np.allclose(back["target"], before["target"])
+
+
+def test_views_and_projections(shown: Shown) -> None:
+    before = shown.settled()
+    shown.key("4")
+    assert shown.until(lambda state: state["pitch"] > 1.5)
+    shown.key("1", "5")
+    state = shown.until(lambda state: state["flat"] and state["pitch"] == 0.0)
+    assert state["yaw"] == pytest.approx(before["yaw"])
+    shown.key("5")
+    shown.until(lambda state: not state["flat"])
+
+
+def test_a_range_is_set_by_keys(shown: Shown) -> None:
+    shown.key("Next", "o")
+    shown.until(lambda state: state["end"] == 2.0)
+    shown.key("u")
+    shown.until(lambda state: state["end"] is None)
+
+
+def test_the_wipe_is_dragged(shown: Shown) -> None:
+    shown.key("v")
+    shown.until(lambda state: state["compare"] == "wipe")
+    width = SIZE[0] - PANEL_WIDTH
+    before = shown.settled()
+    shown.drag(1, (width / 2, 300), (width / 4, 310))
+    state = shown.until(lambda state: abs(state["wipe"] - 0.25) <= 0.02)
+    assert state["yaw"] == before["yaw"]
+    shown.key("v", "v")
+    shown.until(lambda state: state["compare"] == "off")
+
+
+def test_a_camera_path_is_made_followed_and_saved(shown: Shown, clip_file: Path) -> None:
+    shown.key("k", "End", "2", "k", "j")
+    shown.until(lambda state: state["keys"] == 2 and state["following"])
+    shown.key("Home")
+    start = shown.until(lambda state: state["day"] == 0.0)
+    shown.key("Next")
+    middle = shown.until(lambda state: state["day"] == 2.0)
+    assert middle["yaw"] != start["yaw"]
+    shown.drag(1, (20, 200), (60, 200))
+    shown.until(lambda state: not state["following"])
+    shown.key("shift+j")
+    shown.until(lambda state: state["notice"].startswith("Saved"))
+    saved = json.loads((clip_file.parent / "plant.camera.json").read_text())
+    assert [key["day"] for key in saved["keys"]] == [TIMES[0], TIMES[-1]]
+    shown.key("shift+k", "shift+k")
+    shown.until(lambda state: state["keys"] == 0)
+
+
+def test_a_transparent_picture_of_what_is_seen(shown: Shown, clip_file: Path) -> None:
+    from PIL import Image
+
+    shown.key("shift+s", "s")
+    notice = shown.until(lambda state: state["notice"].startswith("Saved"), 60.0)["notice"]
+    with Image.open(clip_file.parent / notice.removeprefix("Saved ")) as picture:
+        alpha = np.asarray(picture.convert("RGBA"))[..., 3]
+        assert picture.size == (SIZE[0] - PANEL_WIDTH, SIZE[1])
+    assert DATES[0] in notice  # as pictures of the window are named
+    assert alpha[0, 0] == 0
+    assert alpha.max() == 255
+    shown.key("shift+s")
+
+
+def test_a_stopped_export_leaves_nothing(shown: Shown, clip_file: Path) -> None:
+    shown.key("e")
+    shown.until(lambda state: state["notice"].startswith("Exporting"))
+    before = set(clip_file.parent.iterdir())
+    shown.key("e")
+    shown.until(lambda state: state["notice"].startswith("Stopped"), 60.0)
+    after = {path.name for path in clip_file.parent.iterdir()}
+    assert after <= {path.name for path in before}
+    assert not [name for name in after if "mp4" in name]
+
+
+def test_what_is_baked_anew_is_shown_anew(
+    display: dict[str, str], clip_file: Path, tmp_path: Path
+) -> None:
+    own = tmp_path / "own.gclip"
+    shutil.copy(clip_file, own)
+    shown = Shown(display, own, (500, 400))
+    try:
+        again = tmp_path / "again"
+        again.write_bytes(b"not a clip")
+        os.replace(again, own)
+        shown.until(lambda state: "own.gclip" in state["notice"])
+        small_clip(times=LATER).save(own)
+        state = shown.until(lambda state: "loaded again" in state["notice"])
+        assert state["times"] == list(LATER)
+    finally:
+        shown.end()
+
+
+def test_two_clips_in_step(display: dict[str, str], clip_file: Path) -> None:
+    shown = Shown(display, [clip_file, clip_file], (700, 400))
+    try:
+        assert shown.until(lambda state: state["day"] > 0.0)["compare"] == "side by side"
+    finally:
+        shown.end()
+
+
+def test_in_a_narrow_window_the_panel_lies_over_the_plant(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    shown = Shown(display, clip_file, (400, 480), panel=False)
+    try:
+        shown.point(50, 200)
+        shown.key("space")
+        shown.until(lambda state: not state["playing"])
+        before = shown.settled()
+        shown.key("Tab")
+        shown.until(lambda state: state["panel"])
+        assert shown.settled()["home"] == before["home"], "the plant keeps its place"
+        click(shown, *shown.settled()["switches"]["Floor and shadow"])
+        after = shown.until(lambda state: state["floor"] != before["floor"])
+        assert after["yaw"] == before["yaw"]
+        click(shown, *map(round, layout((400.0, 480.0)).buttons["panel"].middle))
+        shown.until(lambda state: not state["panel"])
+    finally:
+        shown.end()
+
+
+def dropped(shown: Shown, *files: Path) -> None:
+    drag = [sys.executable, "-m", "tests.player.drag", *map(str, files)]
+    subprocess.run(drag, env=shown.environment, check=True, cwd=Path(__file__).parents[3])
+
+
+def test_dropped_files_are_opened(display: dict[str, str], clip_file: Path, tmp_path: Path) -> None:
+    """Really dragged; what can't be shown leaves the clip that is there, and one sentence."""
+    other, broken = tmp_path / "ein andörer 100%.gclip", tmp_path / "broken.gclip"
+    small_clip(times=LATER).save(other)
+    broken.write_bytes(other.read_bytes()[:-50])
+    shown = Shown(display, clip_file, (500, 400))
+    try:
+        dropped(shown, broken)
+        told = shown.until(lambda state: "broken.gclip" in state["notice"])
+        assert told["times"] == list(TIMES)
+        assert told["notice"].startswith("broken.gclip: "), "no folders"
+        dropped(shown, other)
+        told = shown.until(lambda state: "Opened ein andörer 100%" in state["notice"])
+        assert told["times"][0] == 1.0
+        dropped(shown, tmp_path)
+        told = shown.until(lambda state: "not a growth clip" in state["notice"])
+        assert told["times"][0] == 1.0
+        dropped(shown, tmp_path / "missing.gclip")
+        shown.until(lambda state: "missing.gclip" in state["notice"])
+        dropped(shown, clip_file, other)
+        shown.until(lambda state: state["compare"] == "side by side")
+    finally:
+        shown.end()

@@ -1,0 +1,105 @@
+"""The window and the system: sizes, displays, closing, and what can be refused."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from player.errors import PlayerError
+from player.window.app import show
+from player.window.window_size import Measures, home_camera
+from tests.player.shown import DENSE, SIZE, TIMES, Shown, layout, small_clip
+
+
+def test_a_new_size_brings_a_new_home(shown: Shown) -> None:
+    before = shown.settled()
+    window = shown.xdotool("getwindowfocus")
+    shown.xdotool("windowsize", window, 400, 700)
+    after = shown.until(lambda state: state["home"] != before["home"])
+    assert after["at_home"]
+    wide = layout((400.0, 700.0))
+    shown.point(wide.x_of(2.0), wide.line)
+    shown.xdotool("click", 1)
+    shown.until(lambda state: state["day"] == 2.0)
+    shown.xdotool("windowsize", window, *SIZE)
+    shown.until(lambda state: state["home"] == before["home"])
+
+
+def test_full_screen_and_back(shown: Shown) -> None:
+    before = shown.settled()["home"]
+    shown.key("F11")
+    shown.until(lambda state: state["fullscreen"] and state["home"] != before)
+    assert "1280x960" in shown.xdotool("getwindowfocus", "getwindowgeometry")
+    shown.key("Escape")
+    shown.until(lambda state: not state["fullscreen"] and state["home"] == before)
+
+
+def test_q_quits(shown: Shown) -> None:
+    shown.key("q")
+    assert shown.process.wait(timeout=20) == 0
+    assert shown.process.stderr is not None
+    assert shown.process.stderr.read() == ""
+
+
+def test_a_dense_display_gets_more_pixels_and_the_mouse_stays_right(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    dense = Shown(display, clip_file, SIZE, before=DENSE)
+    try:
+        place = layout()
+        dense.point(2 * place.x_of(2.0), 2 * place.line)
+        assert "1280x960" in dense.xdotool("getwindowfocus", "getwindowgeometry")
+        dense.key("space")
+        dense.xdotool("click", 1)
+        dense.until(lambda state: state["day"] == 2.0)
+    finally:
+        dense.end()
+
+
+def test_an_old_opengl_is_refused_in_one_sentence(display: dict[str, str], clip_file: Path) -> None:
+    code = f"import gclip; from player.window.app import show; show(gclip.open({str(clip_file)!r}))"
+    old = {**os.environ, **display, "MESA_GL_VERSION_OVERRIDE": "3.0"}
+    done = subprocess.run([sys.executable, "-c", code], env=old, capture_output=True, text=True)
+    assert "PlayerError: this display offers no OpenGL 3.3" in done.stderr
+    assert "--export" in done.stderr
+
+
+def test_no_display_is_refused_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    if not sys.platform.startswith("linux"):
+        pytest.skip("only X11 and Wayland can be without a display")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(PlayerError, match=r"no display .* --export"):
+        show(small_clip())
+
+
+def test_measures_of_a_dense_display() -> None:
+    windows = Measures((1600, 900), (1600, 900), 2.0)  # cursor in pixels
+    assert windows.units == (800.0, 450.0)
+    assert windows.to_units(1600.0, 450.0) == (800.0, 225.0)
+    mac = Measures((800, 450), (1600, 900), 2.0)  # cursor in units
+    assert mac.units == (800.0, 450.0)
+    assert mac.to_units(400.0, 450.0) == (400.0, 450.0)
+
+
+def test_a_minimised_window_is_not_visible() -> None:
+    assert not Measures((0, 0), (0, 0), 1.0).visible
+    assert Measures((10, 10), (20, 20), 2.0).visible
+
+
+@pytest.mark.parametrize("size", [(320, 240), (480, 360), (1280, 720), (500, 1400)])
+def test_home_shows_the_plant_between_titles_and_timeline(size: tuple[int, int]) -> None:
+    from player.ui.layout import ABOVE_PLANT, BELOW_PLANT
+
+    clip, (width, height) = small_clip(), size
+    camera = home_camera(clip, size)
+    matrix = camera.projection(width / height) @ camera.view()
+    for day in np.linspace(TIMES[0], TIMES[-1], 7):
+        corners = np.c_[clip.at(day).local, np.ones(200)] @ matrix.T
+        x, y = (corners[:, :2] / corners[:, 3:]).T
+        assert np.abs(x).max() <= 1.0
+        assert ((1 - y) / 2 * height).min() >= min(ABOVE_PLANT, 0.3 * height) - 0.01 * height
+        assert ((1 + y) / 2 * height).min() >= min(BELOW_PLANT, 0.38 * height) - 0.01 * height
