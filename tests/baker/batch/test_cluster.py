@@ -87,7 +87,9 @@ def bake(inputs: Path, output: str, address: str, *more: str) -> int:
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {
+        path.name: path.read_bytes() for path in folder.iterdir() if not path.name.startswith(".")
+    }
 
 
 def task_kinds(cluster: Cluster) -> set[str]:
