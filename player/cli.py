@@ -6,7 +6,6 @@ import math
 import re
 import sys
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,7 +16,7 @@ from gclip.terminal.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.ui.keys import help_text
-from player.view.style import Style
+from player.view.style import ColorMode, GroundChoice, Style
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -28,21 +27,6 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None)
 STILL, TURNTABLE = "still", "turntable"
 SIZE = "1280x720"
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
-
-
-class ColorBy(StrEnum):
-    auto = "auto"
-    scan = "scan"
-    track = "track"
-    age = "age"
-    speed = "speed"
-    height = "height"
-    error = "error"
-
-
-class GroundChoice(StrEnum):
-    dark = "dark"
-    light = "light"
 
 
 AS_IT_IS = "\n\n\b\n"  # typer reflows a paragraph unless it begins like this
@@ -121,12 +105,12 @@ def play_command(
         ),
     ] = STILL,
     color: Annotated[
-        ColorBy,
+        ColorMode,
         typer.Option(
             help="Colours: the scans' own, each organ's, or those of a value; error, against a "
             "scan left out, needs a clip of bake --holdout."
         ),
-    ] = ColorBy.auto,
+    ] = ColorMode.AUTO,
     ground: Annotated[
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
     ] = None,
@@ -167,7 +151,7 @@ def play_command(
         _check_finite(day=moment)
     style = Style(
         color_by=color,
-        ground=ground or GroundChoice.dark,
+        ground=ground or GroundChoice.DARK,
         point_size=point_size,
         depth_cue=depth_cue,
         eye_dome=shading,
@@ -180,13 +164,13 @@ def play_command(
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
         from player.export import Film
-        from player.export.annotations import Stamps
+        from player.view.annotations import Annotations
 
         film = Film(
             *(_size(size or SIZE), fps, seconds, turning, style, days, every),
             title=printable(title),
-            stamps=Stamps(date, scale_bar, legend),
-            cut_out=transparent,
+            annotations=Annotations(date, scale_bar, legend),
+            transparent=transparent,
             name=printable(clip.stem),
         )
         _export(clip, film, Path(export), quiet, path)

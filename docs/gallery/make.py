@@ -24,8 +24,8 @@ from PIL import Image, ImageGrab
 import gclip
 from gclip import Clip
 from player.export import Film, export
-from player.export.annotations import Stamps
 from player.rendering.headless import Offscreen
+from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.style import Style
 
@@ -65,7 +65,7 @@ def clip_of(name: str, work: Path) -> Path:
 def growing(work: Path) -> None:
     """The first thing that people see: a tomato plant grows, and turns a little."""
     clip, size = gclip.open(clip_of("tomato", work)), (720, 460)
-    film = Film(size=size, fps=15, seconds=6.0, stamps=Stamps(date=True, scale=True))
+    film = Film(size=size, fps=15, seconds=6.0, annotations=Annotations(date=True, scale=True))
     days, home = film.days(clip), Camera.home(clip, film.aspect)
     frames = []
     with Offscreen(clip, size) as offscreen:
@@ -84,7 +84,7 @@ def stages(work: Path) -> None:
     """A tree from its first scan to its last, six moments side by side."""
     clip, size = gclip.open(clip_of("tree", work)), (330, 420)
     first, last = clip.times[0], clip.times[-1]
-    film = Film(size=size, style=Style(ground="light"), stamps=Stamps(date=True))
+    film = Film(size=size, style=Style(ground="light"), annotations=Annotations(date=True))
     home = Camera.home(clip, film.aspect)
     parts = []
     with Offscreen(clip, size) as offscreen:
@@ -101,7 +101,10 @@ def colors(work: Path) -> None:
     parts = []
     for color in ("track", "age", "speed", "error"):
         film = Film(
-            size=(560, 420), at=(12.25,), style=Style(color_by=color), stamps=Stamps(legend=True)
+            size=(560, 420),
+            at=(12.25,),
+            style=Style(color_by=color),
+            annotations=Annotations(legend=True),
         )
         parts.append(_still(clip, film, work))
     rows = [beside(parts[:2]), beside(parts[2:])]

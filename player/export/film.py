@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from player.export.annotations import Stamps, stamped
+from player.export.annotations import annotated
+from player.export.cutout import Cutout
+from player.view.annotations import Annotations
+from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.style import Style
 
@@ -17,7 +20,6 @@ if TYPE_CHECKING:
 
     from gclip import Clip
     from player.rendering.headless import Offscreen
-    from player.view.camera import Camera
     from player.view.camera_animation import CameraPath
 
 SECONDS_AN_INTERVAL = 1.5
@@ -27,7 +29,7 @@ HELD_FIRST, HELD_LAST = 0.04, 0.12  # shares of the film that rest on the first 
 
 @dataclass(frozen=True)
 class Film:
-    """A film, or with `day` a still picture.
+    """A film, or with `at` a still picture.
 
     size:    (width, height) in pixels.
     fps:     frames a second.
@@ -37,8 +39,8 @@ class Film:
     every:   the time between two frames, in the clip's unit, from the first scan on; None spreads
              the frames over the film's length.
     title:   written into the picture or on the page, "" where nothing was said.
-    stamps:  what else is written into the picture.
-    cut_out: the plant alone, on a transparent ground.
+    annotations: what else is written into the picture.
+    transparent: the plant alone, on no ground.
     name:    what the plant is called where it needs a name: its clip's.
     path:    the camera on every day; None shows the whole plant.
     """
@@ -51,8 +53,8 @@ class Film:
     at: tuple[float, ...] = ()
     every: float | None = None
     title: str = ""
-    stamps: Stamps = field(default_factory=Stamps)
-    cut_out: bool = False
+    annotations: Annotations = field(default_factory=Annotations)
+    transparent: bool = False
     name: str = "plant"
     path: CameraPath | None = None
 
@@ -100,10 +102,8 @@ class Film:
 
     def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
         """Draws the picture of a day, with all that is written into it."""
-        from player.export.cutout import Cutout
-
-        scale = Colors(clip).scale(self.style) if self.stamps.legend else None
-        cutout = Cutout(offscreen, self.style) if self.cut_out else None
+        scale = Colors(clip).color_scale(self.style) if self.annotations.legend else None
+        cutout = Cutout(offscreen, self.style) if self.transparent else None
 
         def draw(day: float, camera: Camera) -> NDArray:
             plain = (
@@ -111,7 +111,7 @@ class Film:
                 if cutout
                 else offscreen.picture(day, camera, self.style)
             )
-            return stamped(plain, day, camera, self, clip, scale)
+            return annotated(plain, day, camera, self, clip, scale)
 
         return draw
 
@@ -124,8 +124,6 @@ class Film:
 
     def camera(self, clip: Clip, day: float | None = None) -> Camera:
         """From where a day is seen; without one, the film's first picture."""
-        from player.view.camera import Camera
-
         if self.path:
             return self.path.at(self.days(clip)[0] if day is None else day)
         return Camera.home(clip, self.aspect, turning=self.turning)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from player.atomic_write import check_folder
 from player.errors import PlayerError
 from player.export import image, usd, video
-from player.export.annotations import check as check_stamps
+from player.export.annotations import check as check_annotations
 from player.export.film import Film
 from player.view.colors import Colors
 
@@ -71,10 +71,10 @@ def export(
     if count > MOST:
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
     if chosen.picture:
-        check_stamps(film.stamps, clip, film)
+        check_annotations(film, clip)
     colors = Colors(clip)
-    worn = colors.baked(film.style) if chosen.points else colors.worn(film.style)
-    chosen.write(worn, film, path, progress)
+    coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
+    chosen.write(coloring(film.style), film, path, progress)
 
 
 def format_of(path: Path, film: Film) -> Format:
@@ -105,7 +105,7 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
     if film.at and not chosen.days:
         raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
-    if film.cut_out and chosen.suffix != ".png":
+    if film.transparent and chosen.suffix != ".png":
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")

@@ -62,7 +62,7 @@ class Movers:
         texels[: len(self.clip.track_table)] = colors.palette(day, style)
         self.palette.write(texels)
         self.ramp.write(colors.ramp(style))
-        self._look = {"VALUED": int(colors.value(style)), "MARKED": int(style.marked)}
+        self._look = {"VALUED": int(colors.scalar_field(style)), "MARKED": int(style.marked)}
         self._values = colors.uniforms() if self._look["VALUED"] else {}
         self._painted = wanted
 

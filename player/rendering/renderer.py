@@ -33,7 +33,7 @@ from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import Splats
 from player.rendering.tiled import TiledSplats
 from player.view.camera import Camera, axes, outline
-from player.view.colors import Colors, Value
+from player.view.colors import Colors, ScalarField
 from player.view.style import Style
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ class Renderer:
             magnification=magnification,
             smallest=smallest,
             by_track=style.color_by in ("track", "age"),
-            by_value=self._colors.value(style) is not Value.NONE,
+            by_value=self._colors.scalar_field(style) is not ScalarField.NONE,
         )
 
     def _portions(self, layers: list[Layer], every: int, patience: float | None) -> list[Portion]:

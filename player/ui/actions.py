@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from player.view.choices import SIZES, Compare, Wish
+from player.view.style import NO_HOLDOUT, ColorMode
 
 if TYPE_CHECKING:
     from player.view.camera import Camera
@@ -64,7 +65,7 @@ def unbounded(scene: Scene) -> Scene:
 
 
 def fitted(scene: Scene) -> Scene:
-    home = scene.home.flattened(scene.camera.flat)
+    home = scene.home.with_orthographic(scene.camera.orthographic)
     return replace(scene, camera=home, turning=False, following=False)
 
 
@@ -72,7 +73,7 @@ def looked(yaw: float, pitch: float = 0.0) -> Move:
     """Look from a side, in degrees: yaw from where the plant looks widest, pitch from level."""
 
     def look(scene: Scene) -> Scene:
-        home = scene.home.flattened(scene.camera.flat)
+        home = scene.home.with_orthographic(scene.camera.orthographic)
         turned = scene.home.yaw + math.radians(yaw)
         scene = scene.seen(lambda c: c.looking(turned, math.radians(pitch)))
         near, far = home.distance, _roomy(home)
@@ -92,8 +93,8 @@ def _roomy(home: Camera) -> float:
 
 
 def flattened(scene: Scene) -> Scene:
-    scene = scene.seen(lambda c: c.flattened(not c.flat))
-    return scene.told("Parallel projection" if scene.camera.flat else "Perspective")
+    scene = scene.seen(lambda c: c.with_orthographic(not c.orthographic))
+    return scene.told("Parallel projection" if scene.camera.orthographic else "Perspective")
 
 
 def turned(scene: Scene) -> Scene:
@@ -120,20 +121,17 @@ def followed(scene: Scene) -> Scene:
 
 
 def recolored(scene: Scene) -> Scene:
-    choices = scene.colorings
-    return colored(choices[(choices.index(scene.color_by) + 1) % len(choices)])(scene)
+    modes = scene.color_modes
+    return colored(modes[(modes.index(scene.color_mode) + 1) % len(modes)])(scene)
 
 
-def colored(name: str) -> Move:
-    """Colour by one of NAMES in player/view/colors.py."""
+def colored(mode: ColorMode) -> Move:
+    """Colour by a mode."""
 
     def color(scene: Scene) -> Scene:
-        from player.view.colors import NAMES
-        from player.view.holdout_error import NOTHING
-
-        if name == "error" and not scene.has_errors:
-            return scene.told(f"{NOTHING[0].upper()}{NOTHING[1:]}")
-        return scene.styled(f"Coloured by {NAMES[name]}", color_by=name)
+        if mode is ColorMode.ERROR and not scene.has_errors:
+            return scene.told(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
+        return scene.styled(f"Coloured by {mode.label}", color_by=mode)
 
     return color
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gclip import Clip
     from player.ui.theme import Theme
     from player.view.camera import Camera
-    from player.view.colors import Scale
+    from player.view.colors import ValueRange
     from player.view.split_view import Pane
 
 SIZE, ROW = 14.0, 22.0
@@ -37,18 +37,18 @@ def draw_scale_bar(
     canvas: Canvas, theme: Theme, layout: Layout, camera: Camera, unit: str, above: float = 0.0
 ) -> None:
     """True at the depth of the camera's target; `above` its usual place."""
-    from player.export.annotations import bar_length
-    from player.view.colors import worded
+    from player.view.annotations import round_length
+    from player.view.colors import format_number
 
     width, height = layout.size
     units = height / (2.0 * camera.distance * math.tan(camera.field_of_view / 2))
-    length = bar_length(WIDEST_BAR * width / units)
+    length = round_length(WIDEST_BAR * width / units)
     right, y = width - layout.margin, height - BAR + 12.0 - above
     left = right - length * units
     canvas.line((left, y), (right, y), theme.muted, 2.0)
     for x in (left, right):
         canvas.line((x, y - 4.0), (x, y + 4.0), theme.muted, 2.0)
-    text = f"{worded(length)} {unit or 'units'}"
+    text = f"{format_number(length)} {unit or 'units'}"
     canvas.text((left + right) / 2, y - 14.0, text, SIZE, theme.muted, align=0.5)
 
 
@@ -67,7 +67,7 @@ def draw_axes(canvas: Canvas, theme: Theme, layout: Layout, camera: Camera) -> N
 
 
 def draw_legend(
-    canvas: Canvas, theme: Theme, layout: Layout, clip: Clip, scale: Scale | None, organs: bool
+    canvas: Canvas, theme: Theme, layout: Layout, clip: Clip, scale: ValueRange | None, organs: bool
 ) -> None:
     """What the colours mean: a ramp, or the organs where they are few; below the title."""
     x, y = layout.margin, TOP + 8.0

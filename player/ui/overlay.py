@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from gclip import Clip
-    from player.view.colors import Scale
+    from player.view.colors import ValueRange
     from player.view.split_view import Pane
     from player.view.state import Scene
 
@@ -77,7 +77,7 @@ class Facts:
     exporting: an export under way.
     """
 
-    scale: Scale | None = None
+    scale: ValueRange | None = None
     organ: tuple[tuple[str, str], ...] = ()
     panes: Sequence[Pane] = ()
     exporting: Exporting | None = None
@@ -199,7 +199,7 @@ class Overlay:
                 draw_scale_bar(canvas, theme, layout, scene.camera, clip.unit, above)
                 draw_axes(canvas, theme, layout, scene.camera)
             if scene.legend:
-                organs = scene.color_by == "track" and not scene.panel
+                organs = scene.color_mode == "track" and not scene.panel
                 draw_legend(canvas, theme, layout, clip, facts.scale, organs)
         picked = scene.style.picked
         if picked is not None and layout.size[1] >= 320.0:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from player.ui import actions, keys
 from player.ui.panel_widgets import Widgets
 from player.view.choices import SIZES, Compare
-from player.view.colors import NAMES
+from player.view.style import ColorMode
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -57,13 +57,13 @@ class Panel:
         return scene
 
     def _look(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
-        style, names = scene.style, scene.colorings
-        names += () if scene.has_errors else ("error",)  # the answer tells how to get it
+        style, modes = scene.style, scene.color_modes
+        modes += () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
         chosen = widgets.choice(
-            "Colour", [NAMES[n] for n in names], names.index(scene.color_by), "color"
+            "Colour", [mode.label for mode in modes], modes.index(scene.color_mode), "color"
         )
         if chosen is not None:
-            scene = actions.colored(names[chosen])(scene)
+            scene = actions.colored(modes[chosen])(scene)
         if style.pixels is None:
             size = widgets.slider(
                 "Points", style.point_size, 0.2, 5.0, "larger", f"{style.point_size:.0%}"
@@ -122,7 +122,7 @@ class Panel:
             scene = keys.action(pressed).do(scene)
         count = len(scene.path.keys)
         switches = (
-            ("parallel", "Parallel", scene.camera.flat),
+            ("parallel", "Parallel", scene.camera.orthographic),
             ("turn", "Go round", scene.turning),
             ("follow", f"Follow path ({count} key{'' if count == 1 else 's'})", scene.following),
         )

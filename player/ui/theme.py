@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from player.ui.canvas import Color, color
+from player.view.style import GROUNDS
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class Theme:
 
 
 DARK = Theme(
-    text=color("#f2f5f3"),
-    muted=color("#a3b0ab"),
+    text=color(GROUNDS["dark"].text),
+    muted=color(GROUNDS["dark"].muted),
     accent=color("#7ddb8c"),
     on_accent=color("#0c1a12"),
     track=color("#ffffff", 0.24),
@@ -46,8 +47,8 @@ DARK = Theme(
 )
 
 LIGHT = Theme(
-    text=color("#15201b"),
-    muted=color("#55625c"),
+    text=color(GROUNDS["light"].text),
+    muted=color(GROUNDS["light"].muted),
     accent=color("#1f8a4c"),
     on_accent=color("#ffffff"),
     track=color("#15201b", 0.24),

@@ -155,14 +155,14 @@ class Camera:
         return replace(self, yaw=yaw, pitch=pitch).orbit(0.0, 0.0)
 
     @property
-    def flat(self) -> bool:
+    def orthographic(self) -> bool:
         """Whether parallels stay parallel in the picture."""
         return self.field_of_view <= FLAT
 
-    def flattened(self, flat: bool) -> Camera:
+    def with_orthographic(self, flat: bool) -> Camera:
         """Orthographic, or in perspective; what lies at the target's depth keeps its size."""
         angle = FLAT if flat else FIELD_OF_VIEW
-        if self.flat == flat:
+        if self.orthographic == flat:
             return self
         distance = self.distance * math.tan(self.field_of_view / 2) / math.tan(angle / 2)
         return replace(self, field_of_view=angle, distance=distance)

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from gclip.evaluate import srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
+from player.view.camera import axes, outline
 from player.view.holdout_error import Errors
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -30,24 +31,9 @@ SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
 FAST = 0.98  # share of the movers that are slower than the fastest colour says
 BACK = 0.12  # how much of their own colour organs keep beside a highlighted one
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB (IEC 61966-2-1)
-NAMES = {
-    "scan": "scan colours",
-    "track": "organs",
-    "age": "age",
-    "speed": "growth speed",
-    "height": "height",
-    "error": "error",
-}
-TITLES = NAMES | {"error": "error against a scan left out"}
-MAPS = {
-    "age": "crameri:imola_r",
-    "speed": "colorbrewer:YlOrRd",
-    "height": "viridis",
-    "error": "plasma",
-}
 
 
-class Value(IntEnum):
+class ScalarField(IntEnum):
     """What the shaders find a value of; their VALUED."""
 
     NONE = 0
@@ -56,39 +42,38 @@ class Value(IntEnum):
 
 
 @dataclass(frozen=True)
-class Scale:
+class ValueRange:
     """What the ends of a ramp stand for.
 
-    name: of the colouring; low, high: its values at the ends, in `unit`.
+    mode: the colouring; low, high: its values at the ends, in `unit`.
     """
 
-    name: str
+    mode: ColorMode
     low: float
     high: float
     unit: str
 
     @property
     def title(self) -> str:
-        return TITLES[self.name]
+        against = " against a scan left out" if self.mode is ColorMode.ERROR else ""
+        return self.mode.label + against
 
     @property
     def ends(self) -> tuple[str, str]:
         """The ends in words, lowest first; the unit stands with the highest."""
-        return worded(self.low), f"{worded(self.high)} {self.unit}"
+        return format_number(self.low), f"{format_number(self.high)} {self.unit}"
 
     def colors(self) -> NDArray[np.uint8]:
         """(STEPS, 3) uint8 sRGB, from low to high."""
         from cmap import Colormap
 
-        ramp = np.asarray(Colormap(MAPS[self.name])(np.linspace(0.0, 1.0, STEPS)))
+        ramp = np.asarray(Colormap(self.mode.colormap)(np.linspace(0.0, 1.0, STEPS)))
         return np.round(255.0 * ramp[:, :3]).astype(np.uint8)
 
 
-def chosen(clip: Clip, style: Style) -> str:
-    """The colouring that a style comes to with a clip: one of NAMES."""
-    if style.color_by in ("auto", "scan"):
-        return "scan" if clip.has_colors else "track"
-    return style.color_by
+def resolved_color_mode(clip: Clip, style: Style) -> ColorMode:
+    """The colouring that a style comes to with a clip."""
+    return ColorMode(style.color_by).resolved(clip.has_colors)
 
 
 class Colors:
@@ -97,59 +82,65 @@ class Colors:
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
 
-    def scale(self, style: Style) -> Scale | None:
+    def color_scale(self, style: Style) -> ValueRange | None:
         """What to explain in a legend; None for the scans' and the organs' own colours.
 
         Raises PlayerError for errors where the clip holds no scan that was left out.
         """
-        clip, name = self._clip, chosen(self._clip, style)
-        time = clip.time_unit
-        if name == "age":
-            return Scale(name, 0.0, clip.times[-1] - clip.times[0], time)
-        if name == "height":
-            return Scale(name, 0.0, self._heights[1] - self._heights[0], clip.unit or "units")
-        if name == "speed":
-            unit = f"{clip.unit or 'units'} a {time.removesuffix('s')}"
-            return Scale(name, 0.0, self._fastest, unit)
-        if name == "error":
-            high = rounded_up(max(self._errors.high, 1e-9))
-            return Scale(name, 0.0, high, clip.unit or "units")
+        clip, mode = self._clip, resolved_color_mode(self._clip, style)
+        unit = clip.unit or "units"
+        match mode:
+            case ColorMode.AGE:
+                return ValueRange(mode, 0.0, clip.times[-1] - clip.times[0], clip.time_unit)
+            case ColorMode.HEIGHT:
+                return ValueRange(mode, 0.0, self._heights[1] - self._heights[0], unit)
+            case ColorMode.SPEED:
+                speed = f"{unit} a {clip.time_unit.removesuffix('s')}"
+                return ValueRange(mode, 0.0, self._fastest, speed)
+            case ColorMode.ERROR:
+                return ValueRange(mode, 0.0, nice_ceil(max(self._errors.high, 1e-9)), unit)
         return None
 
-    def worn(self, style: Style) -> Clip:
+    def clip_with_colors(self, style: Style) -> Clip:
         """The clip to draw: a copy with its errors as colours where a style shows them.
 
-        Raises PlayerError as `scale` does.
+        Raises PlayerError as `color_scale` does.
         """
-        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
-        return self._clip if scale is None else self._errors.painted(scale.colors(), scale.high)
+        scale = self._error_scale(style)
+        if scale is None:
+            return self._clip
+        return self._errors.clip_with_error_colors(scale.colors(), scale.high)
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
-        scale = self.scale(style) if chosen(self._clip, style) == "error" else None
+        scale = self._error_scale(style)
         ramp, highest = (None, 1.0) if scale is None else (scale.colors(), scale.high)
         return self._errors.scan_as_clip(number, ramp, highest)
 
-    def baked(self, style: Style) -> Clip:
-        """The clip to write into files that hold one colour a mover: as `worn`, and without the
-        scans' colours where a style shows the organs'. Raises PlayerError for other values, which
-        change while the plant grows.
+    def _error_scale(self, style: Style) -> ValueRange | None:
+        shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
+        return self.color_scale(style) if shown else None
+
+    def clip_with_constant_colors(self, style: Style) -> Clip:
+        """The clip to write into files that hold one colour a mover: as `clip_with_colors`, and
+        without the scans' colours where a style shows the organs'. Raises PlayerError for other
+        values, which change while the plant grows.
         """
-        name = chosen(self._clip, style)
-        if self.value(style) is not Value.NONE or name == "age":
+        mode = resolved_color_mode(self._clip, style)
+        if mode in (ColorMode.AGE, ColorMode.SPEED, ColorMode.HEIGHT):
             raise PlayerError(
-                f"--color {name} changes while the plant grows: it is for pictures and films; "
+                f"--color {mode} changes while the plant grows: it is for pictures and films; "
                 "point files take scan, track or error."
             )
-        if name != "track":
-            return self.worn(style)
+        if mode is not ColorMode.TRACK:
+            return self.clip_with_colors(style)
         bare = [replace(i, start_colors=None, end_colors=None) for i in self._clip.intervals]
         return replace(self._clip, intervals=tuple(bare))
 
-    def value(self, style: Style) -> Value:
-        return {"height": Value.HEIGHT, "speed": Value.SPEED}.get(
-            chosen(self._clip, style), Value.NONE
-        )
+    def scalar_field(self, style: Style) -> ScalarField:
+        """What the shaders find a value of, for a style."""
+        fields = {ColorMode.HEIGHT: ScalarField.HEIGHT, ColorMode.SPEED: ScalarField.SPEED}
+        return fields.get(resolved_color_mode(self._clip, style), ScalarField.NONE)
 
     def palette(self, day: float, style: Style) -> NDArray[np.float32]:
         """(tracks, 4) float32: linear light, and what is left of a mover's own colour.
@@ -171,16 +162,15 @@ class Colors:
 
     def ramp(self, style: Style) -> NDArray[np.float32]:
         """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
-        valued, texels = self.value(style) is not Value.NONE, np.zeros((STEPS, 4), np.float32)
-        scale = self.scale(style) if valued else None
+        valued = self.scalar_field(style) is not ScalarField.NONE
+        texels = np.zeros((STEPS, 4), np.float32)
+        scale = self.color_scale(style) if valued else None
         if scale is not None:
             texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
         return texels
 
     def uniforms(self) -> dict[str, object]:
         """How value.glsl gets from positions and velocities to values from 0 to 1."""
-        from player.view.camera import axes
-
         low, high = self._heights
         upward = axes(self._clip.up)[2] / (high - low)
         return {
@@ -190,7 +180,8 @@ class Colors:
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
         """(tracks, 3) uint8 sRGB."""
-        scale = self.scale(style) if chosen(self._clip, style) == "age" else None
+        aged = resolved_color_mode(self._clip, style) is ColorMode.AGE
+        scale = self.color_scale(style) if aged else None
         if scale is None:
             return self._clip.palette[:, :3]
         first = self._clip.times[0]
@@ -205,8 +196,6 @@ class Colors:
     @cached_property
     def _heights(self) -> tuple[float, float]:
         """Of the lowest and the highest mover, along the plant's up axis."""
-        from player.view.camera import outline
-
         levels = outline(self._clip)[:, 2]
         low, high = float(levels.min()), float(levels.max())
         return low, max(high, low + max(1e-6, 1e-9 * abs(low)))
@@ -227,15 +216,15 @@ class Colors:
             step = np.ones(3) if interval.box is None else interval.box.step
             way = np.linalg.norm((end - start) * step, axis=1)
             speeds.append(way / (interval.end - interval.start))
-        return rounded_up(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
+        return nice_ceil(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
 
 
-def worded(value: float) -> str:
+def format_number(value: float) -> str:
     """Three digits of it, as people write them: 2,510 and no 2.51e+03."""
     return f"{float(f'{value:.3g}'):,.12g}"
 
 
-def rounded_up(value: float) -> float:
+def nice_ceil(value: float) -> float:
     """The next number that people like to read on a scale: 1, 1.5, 2, 3, 4, 5, 6, 8 times 10^n."""
     power = 10.0 ** np.floor(np.log10(value))
     steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.errors import PlayerError
+from player.view.style import NO_HOLDOUT
 
 if TYPE_CHECKING:
     from gclip import Clip, Interval
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
 UNKNOWN = (150, 150, 150)  # sRGB of movers whose interval has no scan to compare with
-NOTHING = "the clip holds no scan that was left out of it; bake it with --holdout 2."
 
 
 class Errors:
@@ -31,7 +31,7 @@ class Errors:
 
     def __init__(self, clip: Clip) -> None:
         if not clip.held_out:
-            raise PlayerError(NOTHING)
+            raise PlayerError(NO_HOLDOUT)
         self._clip = clip
         self._scans = {locate(clip, scan.time)[0]: scan for scan in clip.held_out}
 
@@ -48,7 +48,7 @@ class Errors:
         known = np.concatenate([errors[np.isfinite(errors)] for errors in self.intervals.values()])
         return float(np.quantile(known, HIGH)) if len(known) else 0.0
 
-    def painted(self, ramp: NDArray[np.uint8], highest: float) -> Clip:
+    def clip_with_error_colors(self, ramp: NDArray[np.uint8], highest: float) -> Clip:
         """The clip with its movers' errors as colours, so that all that shows colours shows them.
 
         ramp: (steps, 3) uint8 sRGB, from no error to the highest and beyond.

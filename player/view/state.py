@@ -10,7 +10,7 @@ from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Output, Wish
 from player.view.playback import Timeline
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 
 
 @dataclass(frozen=True)
@@ -54,17 +54,17 @@ class Scene:
     closed: bool = False
 
     @property
-    def color_by(self) -> str:
-        """The colouring on screen: one of NAMES in player/view/colors.py."""
-        if self.style.color_by in ("auto", "scan"):
-            return "scan" if self.has_colors else "track"
-        return self.style.color_by
+    def color_mode(self) -> ColorMode:
+        """The colouring on screen."""
+        return ColorMode(self.style.color_by).resolved(self.has_colors)
 
     @property
-    def colorings(self) -> tuple[str, ...]:
+    def color_modes(self) -> tuple[ColorMode, ...]:
         """What can be chosen."""
-        every = ("scan", "track", "age", "speed", "height", "error")
-        return every[0 if self.has_colors else 1 : None if self.has_errors else -1]
+        absent = {ColorMode.AUTO}
+        absent |= set() if self.has_colors else {ColorMode.SCAN}
+        absent |= set() if self.has_errors else {ColorMode.ERROR}
+        return tuple(mode for mode in ColorMode if mode not in absent)
 
     def clock(self, move: Callable[[Timeline], Timeline]) -> Scene:
         return replace(self, timeline=move(self.timeline))

@@ -1,21 +1,58 @@
 """How the plant is to look: what the user chooses, apart from camera and time."""
 
-from dataclasses import dataclass, replace
+from __future__ import annotations
 
-COLOR_CHOICES = ("auto", "scan", "track", "age", "speed", "height", "error")
-GROUND_CHOICES = ("dark", "light")
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 Light = tuple[float, float, float]
+
+NO_HOLDOUT = "the clip holds no scan that was left out of it; bake it with --holdout 2."
+
+
+class ColorMode(StrEnum):
+    """What movers are coloured by.
+
+    label:    what users read.
+    colormap: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own.
+    """
+
+    label: str
+    colormap: str
+
+    def __new__(cls, value: str, label: str = "", colormap: str = "") -> ColorMode:
+        mode = str.__new__(cls, value)
+        mode._value_, mode.label, mode.colormap = value, label, colormap
+        return mode
+
+    AUTO = "auto", "the scans' colours, or organs"
+    SCAN = "scan", "scan colours"
+    TRACK = "track", "organs"
+    AGE = "age", "age", "crameri:imola_r"
+    SPEED = "speed", "growth speed", "colorbrewer:YlOrRd"
+    HEIGHT = "height", "height", "viridis"
+    ERROR = "error", "error", "plasma"
+
+    def resolved(self, has_colors: bool) -> ColorMode:
+        """What it comes to with a clip that has scans' colours, or has none."""
+        if self in (ColorMode.AUTO, ColorMode.SCAN):
+            return ColorMode.SCAN if has_colors else ColorMode.TRACK
+        return self
+
+
+class GroundChoice(StrEnum):
+    """The background."""
+
+    DARK = "dark"
+    LIGHT = "light"
 
 
 @dataclass(frozen=True)
 class Style:
     """The look of a picture.
 
-    color_by:    "scan" for the scans' own colours, "track" for one colour an organ, "auto" for the
-                 scans' colours where there are any. "scan" falls back to "track" without any.
-                 "age", "speed", "height" and "error" colour by value (player/view/colors.py).
-    ground:      "dark" or "light", the background.
+    color_by:    the scans' own colours, one for each organ, or by value (player/view/colors.py).
+    ground:      the background.
     point_size:  factor on the clip's natural point size, 1 closes the surfaces.
     depth_cue:   far parts recede into the background.
     eye_dome:    strength of the shading found from depth alone, 0 switches it off
@@ -27,8 +64,8 @@ class Style:
     hidden:      tracks that are not drawn; alone: the only track that is.
     """
 
-    color_by: str = "auto"
-    ground: str = "dark"
+    color_by: ColorMode = ColorMode.AUTO
+    ground: str = GroundChoice.DARK
     point_size: float = 1.0
     depth_cue: bool = True
     eye_dome: float = 1.0
@@ -52,6 +89,7 @@ class Ground:
     shadow:       the floor where the plant keeps all light away.
     haze:         what far parts of the plant recede into.
     sky_light, floor_light, lamp_light: light on the plant from above, from below, from the lamp.
+    text, muted:  what is written over it, and what of that stays back, as #rrggbb.
     """
 
     above: Light
@@ -62,6 +100,8 @@ class Ground:
     sky_light: Light
     floor_light: Light
     lamp_light: Light
+    text: str
+    muted: str
 
 
 GROUNDS = {
@@ -74,6 +114,8 @@ GROUNDS = {
         sky_light=(0.56, 0.62, 0.70),
         floor_light=(0.22, 0.22, 0.20),
         lamp_light=(1.02, 0.96, 0.84),
+        text="#f2f5f3",
+        muted="#a3b0ab",
     ),
     "light": Ground(
         above=(0.80, 0.84, 0.84),
@@ -84,6 +126,8 @@ GROUNDS = {
         sky_light=(0.56, 0.60, 0.64),
         floor_light=(0.34, 0.34, 0.32),
         lamp_light=(0.86, 0.83, 0.76),
+        text="#15201b",
+        muted="#55625c",
     ),
 }
 

@@ -355,7 +355,7 @@ class Window:
 
         picked = scene.style.picked
         known = () if picked is None else tuple(self._organ.lines(picked, scene.timeline.day))
-        return Facts(self._colors.scale(scene.style), known, (), self._exports.progress)
+        return Facts(self._colors.color_scale(scene.style), known, (), self._exports.progress)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

@@ -89,7 +89,7 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
         turning=scene.turning,
         style=scene.style,
         at=(scene.timeline.day,) if chosen.days == 1 else (),
-        cut_out=scene.output.transparent and chosen.suffix == ".png",
+        transparent=scene.output.transparent and chosen.suffix == ".png",
         name=name,
         path=path,
     )

@@ -98,7 +98,7 @@ class Stage:
         if key not in self._renderers:
             colors = self._colors[pane.clip]
             if pane.left_out is None:
-                clip = colors.worn(style)
+                clip = colors.clip_with_colors(style)
             else:
                 clip = colors.left_out(pane.left_out, style)
                 for other in [k for k in self._renderers if k[2] is not None]:

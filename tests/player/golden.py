@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 
 import gclip
 from gclip import Clip
-from player.export.annotations import Stamps
 from player.export.film import Film
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
 from player.rendering.points import Way
+from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare
@@ -163,7 +163,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         panes = panes_of(shown, [clip], [plant])
         from player.ui.overlay import Facts, Overlay
 
-        facts = Facts(Colors(clip).scale(style), panes=panes if len(panes) > 1 else ())
+        facts = Facts(Colors(clip).color_scale(style), panes=panes if len(panes) > 1 else ())
         with _screen(size) as (context, screen):
             stage, overlay = Stage(context, [clip]), Overlay(context, clip, plant)
             for _ in range(3):  # a panel learns its sizes as it is drawn
@@ -184,7 +184,8 @@ def _closer(camera: Camera) -> Camera:
 
 TRACK = Style(color_by="track")
 FINE, COARSE = Style(point_size=0.3), Style(point_size=1.5)
-LEGEND = Stamps(legend=True)
+LEGEND = Annotations(legend=True)
+DATE_AND_SCALE = Annotations(date=True, scale=True)
 
 LOOSE = ("splats", "light", "tracks", "age", "speed", "height", "window", "wipe")
 GOLDEN = tuple(
@@ -195,17 +196,14 @@ GOLDEN = tuple(
         ("few", _drawn("tomato", 6.0, FINE, every=40)),  # each single mover counts
         ("unshaded", _still("tree", 22.0, Style(eye_dome=0.0, depth_cue=False, show_ground=False))),
         ("shaded", _still("tree", 22.0, Style(eye_dome=2.0))),
-        (
-            "light",
-            _still("tree", 28.0, Style(ground="light"), stamps=Stamps(date=True, scale=True)),
-        ),
-        ("tracks", _still("maize", 9.0, TRACK, title="Maize", stamps=LEGEND)),
-        ("age", _still("maize", 9.0, Style(color_by="age"), stamps=LEGEND)),
-        ("speed", _still("tomato", 2.0, Style(color_by="speed"), stamps=LEGEND)),
-        ("height", _still("tree", 30.0, Style(color_by="height"), stamps=LEGEND)),
+        ("light", _still("tree", 28.0, Style(ground="light"), annotations=DATE_AND_SCALE)),
+        ("tracks", _still("maize", 9.0, TRACK, title="Maize", annotations=LEGEND)),
+        ("age", _still("maize", 9.0, Style(color_by="age"), annotations=LEGEND)),
+        ("speed", _still("tomato", 2.0, Style(color_by="speed"), annotations=LEGEND)),
+        ("height", _still("tree", 30.0, Style(color_by="height"), annotations=LEGEND)),
         ("close", _still("maize", 9.0, Style(), _closer)),
-        ("orthographic", _still("tree", 15.0, TRACK, lambda camera: camera.flattened(True))),
-        ("transparent", _still("tomato", 6.0, Style(), cut_out=True)),
+        ("orthographic", _still("tree", 15.0, TRACK, lambda view: view.with_orthographic(True))),
+        ("transparent", _still("tomato", 6.0, Style(), transparent=True)),
         ("birth", _still("maize", 2.0, TRACK)),
         ("lost", _still("tomato", 3.0, TRACK)),
         ("picked", _drawn("tomato", 4.0, Style(picked=2, hidden=frozenset({1})))),

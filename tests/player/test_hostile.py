@@ -172,12 +172,15 @@ def test_gltf_and_usd_hold_names_as_text(make_clip: ClipMaker, tmp_path: Path, n
 def test_pictures_with_nasty_titles_are_drawn(
     make_clip: ClipMaker, tmp_path: Path, nasty: str
 ) -> None:
-    from player.export.annotations import Stamps
+    from player.view.annotations import Annotations
     from player.view.style import Style
 
     clip = poisoned(make_clip(), nasty)
     film = Film(
-        size=(160, 120), title=nasty, stamps=Stamps(True, True, True), style=Style(color_by="track")
+        size=(160, 120),
+        title=nasty,
+        annotations=Annotations(True, True, True),
+        style=Style(color_by="track"),
     )
     export(clip, film, tmp_path / "still.png")
     assert (tmp_path / "still.png").stat().st_size > 500

@@ -84,7 +84,7 @@ def loaded(clip: Clip) -> None:
         colors, style = Colors(clip), Style(color_by=name)
         assert np.isfinite(colors.palette(days_of(clip)[1], style)).all()
         assert np.isfinite(colors.ramp(style)).all()
-        if colors.value(style):
+        if colors.scalar_field(style):
             assert np.isfinite(np.hstack(list(colors.uniforms().values()))).all()
     assert all(estimate(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)

@@ -16,6 +16,7 @@ from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film
 from player.export.web.encode import Packed, pack
+from player.view.style import GROUNDS, ColorMode
 from shaders import web_sources
 
 if TYPE_CHECKING:
@@ -82,7 +83,6 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
     from player.rendering.splat_radius import ClosingDistances
     from player.view.camera import Camera, outline
     from player.view.dates import short_dates
-    from player.view.style import GROUNDS
 
     closing, dates = ClosingDistances(clip), [scan.date for scan in clip.scans]
     home, points = Camera.home(clip, film.aspect), outline(clip)
@@ -149,9 +149,10 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
 
 def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
     """What the movers' own colours mean, where they are those of a value: errors."""
-    from player.view.colors import Colors, chosen
+    from player.view.colors import Colors, resolved_color_mode
 
-    scale = Colors(clip).scale(film.style) if chosen(clip, film.style) == "error" else None
+    colors, by_error = Colors(clip), resolved_color_mode(clip, film.style) is ColorMode.ERROR
+    scale = colors.color_scale(film.style) if by_error else None
     if scale is None:
         return None
     steps = scale.colors()[:: len(scale.colors()) // 16].tolist()

@@ -15,7 +15,7 @@ from gclip import Clip, Motion, Track
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
-from player.export.annotations import Stamps, bar_length
+from player.view.annotations import Annotations, round_length
 from player.view.colors import Colors
 from player.view.style import Style
 
@@ -37,9 +37,9 @@ def still(clip: Clip, folder: Path, **wishes: Any) -> np.ndarray:
     ("wishes", "rows", "columns", "ground"),
     [
         ({"title": "Maize"}, slice(0, 60), slice(0, 200), "light"),
-        ({"stamps": Stamps(date=True)}, slice(300, 360), slice(0, 200), "dark"),
-        ({"stamps": Stamps(scale=True)}, slice(300, 360), slice(440, 640), "dark"),
-        ({"stamps": Stamps(legend=True)}, slice(0, 60), slice(440, 640), "dark"),
+        ({"annotations": Annotations(date=True)}, slice(300, 360), slice(0, 200), "dark"),
+        ({"annotations": Annotations(scale=True)}, slice(300, 360), slice(440, 640), "dark"),
+        ({"annotations": Annotations(legend=True)}, slice(0, 60), slice(440, 640), "dark"),
     ],
 )
 def test_each_stamp_has_its_corner(
@@ -56,24 +56,26 @@ def test_each_stamp_has_its_corner(
 
 
 def test_the_scale_bar_is_as_long_as_it_says(clip: Clip, tmp_path: Path) -> None:
-    plain, barred = (still(clip, tmp_path, stamps=Stamps(scale=on)) for on in (False, True))
+    plain, barred = (
+        still(clip, tmp_path, annotations=Annotations(scale=on)) for on in (False, True)
+    )
     camera = Film(size=SIZE).camera(clip)
     units = SIZE[1] / (2 * camera.distance * math.tan(camera.field_of_view / 2))
     columns = np.flatnonzero((np.abs(barred - plain).max(axis=2) > 60)[325:347].any(axis=0))
     width = columns[-1] - columns[0] + 1
-    assert width / units == pytest.approx(bar_length(0.22 * SIZE[0] / units), abs=1.5 / units)
+    assert width / units == pytest.approx(round_length(0.22 * SIZE[0] / units), abs=1.5 / units)
 
 
 @pytest.mark.parametrize(
     ("longest", "length"), [(1.0, 1.0), (1.9, 1.0), (2.0, 2.0), (49, 20), (0.07, 0.05), (5e6, 5e6)]
 )
 def test_bars_have_round_lengths(longest: float, length: float) -> None:
-    assert bar_length(longest) == pytest.approx(length)
+    assert round_length(longest) == pytest.approx(length)
 
 
 def test_a_long_legend_is_cut_and_says_so(clip: Clip, tmp_path: Path) -> None:
     many = tuple(Track(i, f"organ {i}\n\x1b", (i % 256, 99, 0)) for i in range(400))
-    picture = still(replace(clip, track_table=many), tmp_path, stamps=Stamps(legend=True))
+    picture = still(replace(clip, track_table=many), tmp_path, annotations=Annotations(legend=True))
     plain = still(replace(clip, track_table=many), tmp_path)
     rows = np.flatnonzero(np.abs(picture - plain).max(axis=(1, 2)) > 60)
     assert 150 < rows[-1] < 0.8 * SIZE[1]
@@ -83,7 +85,7 @@ def test_a_transparent_picture_over_black_is_the_picture_on_black(
     clip: Clip, tmp_path: Path
 ) -> None:
     plain = still(clip, tmp_path, style=Style(ground="dark on black", show_ground=False))
-    cut = still(clip, tmp_path, cut_out=True)
+    cut = still(clip, tmp_path, transparent=True)
     assert cut.shape == (*SIZE[::-1], 4)
     opacity = cut[..., 3]
     assert (opacity[:20] == 0).all()
@@ -95,12 +97,12 @@ def test_a_transparent_picture_over_black_is_the_picture_on_black(
 
 def test_transparency_is_for_pictures(clip: Clip, tmp_path: Path) -> None:
     with pytest.raises(PlayerError, match="holds no transparency"):
-        export(clip, Film(cut_out=True), tmp_path / "film.mp4")
+        export(clip, Film(transparent=True), tmp_path / "film.mp4")
 
 
 def test_a_legend_of_colors_that_are_not_shown_is_refused(make_clip: Any, tmp_path: Path) -> None:
     clip = make_clip(colors=((1, 2, 3, 255), (1, 2, 3, 255)))
-    film = Film(size=(64, 48), stamps=Stamps(legend=True))
+    film = Film(size=(64, 48), annotations=Annotations(legend=True))
     with pytest.raises(PlayerError, match="--color track"):
         export(clip, film, tmp_path / "still.png")
     for meant in ("track", "age", "height"):
@@ -110,11 +112,11 @@ def test_a_legend_of_colors_that_are_not_shown_is_refused(make_clip: Any, tmp_pa
 def test_a_legend_of_values_shows_the_ramp(clip: Clip, tmp_path: Path) -> None:
     style = Style(color_by="height")
     plain, named = (
-        still(clip, tmp_path, style=style, stamps=stamps)
-        for stamps in (Stamps(), Stamps(legend=True))
+        still(clip, tmp_path, style=style, annotations=wanted)
+        for wanted in (Annotations(), Annotations(legend=True))
     )
     changed = named[(plain != named).any(axis=2)].astype(int)
-    scale = Colors(clip).scale(style)
+    scale = Colors(clip).color_scale(style)
     assert scale is not None
     for color in scale.colors()[[8, 128, 248]].astype(int):
         assert np.abs(changed[:, :3] - color).max(axis=1).min() <= 6

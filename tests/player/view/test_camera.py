@@ -104,10 +104,10 @@ def test_zooming_keeps_what_is_under_the_cursor(factor: float) -> None:
 
 def test_parallels_stay_parallel_in_the_flat_view() -> None:
     camera = Camera.fit(BOX)
-    flat = camera.flattened(True)
-    assert flat.flat
-    assert not camera.flat
-    back = flat.flattened(False)
+    flat = camera.with_orthographic(True)
+    assert flat.orthographic
+    assert not camera.orthographic
+    back = flat.with_orthographic(False)
     assert back.distance == pytest.approx(camera.distance)
     shares = []
     for seen in (camera, flat):

@@ -10,7 +10,7 @@ from gclip.evaluate import srgb_to_linear
 from player.rendering.points import Way
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, Value, chosen, rounded_up
+from player.view.colors import Colors, ScalarField, nice_ceil, resolved_color_mode
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
 
@@ -57,7 +57,7 @@ def test_height_goes_up_the_ramp(context: moderngl.Context, make_clip: ClipMaker
 
 def test_the_fastest_colour_is_a_speed_of_the_clip(make_clip: ClipMaker) -> None:
     clip = make_clip()
-    scale = Colors(clip).scale(Style(color_by="speed"))
+    scale = Colors(clip).color_scale(Style(color_by="speed"))
     assert scale is not None
     speeds = [
         np.linalg.norm(clip.at(day + 1e-3).local - clip.at(day).local, axis=1) / 1e-3
@@ -65,7 +65,7 @@ def test_the_fastest_colour_is_a_speed_of_the_clip(make_clip: ClipMaker) -> None
     ]
     # The last interval's right half falls: that is no growth.
     moving = np.concatenate([speeds[0], speeds[1][:800]])
-    assert scale.high == pytest.approx(rounded_up(float(np.quantile(moving, 0.98))), rel=0.35)
+    assert scale.high == pytest.approx(nice_ceil(float(np.quantile(moving, 0.98))), rel=0.35)
     assert scale.unit == "mm a day"
 
 
@@ -105,7 +105,7 @@ def test_age_counts_from_birth(make_clip: ClipMaker) -> None:
     young = replace(clip.track_table[1], born=2.0)
     clip = replace(clip, track_table=(clip.track_table[0], young))
     style = Style(color_by="age")
-    scale = Colors(clip).scale(style)
+    scale = Colors(clip).color_scale(style)
     assert scale is not None
     palette = Colors(clip).palette(4.5, style)
     ramp = srgb_to_linear(scale.colors() / 255.0)
@@ -115,17 +115,18 @@ def test_age_counts_from_birth(make_clip: ClipMaker) -> None:
 
 def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     bare, colored = make_clip(), make_clip(colors=((0, 0, 0, 255), (9, 9, 9, 255)))
-    assert (chosen(bare, Style()), chosen(colored, Style())) == ("track", "scan")
-    assert chosen(bare, Style(color_by="scan")) == "track"
-    assert Colors(bare).value(Style(color_by="age")) is Value.NONE
-    assert Colors(bare).scale(Style(color_by="track")) is None
+    assert resolved_color_mode(bare, Style()) == "track"
+    assert resolved_color_mode(colored, Style()) == "scan"
+    assert resolved_color_mode(bare, Style(color_by="scan")) == "track"
+    assert Colors(bare).scalar_field(Style(color_by="age")) is ScalarField.NONE
+    assert Colors(bare).color_scale(Style(color_by="track")) is None
 
 
 @pytest.mark.parametrize(
     ("value", "wanted"), [(0.037, 0.04), (1.0, 1.0), (7.0, 8.0), (95.0, 100.0)]
 )
 def test_round_numbers(value: float, wanted: float) -> None:
-    assert rounded_up(value) == pytest.approx(wanted)
+    assert nice_ceil(value) == pytest.approx(wanted)
 
 
 def test_pixel_sized_points_do_not_grow_with_nearness(

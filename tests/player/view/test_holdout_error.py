@@ -24,7 +24,7 @@ from player.view.holdout_error import UNKNOWN, Errors
 from player.view.playback import Timeline
 from player.view.split_view import Pane, panes_of
 from player.view.state import Scene
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Stage
 
@@ -61,7 +61,7 @@ def test_what_is_no_part_of_the_plant_has_no_error(make_clip: Any) -> None:
 
 
 def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
-    worn, scale = Colors(clip).worn(ERROR), Colors(clip).scale(ERROR)
+    worn, scale = Colors(clip).clip_with_colors(ERROR), Colors(clip).color_scale(ERROR)
     assert scale is not None
     assert (scale.low, scale.high, scale.unit) == (0.0, 3.0, "mm")
     (errors,) = Errors(clip).intervals.values()
@@ -69,14 +69,14 @@ def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
     assert np.abs(painted[errors < 0.005] - ramp[0]).max() <= 2
     assert np.abs(painted[errors >= 3.0] - ramp[-1]).max() <= 1
     assert (worn.at(3.0).colors[:, :3] == UNKNOWN).all(), "nothing is known of that interval"
-    assert Colors(clip).worn(Style()) is clip
+    assert Colors(clip).clip_with_colors(Style()) is clip
 
 
 def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) -> None:
     errors = Errors(clip)
     ramp = np.arange(101, dtype=np.uint8)[:, None].repeat(3, axis=1)
     for highest in (3.0, 12.0):
-        shades = errors.painted(ramp, highest).at(DAY).colors[:, 0].astype(int)
+        shades = errors.clip_with_error_colors(ramp, highest).at(DAY).colors[:, 0].astype(int)
         (known,) = errors.intervals.values()
         assert np.abs(shades - 100 * np.minimum(known / highest, 1.0)).max() <= 1
 
@@ -120,7 +120,7 @@ def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip
     assert (plain.at(1.0).colors[:, :3] == 9).all()
     assert set(np.unique(plain.at(1.0).tracks)) == {0, 1}
     missed = cKDTree(clip.at(DAY).local).query(real)[0]
-    painted, ramp = wrong.at(1.0).colors[:, :3], Colors(clip).scale(ERROR).colors()
+    painted, ramp = wrong.at(1.0).colors[:, :3], Colors(clip).color_scale(ERROR).colors()
     assert (painted[missed >= 3.0] == ramp[-1]).all()
     assert np.abs(painted[missed < 0.005].astype(int) - ramp[0]).max() <= 2
 
@@ -138,7 +138,7 @@ def test_files_carry_the_errors_as_colors(clip: Clip, tmp_path: Path) -> None:
     export(clip, Film(at=(DAY,), style=ERROR), tmp_path / "cloud.ply")
     vertices = PlyData.read(tmp_path / "cloud.ply")["vertex"]
     found = np.column_stack([vertices[name] for name in ("red", "green", "blue", "alpha")])
-    assert np.array_equal(found, Colors(clip).worn(ERROR).at(DAY).colors)
+    assert np.array_equal(found, Colors(clip).clip_with_colors(ERROR).at(DAY).colors)
 
 
 def test_point_files_take_the_organs_colors_and_refuse_what_changes(
@@ -167,10 +167,10 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     assert "bake it with --holdout 2" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["p.gclip"]
     with pytest.raises(PlayerError, match="left out"):
-        Colors(clip).scale(ERROR)
+        Colors(clip).color_scale(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), has_colors=False)
-    told = colored("error")(scene)
+    told = colored(ColorMode.ERROR)(scene)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
-    assert "error" not in scene.colorings
-    assert "error" in replace(scene, has_errors=True).colorings
+    assert "error" not in scene.color_modes
+    assert "error" in replace(scene, has_errors=True).color_modes

@@ -159,14 +159,14 @@ def test_c_goes_through_the_colourings_that_the_clip_has(controls: Controls) -> 
     seen = []
     for _ in range(5):
         controls.key("c")
-        seen.append(controls.scene.color_by)
+        seen.append(controls.scene.color_mode)
     assert seen == ["track", "age", "speed", "height", "scan"]
     controls.scene = replace(controls.scene, has_colors=False)
-    assert controls.scene.color_by == "track"
+    assert controls.scene.color_mode == "track"
     for _ in range(4):
         controls.key("c")
-        assert controls.scene.color_by != "scan"
-    assert controls.scene.color_by == "track"
+        assert controls.scene.color_mode != "scan"
+    assert controls.scene.color_mode == "track"
 
 
 def test_point_size_comes_back_to_one_and_has_limits(controls: Controls) -> None:
