@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from player.errors import PlayerError
@@ -9,24 +10,35 @@ from player.errors import PlayerError
 if TYPE_CHECKING:
     import moderngl
 
-REQUIRED = 330  # OpenGL 3.3 core: what every machine since 2010, and Mesa without a GPU, can do
-DEVICES = 16  # of EGL that are tried: GPUs, and the software renderer after them
+# Many drivers give exactly the version that is asked for: the newest comes first. From 4.3 on there
+# are compute shaders; 3.3 is what every machine since 2010, and Mesa without a GPU, can do.
+VERSIONS = (460, 450, 430, 330)
+MAX_DEVICES = 16  # of EGL that are tried: GPUs, and the software renderer after them
 
 
 def headless() -> moderngl.Context:
     """A context without a screen, through EGL, on the first device that offers OpenGL 3.3.
 
     EGL lists GPUs first, and Mesa's software renderer last: where no GPU can be used, it draws.
-    The context has no default framebuffer: draw into one of your own. Raises PlayerError naming the
-    system packages to install where EGL is missing.
+    The context has no default framebuffer: draw into one of your own.
+
+    Returns
+    -------
+    moderngl.Context
+        Of the newest of VERSIONS that the device offers.
+
+    Raises
+    ------
+    PlayerError
+        Naming the system packages to install where EGL is missing.
     """
     import moderngl
 
     reason = ""
-    for device in range(DEVICES):
+    for device, version in product(range(MAX_DEVICES), VERSIONS):
         settings: dict[str, Any] = {"backend": "egl", "device_index": device}
         try:
-            return moderngl.create_context(standalone=True, require=REQUIRED, **settings)
+            return moderngl.create_context(standalone=True, require=version, **settings)
         except Exception as error:
             reason = reason or _reason(error)
     raise PlayerError(
@@ -43,7 +55,7 @@ def from_window() -> moderngl.Context:
     import moderngl
 
     try:
-        return moderngl.create_context(require=REQUIRED)
+        return moderngl.create_context(require=VERSIONS[-1])
     except Exception as error:
         raise PlayerError(
             f"the window offers no OpenGL 3.3 ({_reason(error)}); "

@@ -1,4 +1,4 @@
-"""What GLFW is asked for: a window with OpenGL 3.3, its events, and the full screen."""
+"""What GLFW is asked for: a window with OpenGL, its events, and the full screen."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from player.errors import PlayerError
+from player.gl.context import VERSIONS
 
 if TYPE_CHECKING:
     from player.window.input import Controls
@@ -55,17 +56,21 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
 
 
 def _created(size: tuple[int, int], title: str) -> Any:
-    """A window with OpenGL 3.3, or nothing."""
+    """A window with the newest OpenGL of VERSIONS that there is, or nothing."""
     import glfw
 
-    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 3)
-    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
     glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
     glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
-    return glfw.create_window(*size, title, None, None)
+    for version in VERSIONS:
+        glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, version // 100)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, version // 10 % 10)
+        handle = glfw.create_window(*size, title, None, None)
+        if handle:
+            return handle
+    return None
 
 
 def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
