@@ -11,15 +11,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import gclip
+import player.export
+import player.view
+import player.window
 from gclip.terminal.command import run_app
 from gclip.terminal.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
+from player.info import print_info
 from player.ui.keys import help_text
 from player.view.style import ColorMode, GroundChoice, Style
 
 if TYPE_CHECKING:
-    from gclip import Clip
     from player.export import Film
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -35,9 +39,7 @@ AS_IT_IS = "\n\n\b\n"  # typer reflows a paragraph unless it begins like this
 def _list(wanted: bool) -> None:
     """Print what can be exported, and leave."""
     if wanted:
-        from player.export.formats import FORMATS
-
-        for one in FORMATS:
+        for one in player.export.FORMATS:
             typer.echo(f"{one.example:18}{one.about}")
         raise typer.Exit
 
@@ -163,13 +165,10 @@ def play_command(
     if export is not None and info:
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
-        from player.export import Film
-        from player.view.annotations import Annotations
-
-        film = Film(
+        film = player.export.Film(
             *(_size(size or SIZE), fps, seconds, turning, style, days, every),
             title=printable(title),
-            annotations=Annotations(date, scale_bar, legend),
+            annotations=player.view.Annotations(date, scale_bar, legend),
             transparent=transparent,
             name=printable(clip.stem),
         )
@@ -177,46 +176,35 @@ def play_command(
     elif info:
         from rich.console import Console
 
-        from player.info import print_info
-
         stdout: Any = Lossy(sys.stdout)
         console = Console(file=stdout)
         # In a pipe nothing is cut to a terminal's width that isn't there.
         print_info(
-            console if console.is_terminal else Console(file=stdout, width=200), _open(clip), clip
+            console if console.is_terminal else Console(file=stdout, width=200),
+            gclip.open(clip),
+            clip,
         )
     else:
-        from player.window.start import Wanted, start
-
         files = [clip] if second is None else [clip, second]
         chosen = None if size is None else _size(size)
-        start(files, style, Wanted(chosen, ground, turning, path, kiosk))
+        player.window.start(
+            files, style, player.window.Wanted(chosen, ground, turning, path, kiosk)
+        )
 
 
 def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
-    from player.export import export, format_of
-    from player.export.progress import FrameProgress
-
-    chosen = format_of(output, film)
-    clip = _open(path)
+    chosen = player.export.format_of(output, film)
+    clip = gclip.open(path)
     first, last = clip.times[0], clip.times[-1]
     for day in film.at:
         if not first <= day <= last:
             raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
     if camera is not None:
-        from player.view.camera_animation import load_path
-
-        film = replace(film, path=load_path(camera, clip))
-    with FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
-        export(clip, film, output, progress)
+        film = replace(film, path=player.view.load_path(camera, clip))
+    with player.export.FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
+        player.export.export(clip, film, output, progress)
     if not quiet:
         typer.echo(f"wrote {output}", err=True)
-
-
-def _open(path: Path) -> Clip:
-    import gclip
-
-    return gclip.open(path)
 
 
 def _camera_file(camera: str) -> Path | None:

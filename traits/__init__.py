@@ -6,13 +6,14 @@ Baker and player both use this package; it knows gclip alone. docs/exports.md de
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from traits.table import measure_days, write_table
+    from traits.table import Namer, measure_days, write_table
     from traits.traits import Measurement, measure
 
-__all__ = ["Measurement", "measure", "measure_days", "write_table"]
+__all__ = ["Measurement", "Namer", "measure", "measure_days", "write_table"]
 
 _HOME = {
     "Measurement": "traits.traits",
+    "Namer": "traits.table",
     "measure": "traits.traits",
     "measure_days": "traits.table",
     "write_table": "traits.table",

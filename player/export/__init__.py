@@ -1,6 +1,6 @@
-"""Pictures and films of a clip, drawn without a screen."""
+"""Pictures, films, pages, geometry and tables of a clip, drawn without a screen."""
 
-from player.export.film import Film
-from player.export.formats import export, format_of
+import lazy_loader
 
-__all__ = ["Film", "export", "format_of"]
+# numpy and the formats load when something is exported: `play --help` stays instant.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

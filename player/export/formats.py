@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from player.atomic_write import check_folder
 from player.errors import PlayerError
-from player.export import image, usd, video
+from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
 from player.export.film import Film
+from player.export.web import page
+from player.rendering.headless import Offscreen
 from player.view.colors import Colors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gclip import Clip
-    from player.rendering.headless import Offscreen
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 
@@ -141,7 +141,7 @@ def _drawn(
     locks that a fork may hang on (imageio-ffmpeg, issue 58).
     """
     total = film.frame_count(clip)
-    with _offscreen(clip, film) as offscreen:
+    with Offscreen(clip, film.size) as offscreen:
         draw = film.painter(clip, offscreen)
         for day in before:
             yield draw(day, film.camera(clip, day))
@@ -154,25 +154,10 @@ def _drawn(
 def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     day = film.at[0] if film.at else clip.times[-1]
     camera = film.camera(clip, day)
-    with _offscreen(clip, film) as offscreen:
+    with Offscreen(clip, film.size) as offscreen:
         picture = film.painter(clip, offscreen)(day, camera)
         image.write_one(picture, path, camera.matrix(film.aspect))
     progress(1, 1)
-
-
-def _offscreen(clip: Clip, film: Film) -> Offscreen:
-    from player.rendering.headless import Offscreen
-
-    return Offscreen(clip, film.size)
-
-
-def _from(module: str, name: str = "write") -> Writer:
-    """A writer of a module of this package that is loaded only when it is asked for."""
-
-    def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-        getattr(import_module(f"player.export.{module}"), name)(clip, film, path, progress)
-
-    return write
 
 
 FORMATS: tuple[Format, ...] = (
@@ -186,22 +171,22 @@ FORMATS: tuple[Format, ...] = (
     Format(
         "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
     ),
-    Format("plant.html", "one page to turn and play in any browser, offline", _from("web.page")),
-    Format("cloud.ply", "one point cloud, for any program", _from("ply"), points=True, days=1),
+    Format("plant.html", "one page to turn and play in any browser, offline", page.write),
+    Format("cloud.ply", "one point cloud, for any program", ply.write, points=True, days=1),
     Format(
         "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
-        _from("ply", "write_sequence"), sequence=True, points=True, days=2,
+        ply.write_sequence, sequence=True, points=True, days=2,
     ),
     Format(
-        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", _from("gltf"),
+        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", gltf.write,
         points=True,
     ),
     Format(
-        "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", _from("usd"),
+        "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
         usd.check, points=True, also=(".usda", ".usdc"),
     ),
     Format(
-        "traits.csv", "height, length, area, volume, angle, growth of each organ", _from("table"),
+        "traits.csv", "height, length, area, volume, angle, growth of each organ", table.write,
         days=2,
     ),
 )  # fmt: skip

@@ -22,8 +22,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Motion
+from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
+from gclip.file import check_whole
 from player.atomic_write import whole_file
 from player.export.film import Film
+from player.view.camera import axes
+from player.view.dates import date_at
 
 if TYPE_CHECKING:
     import pygltflib
@@ -94,7 +99,6 @@ def build(
 
 
 def _parts(clip: Clip) -> Iterator[Part]:
-    from gclip import Motion
 
     for index, interval in enumerate(clip.intervals):
         last = index == len(clip.intervals) - 1
@@ -112,8 +116,6 @@ def _parts(clip: Clip) -> Iterator[Part]:
 
 def weights_at(interval: Interval, group: Group, share: float) -> list[float]:
     """The morph targets' weights when `share` of the interval has passed."""
-    from gclip import Motion
-    from gclip.evaluate import bernstein
 
     parameter = share**2 if group.motion is Motion.FALL else share
     return bernstein(interval.degree, parameter)[1:].tolist()
@@ -122,11 +124,6 @@ def weights_at(interval: Interval, group: Group, share: float) -> list[float]:
 def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, seconds: float) -> None:
     """One node with its mesh and its two animation channels."""
     import pygltflib as gltf
-
-    from gclip import Motion
-    from gclip.evaluate import bernstein
-    from gclip.file import check_whole
-    from traits.dates import date_at
 
     interval = clip.intervals[part.interval]
     check_whole(interval.tracks)
@@ -180,7 +177,6 @@ def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.
     """(n, 4) linear light and alpha in 16 bits, half way through the interval: points have one
     colour each.
     """
-    from gclip.evaluate import blend_srgb, srgb_to_linear
 
     if interval.start_colors is not None and interval.end_colors is not None:
         srgb = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], 0.5)
@@ -193,7 +189,6 @@ def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) from local coordinates to glTF's: y up, metres where the unit is known."""
-    from player.view.camera import axes
 
     first, second, up = axes(clip.up)
     matrix = np.eye(4)

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.atomic_write import whole_file, whole_sequence
 from player.export.film import Film
+from player.view.dates import date_at
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -54,8 +56,6 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
     have alpha 0 and wait inside the plant, on another mover, where nobody sees them.
     Positions are float, or double where float is coarser than a hundredth of the point spacing.
     """
-    from gclip.evaluate import evaluate_layer, layers_at, locate
-
     index, _ = locate(clip, day)
     interval = clip.intervals[index]
     local = np.zeros((len(interval), 3), np.float64)
@@ -87,8 +87,6 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
-    from player.view.dates import date_at
-
     kinds = vertices.dtype
     lines = [
         "ply",

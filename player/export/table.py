@@ -1,4 +1,4 @@
-"""The traits of the plant and its organs, as a table (see `measure`)."""
+"""The traits of the plant and its organs, as a table (see `traits`)."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import traits
 from player.atomic_write import whole_file
 from player.export.film import Film
-from traits import measure_days, write_table
-from traits.table import Namer
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -18,6 +17,6 @@ if TYPE_CHECKING:
 def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
     """Measure on the film's days where it names some, else at the scans and half way between."""
     named = film.at or film.every is not None
-    days = sorted(set(film.days(clip))) if named else measure_days(clip)
+    days = sorted(set(film.days(clip))) if named else traits.measure_days(clip)
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        write_table(file, Namer(clip, film.title or film.name), days, progress)
+        traits.write_table(file, traits.Namer(clip, film.title or film.name), days, progress)

@@ -15,9 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Motion
+from gclip.evaluate import positions_on_curve, srgb_to_linear
+from gclip.file import check_whole
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film
+from player.view.camera import axes
 
 if TYPE_CHECKING:
     from gclip import Clip, Group, Interval
@@ -70,10 +74,6 @@ def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length:
     """One prim: places over time, colours, labels, and when it is seen."""
     from pxr import Sdf, UsdGeom, Vt
 
-    from gclip import Motion
-    from gclip.evaluate import positions_on_curve
-    from gclip.file import check_whole
-
     if group.motion is Motion.REMOVE or not group.count:
         return
     interval, movers = clip.intervals[index], slice(group.first, group.stop)
@@ -117,7 +117,6 @@ def _linear_colors(
     clip: Clip, interval: Interval, movers: slice
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """(n, 3) linear light at the interval's start, and at its end where that differs."""
-    from gclip.evaluate import srgb_to_linear
 
     def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)
@@ -129,7 +128,6 @@ def _linear_colors(
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) from local coordinates to the stage's: y or z up as it is, else turned to z up."""
-    from player.view.camera import axes
 
     matrix = np.eye(4)
     if clip.up != "y":

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gclip.evaluate import positions_on_curve
+
 if TYPE_CHECKING:
     from gclip import Clip
 
@@ -214,8 +216,6 @@ class Camera:
 
 def outline(clip: Clip) -> Vector:
     """(n, 3) some ten thousand positions of all intervals, in the axes of `axes`."""
-    from gclip.evaluate import positions_on_curve
-
     most = min(3000, max(200, OUTLINE // (3 * len(clip.intervals))))
     samples = [
         positions_on_curve(interval, slice(None, None, max(1, len(interval) // most)), share)

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Group, Interval, Motion
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.errors import PlayerError
 from player.view.style import NO_HOLDOUT
 
 if TYPE_CHECKING:
-    from gclip import Clip, Interval
+    from gclip import Clip
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
 UNKNOWN = (150, 150, 150)  # sRGB of movers whose interval has no scan to compare with
@@ -65,8 +66,6 @@ class Errors:
         mover, or with a ramp the colour of the distance to it: what the clip lacks.
         """
         from scipy.spatial import cKDTree
-
-        from gclip import Group, Interval, Motion
 
         clip, scan = self._clip, self._clip.held_out[number]
         frame = clip.at(scan.time)

@@ -16,6 +16,10 @@ from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film
 from player.export.web.encode import Packed, pack
+from player.rendering.splat_radius import ClosingDistances
+from player.view.camera import Camera, axes, outline
+from player.view.colors import Colors, resolved_color_mode
+from player.view.dates import short_dates
 from player.view.style import GROUNDS, ColorMode
 from shaders import web_sources
 
@@ -80,9 +84,6 @@ def embedded(value: Any) -> Any:
 
 def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str, Any]:
     """What the page knows besides the movers; read in web/clip.js."""
-    from player.rendering.splat_radius import ClosingDistances
-    from player.view.camera import Camera, outline
-    from player.view.dates import short_dates
 
     closing, dates = ClosingDistances(clip), [scan.date for scan in clip.scans]
     home, points = Camera.home(clip, film.aspect), outline(clip)
@@ -149,8 +150,6 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
 
 def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
     """What the movers' own colours mean, where they are those of a value: errors."""
-    from player.view.colors import Colors, resolved_color_mode
-
     colors, by_error = Colors(clip), resolved_color_mode(clip, film.style) is ColorMode.ERROR
     scale = colors.color_scale(film.style) if by_error else None
     if scale is None:
@@ -173,8 +172,6 @@ def _ground(colors: dict[str, Any]) -> dict[str, Any]:
 
 def _corners(points: np.ndarray, up: str) -> list[list[float]]:
     """(n, 3) local coordinates of the outermost of points in the axes of `camera.axes`."""
-    from player.view.camera import axes
-
     directions = np.random.default_rng(0).normal(size=(CORNERS, 3))
     outermost = np.unique(np.argmax(points @ directions.T, axis=0))
     return (points[outermost] @ axes(up)).tolist()

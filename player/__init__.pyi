@@ -1,0 +1,3 @@
+from .rendering.headless import render
+
+__all__ = ["render"]

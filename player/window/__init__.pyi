@@ -1,0 +1,3 @@
+from .start import Wanted, start
+
+__all__ = ["Wanted", "start"]
