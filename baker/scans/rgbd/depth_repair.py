@@ -23,7 +23,7 @@ Depth = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 NOISE_SIGMAS = 3.0  # standard deviations of the noise that are no jump
-POLYNOMIAL_ROUNDS = 12
+USUAL_NOISE = 0.1  # mm off its surface, from which on a pixel's depth counts less and less
 VALID, MISSING, PAINTED, JUMP, RING = range(5)
 REASONS = ("valid", "not measured", "painted", "off their surface", "on a border")
 
@@ -112,29 +112,20 @@ def _mark_implausible(
 
 
 def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
-    """A surface by iteratively reweighted least squares, with Welsch's weights after `weight`."""
+    """A polynomial of second degree, or less to a few pixels; what is far off it hardly counts."""
+    from scipy.optimize import least_squares
+
     v, u = np.indices(depth.shape) / max(depth.shape)
     v, u = v - v[measured].mean(), u - u[measured].mean()
     terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
     count = int(measured.sum())
     terms = terms[..., : 6 if count >= 60 else 3 if count >= 12 else 1]
-
-    rows, weights = terms[measured], weight[measured]
-    middle = _weighted_median(depth[measured], weights)
-    residual = values = depth[measured] - middle
-    scale = np.inf
-    for _ in range(POLYNOMIAL_ROUNDS):
-        scale = max(min(scale, 4 * _weighted_median(np.abs(residual), weights)), 1.0)
-        weighted = rows * (weights * np.exp(-((residual / scale) ** 2)))[:, None]
-        # A ridge term keeps a surface through pixels in one line from tipping over.
-        ridge = 1e-6 * np.trace(weighted.T @ rows) * np.eye(rows.shape[1])
-        coefficients = np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ values)
-        residual = values - rows @ coefficients
-    return middle + terms @ coefficients
-
-
-def _weighted_median(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
-    return float(np.quantile(values, 0.5, weights=weights, method="inverted_cdf"))
+    root = np.sqrt(weight[measured])
+    rows, values = root[:, None] * terms[measured], root * depth[measured]
+    start = np.eye(terms.shape[-1])[0] * np.median(depth[measured])
+    robust = {"loss": "cauchy", "f_scale": USUAL_NOISE}
+    fit = least_squares(lambda c: rows @ c - values, start, lambda c: rows, **robust)
+    return np.asarray(terms @ fit.x)
 
 
 def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
