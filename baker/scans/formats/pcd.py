@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.formats import FormatError, require_count, require_room
-from baker.scans.formats.text import Lines, read_rows
+from baker.scans.formats.text import read_lines, read_rows
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
 MAX_HEADER_BYTES = 1 << 19  # bytes
@@ -38,7 +38,10 @@ def read(path: Path) -> Columns:
     match words["DATA"][0]:
         case "ascii":
             require_room(count, 2 * len(names) - 1, room)
-            columns = _read_ascii(path, start, lines, record, count)
+            rows = read_lines(path, "latin-1")[lines:]
+            points = read_rows(rows, names, lines + 1, kind=record)
+            require_count(count, len(points), "rows")
+            columns = {name: points[name][:, 0] for name in names}
         case "binary":
             require_room(count, record.itemsize, room)
             points = np.fromfile(path, record, count, offset=start)
@@ -50,23 +53,6 @@ def read(path: Path) -> Columns:
             known = "ascii, binary, binary_compressed"
             raise _header_fault(f"names the unknown DATA '{excerpt(other)}'; known are {known}")
     return Columns(_unpack_colors(columns))
-
-
-def _read_ascii(
-    path: Path, start: int, lines: int, record: np.dtype, count: int
-) -> dict[str, NDArray]:
-    names = record.names or ()
-    with path.open(encoding="latin-1") as file:
-        file.seek(start)
-        rows = read_rows(Lines(file, lines), names)
-    require_count(count, len(rows), "rows")
-    columns = {}
-    for name, values in zip(names, rows.T, strict=True):
-        with np.errstate(invalid="ignore", over="ignore"):
-            typed = values.astype(record[name])
-        fits = record[name].kind == "f" or (typed == values).all()
-        columns[name] = typed if fits else values  # in the header's type, where it can hold them
-    return columns
 
 
 def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
-from itertools import chain
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,56 +22,37 @@ MIN_COUNTED = 9  # rows, of which a column may seem to be the count by chance
 USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
 
 
-class Lines:
-    """The lines of an open text; `text` is the last one and `number` its own, from 1."""
-
-    def __init__(self, file: TextIO, number: int = 0) -> None:
-        self._file, self.number, self.text = file, number, ""
-
-    def __iter__(self) -> Iterator[str]:
-        while line := self._file.readline(LONGEST_LINE):
-            self.number, self.text = self.number + 1, line
-            if len(line) == LONGEST_LINE:
-                reason = f"{LONGEST_LINE} characters or more are no row of numbers."
-                raise FormatError(reason, self.number)
-            yield line
-
-
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     """All columns of numbers, and of words where they may be labels.
 
     `asked` names the columns, whatever a header says, those to skip "-" or "_"; a file may have
     fewer. Raises FormatError, with the line that doesn't fit.
     """
-    with path.open(encoding=_encoding(path), errors="replace") as file:
-        lines = Lines(file)
-        named, delimiter, first, count = _read_head(lines, asked)
-        values = _split(first, delimiter)
-        width = len(values)
-        usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
-        names = [*map(_axis, named)] if named else usual
-        if asked and width >= 3:
-            names = names[:width]  # of scans of a series some may have no labels
-        if named is None and width not in USUAL_WIDTHS:
-            example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
-            raise FormatError(
-                f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are understood, "
-                f"for others say what they are, as in --columns {example} (- is not used).",
-                lines.number,
-            )
-        if len(names) != width:
-            reason = f"{width} columns, but {len(names)} names of columns"
-            raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", lines.number)
-        wanted = [i for i in range(width) if names[i] not in SKIPPED]
-        words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
-        chosen = [i for i in wanted if i in words or _is_number(values[i])]
-        unread = [names[i] for i in wanted if i not in chosen]
-        if unread and (named is None or set(unread) & {*"xyzXYZ"}):
-            raise _not_numbers(values, lines.number)
-        is_open_ended = delimiter is not None and first.rstrip().endswith(delimiter)
-        columns = chosen if is_open_ended or len(chosen) < width else None
-        known: dict[int, dict[str, int]] = {i: {} for i in words}
-        rows = read_rows(lines, names, first, delimiter, columns, known)
+    lines = read_lines(path, _encoding(path))
+    named, delimiter, start, count = _read_head(lines, asked)
+    values = _split(lines[start], delimiter)
+    width = len(values)
+    if named is None and width not in USUAL_WIDTHS:
+        example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
+        raise FormatError(
+            f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are understood, "
+            f"for others say what they are, as in --columns {example} (- is not used).",
+            start + 1,
+        )
+    usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+    names = [*map(_axis, named)] if named else usual
+    if asked and width >= 3:
+        names = names[:width]  # of scans of a series some may have no labels
+    if len(names) != width:
+        reason = f"{width} columns, but {len(names)} names of columns"
+        raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", start + 1)
+    wanted = [i for i in range(width) if names[i] not in SKIPPED]
+    numbers = [i for i in wanted if _is_number(values[i])]
+    words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
+    unread = [names[i] for i in wanted if i not in numbers + words]
+    if unread and (named is None or set(unread) & {*"xyzXYZ"}):
+        raise _not_numbers(values, start + 1)
+    rows = read_rows(lines[start:], names, start + 1, delimiter, numbers)
     if count is not None:
         require_count(count, len(rows), "rows")
     notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
@@ -85,49 +64,54 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         usual = usual_names(rows, is_leica=count is not None)
         names = [names[i] if i in words else usual[i] for i in range(width)]
         notes = [f"no header line: columns taken as {' '.join(names)}."]
-    found = {names[i]: rows[:, k] for k, i in enumerate(chosen)}
-    found |= {names[i]: np.array([*known[i]])[found[names[i]].astype(int)] for i in words}
+    found = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
+    if words:
+        form = {"delimiter": delimiter, "quotechar": '"', "usecols": words, "unpack": True}
+        texts = np.loadtxt(lines[start:], str, ndmin=2, **form)
+        found |= {names[i]: np.char.strip(text) for i, text in zip(words, texts, strict=True)}
     return Columns(found, tuple(notes if unread or named is None else ()))
 
 
-def read_rows(
-    lines: Lines,
-    names: Sequence[str],
-    first: str = "",
-    delimiter: str | None = None,
-    columns: Sequence[int] | None = None,
-    words: Mapping[int, dict[str, int]] | None = None,
-) -> NDArray[np.float64]:
-    """The numbers of all rows that follow `first`, one that was read already.
+def read_lines(path: Path, encoding: str) -> list[str]:
+    """The lines of a text. FormatError for one that no row of numbers can be."""
+    with path.open(encoding=encoding, errors="replace") as file:
+        lines = file.readlines()
+    if longest := next((k for k, line in enumerate(lines, 1) if len(line) >= LONGEST_LINE), None):
+        raise FormatError(f"{LONGEST_LINE} characters or more are no row of numbers.", longest)
+    return lines
 
-    `names` has one for each value of a row, `columns` those to read, where not all are wanted. Of
-    columns of `words` each word has a number; new ones get the next. Raises FormatError, with its
+
+def read_rows(
+    lines: Sequence[str],
+    names: Sequence[str],
+    number: int,
+    delimiter: str | None = None,
+    columns: Sequence[int] = (),
+    kind: Any = float,
+) -> NDArray:
+    """The numbers of these lines, of which the first one has this number in its file.
+
+    `names` has one for each value of a row, `columns` those to read, where not all are wanted;
+    `kind` is their type, or of one that has fields of these names. Raises FormatError, with its
     line, where a row has other values.
     """
+    columns = columns or range(len(names))
+    is_open_ended = "".join(lines[:1]).rstrip().endswith(delimiter or "\n")  # never by a newline
+    usecols = columns if is_open_ended or len(columns) < len(names) else None
+    form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": usecols, "ndmin": 2}
     try:
-        rows = np.loadtxt(
-            chain([first], lines),
-            delimiter=delimiter,
-            quotechar='"',
-            usecols=columns,
-            ndmin=2,
-            converters={i: partial(_numbered, known) for i, known in (words or {}).items()},
-        )
-    except ValueError as error:  # at the line that numpy has asked for last
-        values = _split(lines.text.partition("#")[0], delimiter)
-        if len(values) == len(names):
-            read = [i for i in columns or range(len(names)) if i not in (words or {})]
-            hint = ", but the first row has one there"
-            raise _not_numbers([values[i] for i in read], lines.number, hint) from error
-        raise _count_fault(len(values), names, lines.number) from error
-    width = len(names if columns is None else columns)
-    if rows.size and rows.shape[1] != width:
-        raise _count_fault(rows.shape[1], names, lines.number)
-    return rows.reshape(-1, width)
-
-
-def _numbered(known: dict[str, int], word: str) -> int:
-    return known.setdefault(word.strip(), len(known))
+        return np.loadtxt(lines, kind, **form)
+    except ValueError:
+        for line, text in enumerate(lines, number):
+            values = _split(text.partition("#")[0], delimiter)
+            if values and len(values) != len(names):
+                found = f"{len(values)} value{'s' * (len(values) != 1)} found"
+                expected = f"{len(names)} expected ({excerpt(' '.join(names))})"
+                raise FormatError(f"{found}, but {expected}.", line) from None
+            if not all(_is_number(values[i]) for i in columns if values):
+                hint = ", but the first row has one there"
+                raise _not_numbers([values[i] for i in columns], line, hint) from None
+        raise
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
@@ -139,11 +123,6 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
     if is_leica:
         others |= {4: ["intensity"], 7: ["intensity", *triple]}
     return ["x", "y", "z", *others.get(rows.shape[1], [])]
-
-
-def _count_fault(count: int, names: Sequence[str], line: int) -> FormatError:
-    found = f"{count} value{'s' * (count != 1)} found, but {len(names)} expected"
-    return FormatError(f"{found} ({excerpt(' '.join(names))}).", line)
 
 
 def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:
@@ -167,14 +146,13 @@ def _encoding(path: Path) -> str:
 
 
 def _read_head(
-    lines: Lines, asked: Sequence[str]
-) -> tuple[list[str] | None, str | None, str, int | None]:
-    """Names of the columns, delimiter, first row and announced count; None where not told."""
+    lines: Sequence[str], asked: Sequence[str]
+) -> tuple[list[str] | None, str | None, int, int | None]:
+    """Names of the columns, delimiter, first row's index, announced count; None where not told."""
     comments: list[str] = []
     names: list[str] | None = None
     count: int | None = None
-    for line in lines:
-        text = line.strip()
+    for index, text in enumerate(map(str.strip, lines)):
         if text.startswith(("#", "//")):
             comments.append(text.lstrip("#/ \t"))
         if not text or text.startswith(("#", "//")):
@@ -189,13 +167,13 @@ def _read_head(
             name, times = Counter(names).most_common(1)[0] if names else ("", 1)
             if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
-            return [*asked] or names, delimiter, line, count
+            return [*asked] or names, delimiter, index, count
         elif names is None and (asked or _names_xyz(values)) and not any(is_number):
             names = values
         else:
             is_header = len(values) > 2 and not any(is_number)
             hint = ", and a header has to name x, y and z (or --columns does)" * is_header
-            raise _not_numbers(values, lines.number, hint)
+            raise _not_numbers(values, index + 1, hint)
     raise FormatError("holds no points.")
 
 
