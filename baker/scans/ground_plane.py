@@ -9,13 +9,12 @@ point of each cell: what lies below it, the pot, is nearly as wide, but no wider
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import point_spacing
 from baker.geometry.up_axis import Vertical
 
 Points = NDArray[np.floating]
@@ -37,10 +36,6 @@ MIN_FILLED = 0.55  # of the cells of such a slice; soil fills 0.79 if it is roun
 MIN_IN_POT = 0.05  # of the points, below its soil,
 POT_EDGE = 0.5  # and most of them nearer to its edge than this share of its radius
 RIM_WIDTH, RIM_SECTORS, MIN_RIM = 0.2, 32, 0.7  # of the radius; of a ring, and how many it fills
-
-
-Cells = Callable[[Points], tuple[Points, float]]
-"""From (N, 3) points in a frame to one of each cell, and the cells' width."""
 
 
 @dataclass(frozen=True)
@@ -74,16 +69,10 @@ class Ground:
         rising = ~held & (heights <= 3 * self.thickness) & (inside >= self.margin)
         layer = np.flatnonzero(held & (heights >= -self.thickness))
         if min(rising.sum(), len(layer)) > 1:
-            spacing = min(_spacing(points[rising]), _spacing(points[layer]))
+            spacing = min(point_spacing(points[rising]), point_spacing(points[layer]))
             distances, _ = KDTree(turned[rising, :2]).query(turned[layer, :2])
             held[layer[distances <= spacing]] = False
         return held
-
-
-def _spacing(points: Points) -> float:
-    from scipy.spatial import KDTree
-
-    return float(np.median(KDTree(points).query(points, k=2)[0][:, 1]))
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
@@ -91,26 +80,22 @@ def find_ground(points: Points, up: str) -> Ground | None:
     vertical = Vertical.named(up)
     frame = _frame(vertical.sign * np.eye(3)[vertical.axis])
     sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
-    tries: list[Cells] = [partial(_lowest_points, share=share) for share in LOW_SHARES]
-    found = [_ground(sample, frame, cells) for cells in tries]
+    found = [_ground(sample, frame, -np.inf, share) for share in LOW_SHARES]
     if not any(found):
-        heights = sample @ frame[2]
-        bottom, top = np.quantile(heights, [0.002, 0.998])
-        step = (top - bottom) / SLICES
-        for low in (bottom + step * np.arange(1, SLICES)).tolist():
-            cells = partial(_highest_points, low=low, high=low + OVERLAP * step)
-            if len(cells(sample @ frame.T)[0]) >= MIN_FILLED * CELLS**2:
-                found.append(_ground(sample, frame, cells, is_pot=True))
+        slices = [(k / SLICES, (k + OVERLAP) / SLICES) for k in range(1, SLICES)]
+        found = [_ground(sample, frame, *heights, is_pot=True) for heights in slices]
     return max(filter(None, found), key=lambda ground: ground.score, default=None)
 
 
-def _ground(sample: Points, frame: Points, pick: Cells, is_pot: bool = False) -> Ground | None:
-    """The ground among the points that `pick` takes, one of each cell of a grid."""
+def _ground(
+    sample: Points, frame: Points, low: float, high: float, is_pot: bool = False
+) -> Ground | None:
+    """The ground at these shares of the height, its lowest points, or the highest in a pot."""
     from scipy.spatial import ConvexHull, QhullError
 
     for _ in range(1 if is_pot else 2):  # the second time in a frame in which the ground is level
-        cells, width = pick(sample @ frame.T)
-        if len(cells) < CELLS:
+        cells, width = _one_of_each_cell(sample @ frame.T, low, high, -1 if is_pot else 1)
+        if len(cells) < (MIN_FILLED * CELLS**2 if is_pot else CELLS):
             return None
         level, normal = _plane(cells, width)
         if level.sum() < CELLS:
@@ -175,19 +160,14 @@ def _rim(ground: Ground, sample: Points, width: float) -> float:
     return ground.thickness + rim * width
 
 
-def _lowest_points(turned: Points, share: float) -> tuple[Points, float]:
-    """The lowest point of each cell that has any near the bottom, and the cells' width."""
-    heights = turned[:, 2]
-    bottom = np.quantile(heights, 0.002)
-    return _one_of_each_cell(turned[heights <= bottom + share * (heights.max() - bottom)], 1)
+def _one_of_each_cell(turned: Points, low: float, high: float, sign: int) -> tuple[Points, float]:
+    """Of the points between two shares of the height one of each cell, and the cells' width.
 
-
-def _highest_points(turned: Points, low: float, high: float) -> tuple[Points, float]:
-    """The highest point of each cell in a slice, and the cells' width."""
-    return _one_of_each_cell(turned[(turned[:, 2] >= low) & (turned[:, 2] <= high)], -1)
-
-
-def _one_of_each_cell(points: Points, sign: int) -> tuple[Points, float]:
+    sign: 1 for the lowest one, -1 for the highest.
+    """
+    bottom, top = np.quantile(turned[:, 2], 0.002), turned[:, 2].max()
+    shares = (turned[:, 2] - bottom) / ((top - bottom) or 1.0)
+    points = turned[(shares >= low) & (shares <= high)]
     if not len(points):
         return points, 1.0
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
