@@ -6,7 +6,6 @@ notes what it dropped or moved.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,12 +54,8 @@ def require_size(cloud: Cloud, path: Path) -> None:
 
 def drop_duplicates(cloud: Cloud) -> Cloud:
     """One point for each position, the first of its kind, whatever labels the others have."""
-    order = np.argsort(cloud.points[:, 0])
-    same = np.diff(cloud.points[order, 0]) == 0
-    some = np.sort(order[np.r_[False, same] | np.r_[same, False]])  # all others are apart in x
-    _, first = np.unique(_groups(cloud.points[some].T), return_index=True)
-    kept = np.delete(np.arange(len(cloud)), np.delete(some, first))
-    return _keep(cloud, kept, "at exactly the place of another one")
+    first, _ = _groups(cloud.points)
+    return _keep(cloud, np.sort(first), "at exactly the place of another one")
 
 
 def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
@@ -95,7 +90,8 @@ def _one_per_voxel(cloud: Cloud, voxel: float) -> NDArray[np.intp]:
     """Of the points of one label in one voxel, the one nearest to their mean."""
     points = cloud.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
-    group = _groups(cells.T if cloud.labels is None else [*cells.T, cloud.labels])
+    labels = np.zeros(len(cloud)) if cloud.labels is None else cloud.labels.view(np.float64)
+    _, group = _groups(np.column_stack([cells + 0.0, labels]))
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, axis) / size for axis in cloud.points.T], axis=1)
     distance = ((cloud.points - mean[group]) ** 2).sum(axis=1)
@@ -146,18 +142,15 @@ def _to_plane(
     return (np.clip(flat, 0, 1) * height)[:, None] * normal
 
 
-def _groups(keys: Sequence[NDArray] | NDArray) -> NDArray[np.int64]:
-    """(N,) the number of each point's group of equal (N,) keys.
+def _groups(rows: NDArray[np.floating]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first of each group of equal rows (N, k), and the number of each row's group, (N,).
 
-    Equivalent to: ``np.unique(np.stack(keys), axis=1, return_inverse=True)[1]`` but for the order
-    of the groups, and six times as fast.
+    Equivalent to: ``np.unique(rows, axis=0, return_index=True, return_inverse=True)[1:]`` but for
+    the order of the groups, and three times as fast. Zeros must have no sign.
     """
-    order = np.lexsort(keys)
-    is_new = np.ones(len(order), bool)
-    is_new[1:] = np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)
-    group = np.empty(len(order), np.int64)
-    group[order] = np.cumsum(is_new) - 1
-    return group
+    texts = np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
+    _, first, group = np.unique(texts, return_index=True, return_inverse=True)
+    return first, group
 
 
 def _keep(cloud: Cloud, kept: np.ndarray, why: str) -> Cloud:

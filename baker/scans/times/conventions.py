@@ -52,42 +52,36 @@ def parse_date(text: str) -> Moment | None:
     return _calendar("ymd", match) if match else None
 
 
-def _dated(form: str, seconds_after: int = 0, **parts: int) -> Moment | None:
-    """The moment so long after these parts of a datetime; None where there is no such date."""
+def _dated(text: str, form: str, shown: str = "%Y-%m-%d") -> Moment | None:
+    """The moment that `text` is in a form of strptime's; None where there is no such date."""
     try:
-        moment = datetime(**parts, tzinfo=UTC) + timedelta(seconds=seconds_after)
+        moment = datetime.strptime(text, form).replace(tzinfo=UTC)
     except ValueError:
         return None  # 2020-13-40
-    return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{form}}", dated=True)
+    return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{shown}}", dated=True)
 
 
 def _calendar(order: str, match: re.Match[str]) -> Moment | None:
     """From the groups a, b, c, which are d(ay), m(onth: a number or a name), y(ear) in an order."""
-    texts = {letter: match[group] for letter, group in zip(order, "abc", strict=False)}
-    day, name = int(texts.get("d", 1)), texts["m"].lower()
+    found = {letter: match[group] for letter, group in zip(order, "abc", strict=False)}
+    day, name = found.get("d", "1"), found["m"].lower()
     month = int(name) if name.isdecimal() else MONTHS.get(name, 0)
-    if "y" not in texts:
-        stand_in = LEAP_YEAR if (month, day) == (2, 29) else COMMON_YEAR
-        return _dated("%m-%d", year=stand_in, month=month, day=day)
-    year = int(texts["y"])
-    clock = {unit: int(match[unit]) for unit in ("hour", "minute", "second") if match[unit]}
-    form = "%Y-%m-%d" + ("", "", " %H:%M", " %H:%M:%S")[len(clock)]
-    return _dated(form, year=year + 2000 * (year < 100), month=month, day=day, **clock)
+    if "y" not in found:
+        stand_in = LEAP_YEAR if (month, int(day)) == (2, 29) else COMMON_YEAR
+        return _dated(f"{stand_in} {month} {day}", "%Y %m %d", "%m-%d")
+    clock = [match[unit] for unit in ("hour", "minute", "second") if match[unit]]
+    texts = [found["y"], str(month), day, *clock]
+    forms = ["%Y" if len(texts[0]) == 4 else "%y", "%m", "%d", "%H", "%M", "%S"]
+    shown = "%Y-%m-%d" + ("", "", " %H:%M", " %H:%M:%S")[len(clock)]
+    return _dated(" ".join(texts), " ".join(forms[: len(texts)]), shown)
 
 
 def _day_of_year(match: re.Match[str]) -> Moment | None:
-    number = int(match["number"])
-    if not 1 <= number <= 366:
-        return None
-    return _dated("%Y-%m-%d", (number - 1) * 86400, year=int(match["year"]), month=1, day=1)
+    return _dated(f"{match['year']} {match['number']}", "%Y %j")
 
 
 def _calendar_week(match: re.Match[str]) -> Moment | None:
-    try:
-        moment = datetime.fromisocalendar(int(match["y"]), int(match["w"]), int(match["d"] or 1))
-    except ValueError:
-        return None  # 2023-W60
-    return _dated("%Y-%m-%d", year=moment.year, month=moment.month, day=moment.day)
+    return _dated(f"{match['y']} {match['w']} {match['d'] or 1}", "%G %V %u")
 
 
 def _week_and_day(match: re.Match[str]) -> Moment:
@@ -95,8 +89,10 @@ def _week_and_day(match: re.Match[str]) -> Moment:
     return Moment(7.0 * week + day, f"week {week} day {day}")
 
 
-def _unix(match: re.Match[str]) -> Moment | None:
-    return _dated("%Y-%m-%d %H:%M:%S", int(match[0][:10]), year=1970, month=1, day=1)
+def _unix(match: re.Match[str]) -> Moment:
+    moment = EPOCH + timedelta(seconds=int(match[0][:10]))
+    days = (moment - EPOCH) / timedelta(days=1)
+    return Moment(days, f"{moment:%Y-%m-%d %H:%M:%S}", dated=True)
 
 
 MONTH_NAMES = (
