@@ -89,7 +89,7 @@ cx = {view.cx:.4f}
 cy = {view.cy:.4f}
 width = {view.width}
 height = {view.height}
-depth_unit = "{UNIT} mm"
+depth_unit = {UNIT}
 per_day = {plan.per_day}
 """
 

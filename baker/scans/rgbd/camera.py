@@ -10,7 +10,7 @@ import json
 import re
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 from msgspec import Meta, Struct, ValidationError, convert
 
@@ -21,32 +21,7 @@ CAMERA_FILES = ("camera.toml", "camera.json")
 
 LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
 MAX_FILE_SIZE = 1 << 16  # bytes; parsers of nested text take many times as much
-MILLIMETRES = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 0.001, "µm": 0.001}
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
-
-
-class Millimetres(float):
-    """A length, which the file may give in another unit."""
-
-    @classmethod
-    def parse(cls, value: Any) -> Self:
-        match = re.fullmatch(r"\s*(\d*\.?\d*(?:e-?\d+)?)\s*([a-zµ]+)\s*", str(value))
-        length = float(match[1] or 1) * MILLIMETRES.get(match[2], 0.0) if match else value
-        if type(length) not in (int, float) or not SMALLEST <= length <= LARGEST:
-            raise ValueError('Expected a number of mm or, like "m" or "0.125 mm", a length')
-        return cls(length)
-
-
-class Label(int):
-    """A label as `baker.scans.rgbd.images.read_labels` numbers them."""
-
-    @classmethod
-    def parse(cls, value: Any) -> Self:
-        color = re.fullmatch(r"#([0-9a-fA-F]{6})", str(value))
-        label = int(color[1], 16) if color else value
-        if type(label) is not int or abs(label) > LARGEST:
-            raise ValueError('Expected a whole number or a colour such as "#000000"')
-        return cls(label)
 
 
 Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
@@ -54,6 +29,7 @@ Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
 Count = Annotated[int, Meta(ge=1, le=int(LARGEST))]
 Border = Annotated[int, Meta(ge=0, le=100)]
 Coordinate = Annotated[int, Meta(ge=0, le=int(LARGEST))]
+Label = Annotated[int, Meta(ge=-int(LARGEST), le=int(LARGEST))]
 
 
 class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
@@ -92,10 +68,10 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     cy: Number
     width: Count | None = None
     height: Count | None = None
-    depth_unit: Millimetres = Millimetres(1.0)
+    depth_unit: Positive = 1.0  # of one count of depth
     crop: tuple[Coordinate, Coordinate] | None = None  # left, top
     ground: Positive | None = None
-    background: Label = Label(0)
+    background: Label = 0  # as `baker.scans.rgbd.images.read_labels` numbers it
     per_day: Count = 6
     images: Patterns = Patterns()
     repair: RepairOptions = RepairOptions()
@@ -122,7 +98,7 @@ def read_camera(path: Path) -> Camera:
                 raise ValueError(f"a camera takes {MAX_FILE_SIZE} bytes at most")
             text = path.read_text(encoding="utf-8-sig")
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-        return convert(content, Camera, dec_hook=lambda kind, value: kind.parse(value))
+        return convert(content, Camera)
     except ValidationError as error:  # "what is wrong - at `$.table.field`"
         reason, _, place = str(error).partition(" - at `$.")
         for name in re.findall(r"[a-z_]+", place):

@@ -89,14 +89,14 @@ def test_units_crop_and_ground(make_images: FolderMaker) -> None:
         Image.fromarray(wide).save(path)
     (folder / "camera.toml").write_text(
         CAMERA.replace("cx = 20.0", "cx = 25.0").replace("14.5", "18.5")
-        + 'depth_unit = "0.25 mm"\ncrop = [5, 4]\nground = 410\n'
+        + "depth_unit = 0.25\ncrop = [5, 4]\nground = 410\n"
     )
     scan = read_series([folder]).scans[0]
     np.testing.assert_allclose(scan.points, usual.points + np.float32([0, 0, 10]), atol=1e-4)
 
 
 def test_labels_in_colours_are_numbered_by_them(make_images: FolderMaker) -> None:
-    folder = make_images(camera=CAMERA + 'background = "#ffffff"\n')
+    folder = make_images(camera=CAMERA + "background = 0xffffff\n")
     for k, path in enumerate(sorted(folder.glob("label_*.png"))):
         painted = np.where(leaf(k)[..., None], [255, 0, 1], [255, 255, 255]).astype(np.uint8)
         painted[5:20, 4:9] = [0, 0, 0]
