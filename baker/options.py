@@ -85,9 +85,6 @@ class Options:
     outliers: float | None = option(
         None, "Drop points R standard deviations too far off; try 2.", metavar="R", positive=True
     )
-    denoise: int | None = option(
-        None, "Draw points onto planes through K neighbours; try 20.", metavar="K", min=4
-    )
     resample: int | None = option(
         None, "Keep about N points of a scan, evenly spread.", metavar="N", min=10
     )

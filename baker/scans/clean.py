@@ -1,12 +1,11 @@
-"""Points that would only disturb: not finite, there twice, far off, noisy, more than are wanted.
+"""Points that would only disturb: not finite, there twice, far off, more than are wanted.
 
 Every function takes a `Cloud`, gives back a `Cloud` with the points that stay in their order, and
-notes what it dropped or moved.
+notes what it dropped.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ from gclip.morton import extent
 
 OUTLIER_NEIGHBORS = 16
 MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered : coordinates
-BATCH_POINTS = 50_000  # whose neighbourhoods are held at a time
 
 MAX_COORDINATE = 1e12  # beyond are marks of points that weren't measured (1e30, -1e38, ...)
 MIN_SCAN_SIZE = 1e-9  # of smaller ones the products of lengths vanish; no unit of plants gives them
@@ -98,48 +96,6 @@ def _one_per_voxel(cloud: Cloud, voxel: float) -> NDArray[np.intp]:
     nearest_first = np.lexsort((distance, group))
     _, first = np.unique(group[nearest_first], return_index=True)
     return np.sort(nearest_first[first])
-
-
-def denoised(cloud: Cloud, neighbors: int) -> Cloud:
-    """Moving least squares: project each point onto a plane fitted to its nearest neighbours.
-
-    Nearer neighbours have more weight. Where the neighbourhood is round rather than flat, at a thin
-    stem or a tip, points stay where they are. Colours and labels stay.
-
-    References
-    ----------
-    M. Alexa et al., Computing and Rendering Point Set Surfaces, IEEE Transactions on Visualization
-    and Computer Graphics 9, 2003 (first order).
-    """
-    from scipy.spatial import KDTree
-
-    if len(cloud) <= neighbors:
-        return cloud.noting(f"not denoised: it has no {neighbors} neighbours to a point.")
-    points = cloud.points.astype(np.float64)
-    tree, moved = KDTree(points), points.copy()
-    for first in range(0, len(points), BATCH_POINTS):
-        own = points[first : first + BATCH_POINTS]
-        distances, indices = tree.query(own, k=neighbors + 1)
-        moved[first : first + BATCH_POINTS] += _to_plane(own, points[indices], distances)
-    shift = float(np.sqrt(((moved - points) ** 2).sum(axis=1).mean()))
-    drawn = replace(cloud, points=moved.astype(cloud.points.dtype))
-    return drawn.noting(f"denoised: points moved by {shift:.3g} in the mean square.")
-
-
-def _to_plane(
-    points: NDArray[np.float64], neighbors: NDArray[np.float64], distances: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(n, 3) from each point to the plane fitted to its (n, k, 3) neighbours."""
-    radius = np.maximum(distances[:, -1:], np.finfo(float).tiny)
-    weight = np.exp(-2 * (distances / radius) ** 2)
-    weight /= weight.sum(axis=1, keepdims=True)
-    center = np.einsum("nk,nkd->nd", weight, neighbors)
-    offset = neighbors - center[:, None]
-    spread, axes = np.linalg.eigh(np.einsum("nk,nki,nkj->nij", weight, offset, offset))
-    normal = axes[:, :, 0]
-    flat = 1 - spread[:, 0] / np.maximum(spread[:, 1], np.finfo(float).tiny)
-    height = np.einsum("nd,nd->n", center - points, normal)
-    return (np.clip(flat, 0, 1) * height)[:, None] * normal
 
 
 def _groups(rows: NDArray[np.floating]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

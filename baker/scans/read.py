@@ -105,7 +105,6 @@ def _scan(
     steps: tuple[tuple[Callable[..., Cloud], float | None], ...] = (
         (clean.drop_outliers, options.outliers),
         (clean.downsample, options.voxel),
-        (clean.denoised, options.denoise),
         (clean.resampled, options.resample),
     )
     for step, value in steps:

@@ -243,7 +243,6 @@ _OPTIONS = {
     "transport": st.sampled_from(["exact", "sinkhorn", "whole"]),
     "smooth": st.just(True),
     "even": st.sampled_from([0.0, 0.3, 4.0]),
-    "denoise": st.sampled_from([4, 20]),
     "resample": st.sampled_from([10, 60]),
     "voxel": st.sampled_from([1e-300, 1e-3, 0.5, 1e10, 1e300]),
     "outliers": st.sampled_from([1e-9, 0.5, 2.0]),

@@ -92,7 +92,7 @@ def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
         (None, {}),
         (None, {"paper": True}),
         ("few", {"smooth": True}),
-        ("few", {"denoise": 20, "outliers": 2.0, "align": "icp"}),
+        ("few", {"outliers": 2.0, "align": "icp"}),
     ],
 )
 def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
