@@ -1,7 +1,5 @@
 """The command `bake`: scans in, a growth clip out."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import fields

@@ -1,12 +1,10 @@
 """What a user may choose about a bake."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import asdict, dataclass, field, fields, replace
 from math import inf
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 
 from baker.errors import InputError
 
@@ -165,7 +163,7 @@ class Options:
         fixed_frame: bool,
         unit: str,
         root: tuple[float, float, float] | Literal["virtual"] | None,
-    ) -> Options:
+    ) -> Self:
         """The options, with what a series itself knows where they leave it open.
 
         Parameters
@@ -183,7 +181,7 @@ class Options:
             root=root if self.root is None else self.root,
         )
 
-    def resolved(self) -> Options:
+    def resolved(self) -> Self:
         """The options, with "auto" replaced by the paper's choices or by our own (`--paper`)."""
         straight = self.paper if self.paths == "auto" else self.paths == "straight"
         # Additional movers travel beside others on their curves.

@@ -1,7 +1,5 @@
 """Many plants: shared out, reported one by one, and listed in the end."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping, Sequence

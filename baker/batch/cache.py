@@ -8,8 +8,6 @@ One folder may serve many bakes at once, on several machines too, which is why i
 and no data base.
 """
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress

@@ -6,8 +6,6 @@ that dies are given to others (up to `distributed.scheduler.allowed-failures` ti
 each interval is a task, which needs no folders.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError, as_completed
@@ -100,7 +98,7 @@ class Checked:
 
 
 def _solve(
-    client: Client, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    client: "Client", jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
     def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
         return client.get_executor(pure=False).map(Checked(function), jobs)
@@ -140,7 +138,7 @@ def _task_faults() -> Iterator[None]:
 
 
 @contextmanager
-def _connected(address: str) -> Iterator[Client]:
+def _connected(address: str) -> Iterator["Client"]:
     try:
         import dask
         import distributed

@@ -1,7 +1,5 @@
 """The work of the command `bake`: a list of what would be baked, one plant or many."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from functools import partial

@@ -1,7 +1,5 @@
 """What will be baked, as `bake --list` and the first lines of every bake tell it."""
 
-from __future__ import annotations
-
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """What a bake writes, and whether it can be written."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

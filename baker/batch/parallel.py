@@ -1,7 +1,5 @@
 """Worker processes that may die one by one."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
@@ -10,11 +8,9 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection
 from threading import Thread
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
+from typing import Any
 
 PATIENCE = 5.0  # seconds that a task has to end once its parent has
 PATIENCE_OF_PARENT = 20.0  # the same where the parent ends it, on a machine that may be busy

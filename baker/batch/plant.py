@@ -1,7 +1,5 @@
 """One plant: baked and written, here or in a worker, where it is one of many."""
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -11,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import gclip
 from baker.alignment import align
@@ -27,11 +25,9 @@ from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding, read_series
 from baker.scans.read import list_series
 from baker.scans.unchanged import digest
+from gclip.clip import Clip
 from gclip.terminal.command import OUR_FAULT, verdict
 from traits.table import Namer, measure_days, provenance, write_table
-
-if TYPE_CHECKING:
-    from gclip.clip import Clip
 
 
 @dataclass(frozen=True)

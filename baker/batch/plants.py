@@ -1,7 +1,5 @@
 """Which plants a user means: a folder of scans is one plant."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

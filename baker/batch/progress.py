@@ -1,7 +1,5 @@
 """How a bake reports its progress: stage by stage, or plant by plant."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The report's page: everything gathered, laid out by the template, written in one step."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -4,8 +4,6 @@ The baker does not import the player: it runs the command `play` on the clip or,
 interval is shown, on a clip of that alone, so that the camera is as near as that allows.
 """
 
-from __future__ import annotations
-
 import base64
 import subprocess
 import sys

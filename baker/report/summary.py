@@ -1,16 +1,10 @@
 """What a finished bake says in the terminal: one short table."""
 
-from __future__ import annotations
-
 from collections import Counter
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from baker.verdict.doubt import command_for, doubts_in, grouped
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from gclip import Clip
+from gclip import Clip
 
 VISIBLE_ERROR = 0.01  # marginal error of a transport plan, above which the film is worth a warning
 

@@ -4,11 +4,9 @@ At the time of each scan left out the clip is compared with it, both ways, with 
 the unit cube: the longest side of the box around all scans, those left out too, is 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +24,7 @@ class Distances(NamedTuple):
     maximum: float
 
     @classmethod
-    def of(cls, nearest: NDArray[np.float64]) -> Distances:
+    def of(cls, nearest: NDArray[np.float64]) -> Self:
         return cls(float(nearest.mean()), float(nearest.std()), float(nearest.max()))
 
 

@@ -4,8 +4,6 @@ Every function takes a `Cloud`, gives back a `Cloud` with the points that stay i
 notes what it dropped.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,7 @@
 """What passes between the steps of reading one scan, and the origin that a series shares."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,14 +45,14 @@ class Cloud:
     def __len__(self) -> int:
         return len(self.points)
 
-    def take(self, chosen: NDArray) -> Cloud:
+    def take(self, chosen: NDArray) -> "Cloud":
         """The points at the indices (or where the mask) `chosen`, with their labels and colours."""
         labels = None if self.labels is None else self.labels[chosen]
         colors = None if self.colors is None else self.colors[chosen]
         fields = {name: values[chosen] for name, values in self.fields.items()}
         return Cloud(self.points[chosen], labels, colors, self.notes, fields)
 
-    def noting(self, sentence: str) -> Cloud:
+    def noting(self, sentence: str) -> Self:
         return replace(self, notes=(*self.notes, sentence))
 
 

@@ -1,7 +1,5 @@
 """Which fields of a file are positions and colours, and which may be labels."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path

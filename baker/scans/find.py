@@ -1,7 +1,5 @@
 """Which files are the scans."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """What a bake decided by itself, and how sure it is of that."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "labels")

@@ -1,7 +1,5 @@
 """The ground that a plant stands on, soil, a pot or a table, taken out of its scans."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial

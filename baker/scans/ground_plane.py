@@ -7,8 +7,6 @@ the plant at their edge. The soil in a pot is looked for in all slices of a scan
 point of each cell: what lies below it, the pot, is nearly as wide, but no wider.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -5,8 +5,6 @@ organs, and one whose values lie in several separate places each tells kinds of 
 names say nothing count, after all others, where neighbours share their values as in organs.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """From the paths a user gives to a series of clean scans: the one place where the steps meet."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The point clouds the baker works on."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal

@@ -1,7 +1,5 @@
 """How large the plant is, in which unit, and whether all scans of it are in the same one."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

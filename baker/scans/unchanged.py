@@ -1,7 +1,5 @@
 """What a scan was read from: its files' digest, and that they did not change meanwhile."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Callable, Sequence

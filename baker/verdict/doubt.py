@@ -1,7 +1,5 @@
 """What may be wrong in a clip, and how a bake says so."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Whether organs that were followed by their shape are the same organs in the next scan."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

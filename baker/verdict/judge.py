@@ -1,7 +1,5 @@
 """Which organs of a clip look wrong in which interval."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -3,8 +3,6 @@
 All of it is measured on a sample of each organ's movers, in distances between the sample's points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

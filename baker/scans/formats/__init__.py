@@ -5,8 +5,6 @@ To add a format, write a module here with a function ``read(path: Path) -> Colum
 be gzipped.
 """
 
-from __future__ import annotations
-
 import gzip
 import math
 import shutil

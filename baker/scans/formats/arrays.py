@@ -1,7 +1,5 @@
 """NumPy arrays: NPY and NPZ, whose layout docs/scans.md tells. No objects are unpickled."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Container, Mapping
 from pathlib import Path

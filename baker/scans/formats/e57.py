@@ -1,7 +1,5 @@
 """E57 (ASTM E2807) by pye57, which the extra `e57` installs: all scans in the file as one."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The decoder of LAZ makes room for whatever sizes the file announces, and ends th
 where there is none: chunks are checked before. Format: the LAZ 1.4 specification, rapidlasso.
 """
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 from typing import Any, BinaryIO

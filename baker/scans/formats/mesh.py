@@ -3,8 +3,6 @@
 Open3D's reader of OFF ends the process at damaged files (docs/method.md).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

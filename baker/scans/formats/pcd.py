@@ -7,8 +7,6 @@ Read here: Open3D's reader ends the process at damaged files, and pypcd4's reads
 short as a smaller one (docs/method.md).
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Not by Open3D, whose reader ends the process at damaged ascii files (docs/method.md).
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

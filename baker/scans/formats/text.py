@@ -1,7 +1,5 @@
 """Text tables: XYZ, TXT, CSV, ASC, PTS; docs/scans.md says how columns are found and named."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -66,8 +64,8 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         notes = [f"no header line: columns taken as {' '.join(names)}."]
     found = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
     if words:
-        form = {"delimiter": delimiter, "quotechar": '"', "usecols": words, "unpack": True}
-        texts = np.loadtxt(lines[start:], str, ndmin=2, **form)
+        form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": words, "ndmin": 2}
+        texts = np.loadtxt(lines[start:], str, **form).T
         found |= {names[i]: np.char.strip(text) for i, text in zip(words, texts, strict=True)}
     return Columns(found, tuple(notes if unread or named is None else ()))
 

@@ -4,8 +4,6 @@
 of the upper left pixel is (0, 0).
 """
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

@@ -10,8 +10,6 @@ For each label separately, as the paper does (section 4, Komatsuna), in two step
    leaf stays tilted up to its rim. Valid depth is never changed, nor is noise in it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

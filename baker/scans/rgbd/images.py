@@ -1,7 +1,5 @@
 """Which images belong together, when they were taken, and what their pixels mean."""
 
-from __future__ import annotations
-
 import re
 import struct
 import warnings

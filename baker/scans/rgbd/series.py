@@ -1,7 +1,5 @@
 """A folder of images as a series of scans: what `baker.scans.read_series` asks for."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from pathlib import Path
 

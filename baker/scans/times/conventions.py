@@ -1,7 +1,5 @@
 """The ways in which people write times: patterns, and what their numbers mean."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

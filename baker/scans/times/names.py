@@ -7,12 +7,11 @@ the first in the names counts, and of several possible orders of day, month and 
 gives the shortest series.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 
@@ -39,7 +38,7 @@ class Reading:
         """Whether no two scans have the same time."""
         return len({moment.time for moment in self.moments}) == len(self.moments)
 
-    def contradicts(self, other: Reading) -> bool:
+    def contradicts(self, other: Self) -> bool:
         """Whether it is clear, of another part of the first name, and gives another order."""
         (start, stop), (other_start, other_stop) = self.spans[0], other.spans[0]
         orders = [np.argsort([m.time for m in read.moments]).tolist() for read in (self, other)]

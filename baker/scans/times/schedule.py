@@ -9,8 +9,6 @@ A rule counts only if it fits every scan. The first that does is used:
 3. The order: 0, 1, 2, ..., natural (9 before 10) in a folder, as given for a list of files.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

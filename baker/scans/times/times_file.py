@@ -1,7 +1,5 @@
 """Times of scans from a file (`--times FILE`): a line ``name time`` for each scan."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path
