@@ -1,5 +1,5 @@
+from .batch.api import bake
 from .errors import InputError
 from .options import Options
-from .pipeline import bake
 
 __all__ = ["InputError", "Options", "bake"]

@@ -26,7 +26,12 @@ from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
-from baker.interpolation.interval_job import IntervalSolver, interval_jobs, solve_intervals
+from baker.interpolation.interval_job import (
+    IntervalSolver,
+    attachment_heights,
+    interval_jobs,
+    solve_intervals,
+)
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import (
     PAPER,
@@ -92,39 +97,34 @@ class BakeRecord:
     held_out: tuple[HeldOut, ...] = ()  # left out for verification
 
 
-def bake(
-    paths: Sequence[str | Path], options: Options | None = None, progress: Progress | None = None
-) -> Clip:
-    """Bake scans into a growth clip.
-
-    Parameters
-    ----------
-    paths : sequence of str or Path
-        A folder of scans, or the scans' files.
-    options : Options, optional
-    progress : callable, optional
-        Called with a stage's name, the steps done and the steps in all.
-
-    Raises
-    ------
-    InputError
-        With one sentence for the user, where the scans or options can't be baked.
-    """
-    return bake_recorded(paths, options, progress)[0]
-
-
 def bake_recorded(
     paths: Sequence[str | Path],
     options: Options | None = None,
     progress: Progress | None = None,
     register: Register = align,
     solve: IntervalSolver | None = None,
+    times: Sequence[object] | None = None,
 ) -> tuple[Clip, BakeRecord]:
-    """Bake as `bake` does, and return what its stages found as well; see `bake_series`."""
+    """Bake scans into a growth clip, and return what the stages found as well.
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        A folder of scans, or the scans' files.
+    times : sequence, optional
+        Of each scan the day or the date, instead of what the names say.
+    options, progress, register, solve
+        As those of `bake_series`.
+
+    Raises
+    ------
+    InputError
+        With one sentence for the user, where the scans or options can't be baked.
+    """
     chosen, progress = options or Options(), progress or _silent
     with thread_map(worker_count(chosen.workers)) as map:
         files = [Path(path) for path in paths]
-        series = read_series(files, chosen, partial(progress, "reading"), map)
+        series = read_series(files, chosen, partial(progress, "reading"), map, times)
         return bake_series(series, chosen, progress, map, register, solve)
 
 
@@ -206,7 +206,7 @@ def bake_series(
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=intervals,
-        track_table=describe_tracks(series, organs, labels),
+        track_table=describe_tracks(series, organs, labels, attachment_heights(jobs)),
         origin=tuple(found.scans[0].origin.tolist()),
         up=alignment.up,
         unit=options.unit,

@@ -8,10 +8,11 @@ organ followed through the whole series.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from msgspec.structs import asdict
@@ -25,6 +26,11 @@ from gclip.interval import Interval, read_interval, read_positions
 from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
 from gclip.terminal.text import printable
 
+if TYPE_CHECKING:
+    from open3d.geometry import PointCloud
+    from pandas import DataFrame
+
+ROUNDING = 1e-9  # of the series' length, by which a time may lie outside
 SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
 """Attributes that a clip and its document have alike."""
 HELD_OUT = "held_out/%04d"  # the buffer of a scan that was left out
@@ -53,7 +59,14 @@ class HeldOutScan:
     positions: NDArray[np.float32]  #: (N, 3) about the clip's origin
 
 
-@dataclass(frozen=True)
+class Tracks(dict[str, Track]):
+    """Tracks by name."""
+
+    def __missing__(self, name: str) -> Track:
+        raise KeyError(f"no track is called {name!r}; these are: {', '.join(self)}")
+
+
+@dataclass(frozen=True, repr=False)
 class Clip:
     """A plant's growth, ready to be played."""
 
@@ -75,6 +88,11 @@ class Clip:
         return [scan.time for scan in self.scans]
 
     @property
+    def tracks(self) -> Tracks:
+        """The tracks by name: ``clip.tracks["leaf 3"]``."""
+        return Tracks({track.name: track for track in self.track_table})
+
+    @property
     def has_colors(self) -> bool:
         """Whether the movers carry the scans' own colours."""
         return any(interval.start_colors is not None for interval in self.intervals)
@@ -90,21 +108,62 @@ class Clip:
         corners = np.array([interval.bounds for interval in self.intervals])
         return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
 
-    def at(self, day: float) -> Frame:
-        """Evaluate the clip at a time.
+    def __repr__(self) -> str:
+        times, unit = self.times, self.time_unit.removesuffix("s")
+        span = f"{unit} {times[0]:g} to {unit} {times[-1]:g}"
+        movers = sum(map(len, self.intervals))
+        return (
+            f"<gclip.Clip: {len(times)} scans, {span}, {len(self.track_table)} tracks, "
+            f"{movers:,} movers{', ' + self.unit if self.unit else ''}>"
+        )
+
+    @overload
+    def at(self, day: float) -> Frame: ...
+
+    @overload
+    def at(self, day: Sequence[float] | NDArray[np.floating]) -> list[Frame]: ...
+
+    def at(self, day: Any) -> Frame | list[Frame]:
+        """Evaluate the clip at a time, or at several.
 
         Parameters
         ----------
-        day : float
-            In the clip's unit; outside the series it gives the first or the last state.
+        day : float, or sequence of float
+            In the clip's unit of time, from the first scan's to the last's.
 
         Returns
         -------
-        Frame
+        Frame, or list of Frame
             At a scan's own time its positions are exactly that scan's points, as a set. Within an
             interval the movers come in the same order at every time.
+
+        Raises
+        ------
+        ValueError
+            For a time outside the series.
         """
+        if np.ndim(day):
+            return [self.at(one) for one in day]
+        first, last = self.times[0], self.times[-1]
+        tolerance = ROUNDING * (last - first)  # sums of steps end a little off
+        if not first - tolerance <= day <= last + tolerance:
+            span = f"{first:g} to {last:g}"
+            raise ValueError(f"{day:g} is outside the series, whose {self.time_unit} are {span}")
         return frame_at(self, day)
+
+    def traits(self, days: Sequence[float] | None = None) -> DataFrame:
+        """Lengths, areas, angles and growth rates of the organs; see `traits.data_frame`."""
+        table: DataFrame = import_module("traits").data_frame(self, days)
+        return table
+
+    def to_open3d(self, day: float) -> PointCloud:
+        """The plant at a time as an Open3D point cloud, in the frame of the input, with colours."""
+        from open3d import geometry, utility
+
+        frame = self.at(day)
+        cloud = geometry.PointCloud(utility.Vector3dVector(frame.positions))
+        cloud.colors = utility.Vector3dVector(frame.colors[:, :3] / 255.0)
+        return cloud
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the clip, whole or not at all.

@@ -1,3 +1,4 @@
+from .export.formats import film
 from .rendering.headless import render
 
-__all__ = ["render"]
+__all__ = ["film", "render"]

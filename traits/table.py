@@ -8,10 +8,12 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from itertools import pairwise
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
+from gclip.errors import UserError
 from gclip.terminal.text import printable
 from gclip.version import __version__
 from traits.dates import date_at
@@ -19,6 +21,8 @@ from traits.doubts import Doubt, doubts_of
 from traits.traits import Measurement, measure
 
 if TYPE_CHECKING:
+    import pandas
+
     from gclip import Clip
 
 TRAITS = {"height": 1, "length": 1, "area": 2, "hull": 3}  # power of the length unit
@@ -29,6 +33,46 @@ COLUMNS = (
     *("points", "sure", "method", "clip_digest"),
 )
 DIGITS = 7  # that a float32 clip has to tell
+
+
+def data_frame(
+    clip: Clip, days: Sequence[float] | None = None, plant: str = "plant"
+) -> pandas.DataFrame:
+    """Measure a clip on some days: the table of `write_table`, for pandas.
+
+    Parameters
+    ----------
+    clip : Clip
+    days : sequence of float, optional
+        In the clip's time unit; by default those of `measure_days`.
+    plant : str
+        Its name, in the first column.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One value a row, in the columns that docs/exports.md describes; ``sure`` as bool.
+
+    Raises
+    ------
+    UserError
+        Where pandas is not installed.
+
+    Examples
+    --------
+    >>> lengths = clip.traits().query("trait == 'length' and sure")  # doctest: +SKIP
+    >>> lengths.pivot(index="time", columns="organ", values="value").plot()  # doctest: +SKIP
+    """
+    try:
+        import pandas
+    except ImportError:
+        raise UserError(
+            'Traits as a table need pandas: pip install "plant-growth-clips[pandas]"'
+        ) from None
+    file = StringIO(newline="")
+    write_table(file, Namer(clip, plant), measure_days(clip) if days is None else days)
+    file.seek(0)
+    return pandas.read_csv(file, true_values=["yes"], false_values=["no"])
 
 
 @dataclass(frozen=True)

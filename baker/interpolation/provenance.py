@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from baker.alignment import Alignment
 from baker.interpolation.colors import organ_colors
@@ -19,16 +21,31 @@ from gclip import Track
 from gclip.version import __version__
 
 
-def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
-    """The organs as tracks, called by their own labels only where these are the scans'."""
-    own, scans = labels.consistent and not labels.renamed, series.scans
+def describe_tracks(
+    series: Series, organs: Sequence[Organ], labels: LabelUse, heights: Mapping[int, float]
+) -> tuple[Track, ...]:
+    """The organs as tracks: the stem, and leaves by the scans' labels or by order of appearance.
+
+    Leaves that appear in the same scan are numbered from the lowest on. heights: of the attachments
+    of organs that have one, in the scan in which they appear.
+    """
+    by_label, scans = labels.consistent and not labels.renamed, series.scans
     times = [*(scan.time for scan in scans), None]
+    leaves = range(1, len(organs))
+    ordered = sorted(leaves, key=lambda i: (organs[i].first, heights.get(i, np.inf), i))
+    numbers = {organ: number for number, organ in enumerate(ordered, start=1)}
+
+    def name(index: int, organ: Organ) -> str:
+        if by_label and organ.label in series.label_words:
+            return series.label_words[organ.label]
+        if index == 0:
+            return "plant" if by_label and organ.label is None else "stem"
+        return f"leaf {organ.label if by_label else numbers[index]}"
+
     return tuple(
         Track(
             id=index,
-            name=series.label_words.get(organ.label, f"label {organ.label}")
-            if own and organ.label is not None
-            else f"organ {index}",
+            name=name(index, organ),
             color=color,
             parent=organ.parent,
             born=scans[organ.first].time,

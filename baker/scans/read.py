@@ -32,6 +32,7 @@ def read_series(
     options: Options | None = None,
     report_progress: ReportProgress | None = None,
     map: MapLike = map,
+    times: Sequence[object] | None = None,
 ) -> Series:
     """Read the scans of one plant, clean them and put them in the order of time.
 
@@ -45,6 +46,8 @@ def read_series(
         Called at once and after each scan with the scans done and the scans in all.
     map : map-like callable, optional
         Maps a function over the scans.
+    times : sequence, optional
+        Of each scan the day or the date, instead of what the names say.
 
     Returns
     -------
@@ -58,7 +61,7 @@ def read_series(
         For everything that can't be read as one series.
     """
     options = options or Options()
-    listing = list_series(inputs, options)
+    listing = list_series(inputs, options, times)
     entries = listing.schedule.entries
     if report_progress:
         map = reporting(map, report_progress, len(entries))
@@ -154,7 +157,9 @@ class Listing:
         )
 
 
-def list_series(inputs: Sequence[Path], options: Options) -> Listing:
+def list_series(
+    inputs: Sequence[Path], options: Options, times: Sequence[object] | None = None
+) -> Listing:
     """What `read_series` would read. Raises InputError as that does."""
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera and options.label_field is not None:
@@ -162,9 +167,9 @@ def list_series(inputs: Sequence[Path], options: Options) -> Listing:
             f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
             "--label-field."
         )
-    times = options.times
-    images = ImageSeries(camera, times) if camera else None
-    schedule = images.schedule if images else schedule_scans(find_scans(inputs, times), times)
+    file = options.times
+    images = ImageSeries(camera, file) if camera else None
+    schedule = images.schedule if images else schedule_scans(find_scans(inputs, file), file, times)
     kept, count = schedule.entries[:: options.every], len(schedule.entries)
     if len(kept) < 2:
         raise InputError(

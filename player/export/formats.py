@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from player.atomic_write import check_folder
 from player.errors import PlayerError
@@ -16,6 +17,7 @@ from player.export.film import Film
 from player.export.web import page
 from player.rendering.headless import Offscreen
 from player.view.colors import Colors
+from player.view.style import Style
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,6 +77,30 @@ def export(
     colors = Colors(clip)
     coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
     chosen.write(coloring(film.style), film, path, progress)
+
+
+def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
+    """Write a clip's film, picture, page, geometry or table, as the suffix of `path` says.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    path : path
+        Its suffix is one of those that ``play --list-exports`` lists.
+    **choices
+        Fields of `Film` and of its `Style`, such as ``seconds=10``, ``turning=True`` or
+        ``color_by="height"``.
+
+    Raises
+    ------
+    PlayerError
+        As `export` does.
+    TypeError
+        For a choice that there is not.
+    """
+    look = {one.name for one in fields(Style)}
+    style = Style(**{name: choices.pop(name) for name in look & choices.keys()})
+    export(clip, replace(Film(style=style), **choices), Path(path))
 
 
 def format_of(path: Path, film: Film) -> Format:

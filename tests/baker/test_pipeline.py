@@ -47,7 +47,7 @@ def test_a_lost_organ_decays_as_asked(write_scans, read_points, decay):
         truth = read_points(folder / f"day{k:02d}.txt")
         assert farthest_apart(clip.at(time).positions, truth) < 1e-3
     lost = next(t for t in clip.track_table if t.lost is not None)
-    assert (lost.name, lost.lost) == ("label 1", 2.0)
+    assert (lost.name, lost.lost) == ("leaf 1", 2.0)
     if decay == "fall":
         ground = min(read_points(f)[:, 2].min() for f in folder.iterdir())
         litter = clip.at(2.0).litter
@@ -60,9 +60,9 @@ def test_an_organ_that_comes_back_fades_and_does_not_fall(write_scans):
     np.savetxt(folder / "day01.txt", hidden[hidden[:, 3] != 1], fmt="%.4f")
     clip = bake([folder], PLAIN)
     assert [g.motion for g in clip.intervals[0].groups] == [Motion.MOVE, Motion.FADE]
-    (track,) = [t for t in clip.track_table if t.name == "label 1"]
+    (track,) = [t for t in clip.track_table if t.name == "leaf 1"]
     assert track.lost is None
-    assert clip.at(3.0).litter is None
+    assert clip.at(2.0).litter is None
 
 
 def test_sinkhorn_stops_where_it_is_asked_to(write_scans):
@@ -92,9 +92,9 @@ def test_every_point_moves_and_movers_are_few(write_scans):
 def test_new_leaves_unfold_from_where_they_attach(write_scans):
     clip = bake([write_scans()], PLAIN)
     born = [t for t in clip.track_table if t.born > 0]
-    assert [t.name for t in born] == ["label 2", "label 3"]
+    assert [t.name for t in born] == ["leaf 2", "leaf 3"]
     for track in born:
-        assert clip.track_table[track.parent].name == "label 0"
+        assert clip.track_table[track.parent].name == "stem"
         interval = next(i for i, t in enumerate(clip.times[1:]) if t == track.born)
         frame = clip.at(clip.times[interval] + 1e-6)
         attachment = [0, 0, 2.0 + 2 * int(track.name.split()[1])]
@@ -115,7 +115,7 @@ def test_the_reversed_series_gives_the_reversed_motion(write_scans):
     forward = bake([write_scans(name="forward")], options)
     backward = bake([write_scans(name="backward", reverse=True)], options)
     last = forward.times[-1]
-    shared = {"label 0", "label 1"}  # there in all scans: matched, never born or lost
+    shared = {"stem", "leaf 1"}  # there in all scans: matched, never born or lost
     for day in (0.25, 0.5, 1.3):
         clouds = []
         for clip, time in ((forward, day), (backward, last - day)):
@@ -140,7 +140,7 @@ def test_shuffled_labels_give_the_same_organs(write_scans):
 
 def test_an_organ_keeps_its_track_through_the_series(write_scans):
     clip = bake([write_scans(days=(0, 1, 2, 3))], PLAIN)
-    leaf = next(t.id for t in clip.track_table if t.name == "label 1")
+    leaf = next(t.id for t in clip.track_table if t.name == "leaf 1")
     base = [0, 0, 4.0]
     reach = []
     for day in (0.5, 1.5, 2.5):

@@ -26,7 +26,14 @@ from grow.cli import main as grow
 from player.cli import main as play
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", "docs/player.md", "docs/exports.md", "docs/images.md", "docs/format.md")
+PAGES = (
+    "README.md",
+    "docs/player.md",
+    "docs/exports.md",
+    "docs/images.md",
+    "docs/format.md",
+    "docs/api.md",
+)
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SMALL_PLANT = ["--points", "500", "--scans", "4"]
 SMALL_IMAGES = ["--size", "96x72", "--days", "2"]
@@ -80,8 +87,12 @@ def test_examples_run(
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
     blocks = [block for block in blocks_of(page) if not block.not_run]
     assert blocks or page == "docs/exports.md"
+    names: dict[str, object] = {"__name__": "example"}  # a page's examples build on each other
     for block in blocks:
-        RUNNERS[block.language](block.text, display)
+        if block.language == "python":
+            exec(compile(block.text, str(block), "exec"), names)
+        else:
+            RUNNERS[block.language](block.text, display)
 
 
 def run_shell(text: str, display: dict[str, str]) -> None:
@@ -117,13 +128,8 @@ def in_window(words: list[str], display: dict[str, str]) -> None:
         player.wait()
 
 
-def run_python(text: str, display: dict[str, str]) -> None:
-    exec(compile(text, "example", "exec"), {"__name__": "example"})
-
-
 RUNNERS: dict[str, Callable[[str, dict[str, str]], object]] = {
     "sh": run_shell,
-    "python": run_python,
     "json": lambda text, display: json.loads(text),
     "toml": lambda text, display: tomllib.loads(text),
 }

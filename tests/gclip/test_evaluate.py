@@ -94,12 +94,22 @@ def test_fading_and_removed_organs(make_clip):
     assert len(make_clip(lost=Motion.REMOVE).at(2.0 + 1e-6)) == 150
 
 
-def test_times_outside_the_series_give_its_ends(make_clip):
+@pytest.mark.parametrize("day", [-0.001, 5.001, float("nan"), float("inf")])
+def test_a_time_outside_the_series_is_refused_with_its_range(make_clip, day):
+    with pytest.raises(ValueError, match="outside the series, whose days are 0 to 5"):
+        make_clip().at(day)
+
+
+def test_sums_of_steps_may_end_a_rounding_error_off(make_clip):
+    clip, end = make_clip(), 5.0 + 1e-12
+    assert np.array_equal(clip.at(end).positions, clip.at(5).positions)
+
+
+def test_several_times_give_a_frame_each(make_clip):
     clip = make_clip()
-    assert np.array_equal(clip.at(-3).positions, clip.at(0).positions)
-    assert np.array_equal(clip.at(99).positions, clip.at(5).positions)
-    with pytest.raises(ValueError, match="not a number"):
-        clip.at(float("nan"))
+    for frame, day in zip(clip.at(np.array([0.0, 1.25, 5.0])), (0.0, 1.25, 5.0), strict=True):
+        assert np.array_equal(frame.positions, clip.at(day).positions)
+    assert clip.at([]) == []
 
 
 def test_colors_blend_in_linear_light(make_clip):

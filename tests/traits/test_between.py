@@ -44,9 +44,10 @@ def test_between_scans_sure_traits_are_true(grown: Clip) -> None:
     subject, off = plant("maize", 1), []
     for before, after in zip(grown.times, grown.times[1:], strict=False):
         day = (before + after) / 2
-        truth = {organ.label: organ for organ in subject.organs(day)}
+        organs = subject.organs(day)
+        truth = {f"leaf {o.label}" if o.label else "stem": o for o in organs}
         for one in measure(grown, day)[1:]:
-            true = truth[int(grown.track_table[one.track].name.split()[-1])]
+            true = truth[grown.track_table[one.track].name]
             if "area" in one.sure:
                 off.append([one.length / true.length - 1.0, one.area / true.area - 1.0])
     lengths, areas = np.abs(off).T

@@ -26,6 +26,11 @@ from traits.traits import _hull
 UP = np.array([0.0, 0.0, 1.0])
 
 
+def called(label: int) -> str:
+    """The track of a grown plant's organ."""
+    return f"leaf {label}" if label else "stem"
+
+
 @pytest.mark.parametrize("count", [150, 600, 2500])
 def test_area_of_a_rectangle_a_strip_and_a_tube(count: int) -> None:
     rng = np.random.default_rng(count)
@@ -98,7 +103,7 @@ def test_traits_of_a_grown_maize_are_true(grown: Clip) -> None:
     known = plant("maize", 0)
     errors = []
     for day in grown.times:
-        truth = {f"label {organ.label}": organ for organ in known.organs(day)}
+        truth = {called(organ.label): organ for organ in known.organs(day)}
         whole, *organs = measure(grown, day)
         assert whole.area == pytest.approx(sum(o.area for o in truth.values()), rel=0.05)
         # The truth of a height is where axes end; leaves arch and have thickness.
@@ -123,7 +128,7 @@ def test_compound_leaves_are_as_long_as_they_are(tmp_path: Path) -> None:
     clip = bake([tmp_path / "scans"], straight)
     known, errors, sure = plant("tomato", 0), [], []
     for day in clip.times:
-        truth = {f"label {organ.label}": organ for organ in known.organs(day)}
+        truth = {called(organ.label): organ for organ in known.organs(day)}
         cloud = known.cloud(day, 60_000, noise=0)
         for organ in measure(clip, day)[1:]:
             true = truth[clip.track_table[organ.track].name]
@@ -158,7 +163,9 @@ def test_hulls_that_points_can_not_tell_are_not_sure(grown: Clip) -> None:
     for day in grown.times:
         cloud = known.cloud(day, 60_000, noise=0)
         for organ in measure(grown, day)[1:]:
-            label = int(grown.track_table[organ.track].name.split()[-1])
+            label = int(
+                grown.track_table[organ.track].name.removeprefix("leaf ").replace("stem", "0")
+            )
             if "area" in organ.sure and "hull" not in organ.sure:
                 thin += 1
             if "hull" in organ.sure:
@@ -185,10 +192,10 @@ def rows_of(clip: Clip, days: list[float], plant: str = "p1") -> list[dict[str, 
 def test_the_table_is_long_and_says_where_values_come_from(grown: Clip) -> None:
     rows = rows_of(grown, measure_days(grown))
     assert tuple(rows[0]) == COLUMNS
-    stem = [r for r in rows if r["organ"] == "label 0" and r["trait"] == "length"]
+    stem = [r for r in rows if r["organ"] == "stem" and r["trait"] == "length"]
     assert [r["state"] for r in stem] == ["scan", "between", "scan", "between", "scan"]
     assert [float(r["time"]) for r in stem] == measure_days(grown)
-    growth = [r for r in rows if r["organ"] == "label 0" and r["trait"] == "length_growth"]
+    growth = [r for r in rows if r["organ"] == "stem" and r["trait"] == "length_growth"]
     assert len(growth) == 2
     at = {float(r["time"]): float(r["value"]) for r in stem}
     for row in growth:

@@ -19,7 +19,7 @@ from baker.errors import InputError
 from baker.scans.finding import Finding
 from baker.scans.times.conventions import Moment
 from baker.scans.times.names import Reading, find_time, read_times
-from baker.scans.times.times_file import moments_from_file
+from baker.scans.times.times_file import moments_from_file, moments_from_list
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans
@@ -53,8 +53,12 @@ class Schedule:
     unit: str
 
 
-def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedule:
+def schedule_scans(
+    found: FoundScans, times_file: Path | None = None, times: Sequence[object] | None = None
+) -> Schedule:
     """Order and time the scans by the first rule that fits them all.
+
+    times: one for each scan, as given in Python; none are looked for then.
 
     Raises InputError: two scans at one time, a times file that can't be read or misses a scan,
     numbered names whose order can't be told.
@@ -64,6 +68,8 @@ def schedule_scans(found: FoundScans, times_file: Path | None = None) -> Schedul
     for level in range(2, max(map(len, parts)) + 1):
         if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
             names = ["/".join(own[-level:]) for own in parts]
+    if times is not None:
+        return schedule_in_time(found, names, moments_from_list(times, names), "as given")
     if times_file is not None:
         moments = moments_from_file(times_file, names)
         return schedule_in_time(found, names, moments, f"from '{times_file.name}'")

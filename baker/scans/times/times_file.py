@@ -1,4 +1,4 @@
-"""Times of scans from a file (`--times FILE`): a line ``name time`` for each scan."""
+"""Times of scans as they are given: from a file (`--times FILE`), or as a list in Python."""
 
 import re
 from collections.abc import Sequence
@@ -23,17 +23,37 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
         if moment is None:
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
         moments.append(moment)
+    return _of_one_kind(moments, f"'{path}'")
+
+
+def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
+    """The time of each of `names`: numbers of days, dates of `datetime`, or texts as in a file."""
+    if len(times) != len(names):
+        raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
+    found = []
+    for time, moment in zip(times, _parse([str(time) for time in times]), strict=True):
+        if moment is None:
+            raise InputError(f"times holds {time!r}; a number of days or a date is needed.")
+        found.append(moment)
+    return _of_one_kind(found, "times")
+
+
+def _of_one_kind(moments: list[Moment], source: str) -> list[Moment]:
     if len({moment.dated for moment in moments}) > 1:
-        raise InputError(f"'{path}' mixes dates and numbers of days; use one of them throughout.")
+        raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")
+    return moments
+
+
+def _parse(texts: Sequence[str]) -> list[Moment | None]:
+    """Days and ISO dates as they stand; else the times as they are read from names."""
+    moments = [_parse_time(text) for text in texts]
+    if None in moments and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
+        return list(reading.moments)
     return moments
 
 
 def _moments(path: Path, listed: dict[str, tuple[int, str]]) -> dict[str, Moment]:
-    """Days and ISO dates as they stand; else the times as they are read from names."""
-    texts = [text for _, text in listed.values()]
-    moments = [_parse_time(text) for text in texts]
-    if None in moments and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
-        moments = list(reading.moments)
+    moments = _parse([text for _, text in listed.values()])
     for (number, text), moment in zip(listed.values(), moments, strict=True):
         if moment is None:
             raise InputError(

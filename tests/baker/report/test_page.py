@@ -71,13 +71,13 @@ def test_everything_is_there_and_nothing_comes_from_outside(report):
         assert address.startswith(("data:image/jpeg;base64,", "#"))
     assert not re.search(r"https?:|url\(|@import|//[a-z]+\.", re.sub(r"base64,[^\"]*", "", html))
     assert html.count("data:image/jpeg") == 3 + 2 * 2  # scans; left out
-    for words in ("All 2 intervals look right.", "label 1", "day 2", "holdout", "numba"):
+    for words in ("All 2 intervals look right.", "stem", "leaf 2", "day 2", "holdout", "numba"):
         assert words in page.text
 
 
 def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, player_draws):
     clip, record = baked
-    doubts = [Doubt(2.0, 4.0, 1, "label 1 tears", 2.0), Doubt(2.0, 4.0, 2, "label 2 tears", 1.0)]
+    doubts = [Doubt(2.0, 4.0, 1, "leaf 1 tears", 2.0), Doubt(2.0, 4.0, 2, "leaf 2 tears", 1.0)]
     judged = replace(clip, provenance={**clip.provenance, "verdict": provenance_of(clip, doubts)})
     write_report(tmp_path / "r.html", judged, record, verify(judged, record), title="plant.gclip")
     html = (tmp_path / "r.html").read_text()
@@ -87,8 +87,8 @@ def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, p
         for words in (
             "1 of 2 intervals looks right.",
             "day 2 to 4",
-            "Label 1 tears.",
-            "Label 2 tears.",
+            "Leaf 1 tears.",
+            "Leaf 2 tears.",
             "play plant.gclip --day 3",
             "The plant",
         )

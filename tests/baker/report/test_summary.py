@@ -48,8 +48,8 @@ def test_an_inexact_transport_is_put_in_terms_of_the_film(saved, tmp_path):
 
 def test_the_last_line_is_the_verdict_and_where_to_look(saved, tmp_path):
     assert verdict_line(saved, tmp_path / "x.gclip") == "All 2 intervals look right."
-    doubts = [Doubt(0.0, 2.0, 1, "label 1 tears", 2.0)]
+    doubts = [Doubt(0.0, 2.0, 1, "leaf 1 tears", 2.0)]
     provenance = {**saved.provenance, "verdict": provenance_of(saved, doubts)}
     assert verdict_line(replace(saved, provenance=provenance), Path("x.gclip")) == (
-        "1 of 2 intervals looks right; day 0 to 2: label 1 tears. Look: play x.gclip --day 1"
+        "1 of 2 intervals looks right; day 0 to 2: leaf 1 tears. Look: play x.gclip --day 1"
     )

@@ -67,5 +67,5 @@ def test_leaves_that_might_as_well_be_each_other_are_doubtful(series):
     found = series(before, before, after)
     assert {day for day, _, identity in found if identity} == {1.0}
     assert {what for _, what, identity in found if identity} == {
-        "organ 1 and organ 2 may be mixed up"
+        "leaf 1 and leaf 2 may be mixed up"
     }
