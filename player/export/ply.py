@@ -17,8 +17,6 @@ from player.view.dates import date_at
 if TYPE_CHECKING:
     from gclip import Clip
 
-NAMES = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
-
 
 def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
     """One moment: the film's --day, or the last scan."""
@@ -60,48 +58,37 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
     interval = clip.intervals[index]
     local = np.zeros((len(interval), 3), np.float64)
     paint = np.zeros((len(interval), 4), np.uint8)
-    there = np.zeros(len(interval), bool)
+    present = np.zeros(len(interval), bool)
     for layer in layers_at(clip, day):
         if layer.interval == index and not layer.litter:
             movers = slice(layer.group.first, layer.group.stop)
             local[movers], paint[movers], _ = evaluate_layer(clip, layer)
-            there[movers] = True
-    if there.any():
-        local[~there] = local[np.argmax(there)]
+            present[movers] = True
+    if present.any():
+        local[~present] = local[np.argmax(present)]
 
     world = local + np.asarray(clip.origin)
     coarse = np.spacing(np.float32(np.abs(world).max(initial=0.0))) > 0.01 * clip.spacing
-    place = "<f8" if coarse else "<f4"
-    vertices = np.empty(
-        len(world),
-        [(axis, place) for axis in "xyz"]
-        + [(name, "u1") for name in ("red", "green", "blue", "alpha")]
-        + [("scalar_label", "<f4")],
-    )
-    for axis, column in zip("xyz", world.T, strict=True):
-        vertices[axis] = column
-    for name, column in zip(("red", "green", "blue", "alpha"), paint.T, strict=True):
+    columns = dict(zip("xyz", world.T.astype("<f8" if coarse else "<f4"), strict=True))
+    columns |= dict(zip(("red", "green", "blue", "alpha"), paint.T, strict=True))
+    columns["scalar_label"] = interval.tracks.astype("<f4")
+    vertices = np.empty(len(world), [(name, column.dtype) for name, column in columns.items()])
+    for name, column in columns.items():
         vertices[name] = column
-    vertices["scalar_label"] = interval.tracks
     return vertices
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
-    kinds = vertices.dtype
-    lines = [
-        "ply",
-        "format binary_little_endian 1.0",
-        "comment made by plant-growth-clips",
-        f"comment time {day!r} {clip.time_unit}",
-        f"comment date {_plain(date_at(clip.scans, day))}",
-        f"comment unit {_plain(clip.unit)}",
-        f"element vertex {len(vertices)}",
-        *(f"property {NAMES[kinds[name].str]} {name}" for name in kinds.names or ()),
-        "end_header\n",
+    from plyfile import PlyData, PlyElement
+
+    comments = [
+        "made by plant-growth-clips",
+        f"time {day!r} {clip.time_unit}",
+        f"date {_plain(date_at(clip.scans, day))}",
+        f"unit {_plain(clip.unit)}",
     ]
-    with path.open("wb") as file:
-        file.write("\n".join(lines).encode("ascii"))
-        file.write(vertices.tobytes())
+    cloud = PlyElement.describe(vertices, "vertex")
+    PlyData([cloud], byte_order="<", comments=comments).write(str(path))
 
 
 def _plain(text: str) -> str:

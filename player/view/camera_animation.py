@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Literal
 
+import msgspec
 import numpy as np
+from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from player.atomic_write import whole_file
@@ -21,9 +22,36 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-FIELDS = ("day", "target", "distance", "yaw", "pitch", "field_of_view")
-MOST = 10_000  # keys; more are no path that someone made
-LARGEST_FILE = 1 << 24  # bytes
+MAX_KEYS = 10_000  # more are no path that someone made
+MAX_FILE_SIZE = 1 << 24  # bytes
+
+Number = Annotated[float, Meta(gt=-1e300, lt=1e300)]
+
+
+class Key(Struct, frozen=True):
+    """A camera on a day, as the file tells it: in the input's own frame, angles in degrees."""
+
+    day: Number
+    target: tuple[Number, Number, Number]
+    distance: Annotated[float, Meta(gt=0.0, lt=1e300)]
+    yaw: Number
+    pitch: Number
+    field_of_view: Annotated[float, Meta(ge=0.1, le=150.0)]
+
+    def camera(self, home: Camera, clip: Clip) -> Camera:
+        """The clip's own camera; home: any of its cameras."""
+        x, y, z = (np.array(self.target) - clip.origin).tolist()
+        view = math.radians(self.field_of_view)
+        camera = replace(home, target=(x, y, z), distance=self.distance, field_of_view=view)
+        return camera.looking(math.radians(self.yaw), math.radians(self.pitch))
+
+
+class Document(Struct):
+    """The file."""
+
+    camera_path: Literal[1]
+    up: str
+    keys: Annotated[list[Key], Meta(min_length=1, max_length=MAX_KEYS)]
 
 
 @dataclass(frozen=True)
@@ -82,20 +110,14 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
 
     Whole or not at all; raises PlayerError where `file` can't be written.
     """
-    keys = [
-        {
-            "day": day,
-            "target": (np.asarray(camera.target) + clip.origin).tolist(),
-            "distance": camera.distance,
-            "yaw": math.degrees(camera.yaw),
-            "pitch": math.degrees(camera.pitch),
-            "field_of_view": math.degrees(camera.field_of_view),
-        }
-        for day, camera in path.keys
-    ]
-    text = json.dumps({"camera_path": 1, "up": clip.up, "keys": keys}, indent=1) + "\n"
+    keys = []
+    for day, camera in path.keys:
+        x, y, z = (np.asarray(camera.target) + clip.origin).tolist()
+        angles = map(math.degrees, (camera.yaw, camera.pitch, camera.field_of_view))
+        keys.append(Key(day, (x, y, z), camera.distance, *angles))
+    text = msgspec.json.encode(Document(1, clip.up, keys))
     with whole_file(file) as part:
-        part.write_text(text, "utf-8")
+        part.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
 
 
 def load_path(file: Path, clip: Clip) -> CameraPath:
@@ -103,66 +125,16 @@ def load_path(file: Path, clip: Clip) -> CameraPath:
     try:
         if not file.is_file() and file.exists():
             raise PlayerError(f"{file} is not a regular file.")
-        if file.stat().st_size > LARGEST_FILE:
+        if file.stat().st_size > MAX_FILE_SIZE:
             raise PlayerError(f"{file} is too large for a camera path.")
-        document = json.loads(file.read_text("utf-8"))
+        document = msgspec.json.decode(file.read_bytes(), type=Document)
     except OSError as error:
         raise PlayerError(f"{file} can't be read: {error.strerror or error}.") from None
-    except (ValueError, RecursionError):
-        raise PlayerError(f"{file} is not valid JSON, as a camera path is.") from None
-    if not isinstance(document, dict) or document.get("camera_path") != 1:
-        raise PlayerError(f'{file} is no camera path: "camera_path": 1 is missing.')
-    if document.get("up") != clip.up:
-        raise PlayerError(
-            f"{file}: up is {str(document.get('up'))[:20]!r}; the clip's is {clip.up!r}."
-        )
-    entries = document.get("keys")
-    if not isinstance(entries, list) or not 1 <= len(entries) <= MOST:
-        raise PlayerError(f"{file}: keys must be a list of 1 to {MOST} keys.")
-    home, path = Camera.home(clip), CameraPath()
-    for number, entry in enumerate(entries):
-        day, camera = _key(entry, f"{file}: keys[{number}]", clip, home)
-        path = CameraPath((*path.keys, (day, camera)))
-    ordered = tuple(sorted(path.keys, key=lambda key: key[0]))
-    if len({day for day, _ in ordered}) < len(ordered):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise PlayerError(f"{file} is no camera path: {error}.") from None
+    if document.up != clip.up:
+        raise PlayerError(f"{file}: up is {document.up[:20]!r}; the clip's is {clip.up!r}.")
+    home, keys = Camera.home(clip), sorted(document.keys, key=lambda key: key.day)
+    if len({key.day for key in keys}) < len(keys):
         raise PlayerError(f"{file}: two keys have the same day.")
-    return CameraPath(ordered)
-
-
-def _key(entry: Any, place: str, clip: Clip, home: Camera) -> tuple[float, Camera]:
-    if not isinstance(entry, dict):
-        raise PlayerError(f"{place} is not an object.")
-    values = {name: _numbers(entry, name, place) for name in FIELDS}
-    target = np.array(values["target"]) - clip.origin
-    distance, view = values["distance"][0], values["field_of_view"][0]
-    if distance <= 0.0:
-        raise PlayerError(f"{place}.distance is {distance:g}; a length above 0 is needed.")
-    if not 0.1 <= view <= 150.0:
-        raise PlayerError(f"{place}.field_of_view is {view:g}; 0.1 to 150 degrees are allowed.")
-    camera = replace(
-        home,
-        target=(float(target[0]), float(target[1]), float(target[2])),
-        distance=distance,
-        field_of_view=math.radians(view),
-    )
-    yaw, pitch = math.radians(values["yaw"][0]), math.radians(values["pitch"][0])
-    return values["day"][0], camera.looking(yaw, pitch)
-
-
-def _numbers(entry: dict[str, Any], name: str, place: str) -> list[float]:
-    count = 3 if name == "target" else 1
-    found = entry.get(name)
-    values: list[Any] = found if isinstance(found, list) else [found]
-    if len(values) != count or not all(_is_number(value) for value in values):
-        wanted = "three finite numbers" if count == 3 else "a finite number"
-        raise PlayerError(f"{place}.{name} is {str(found)[:30]}; {wanted} is needed.")
-    return [float(value) for value in values]
-
-
-def _is_number(value: Any) -> bool:
-    return (
-        isinstance(value, int | float)
-        and not isinstance(value, bool)
-        and abs(value) < 1e300
-        and math.isfinite(value)
-    )
+    return CameraPath(tuple((key.day, key.camera(home, clip)) for key in keys))
