@@ -14,6 +14,7 @@ PLANT_SIZES = (2e-3, 100.0)  # meters
 # Of a scan against the one before: no plant grows so much, some may (a seedling and a grown plant).
 MAX_RATIO, LIKELY_RATIO = 30.0, 8.0
 UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # in meters, in which scans may be mixed
+MIN_SIZE = 1e-100  # has a logarithm
 MAX_SAMPLE = 20_000  # points of a scan that its size is found by
 
 
@@ -26,24 +27,24 @@ def require_one_unit(
     must be another one.
     """
     sizes = [_size(cloud) for cloud in clouds]
+    logs = np.log(np.maximum(sizes, MIN_SIZE))
+    off = np.abs(logs - np.median(logs))
     doubts = []
-    middle = float(np.median(sizes))
-    for first, second in pairwise(range(len(sizes))):
-        small, large = sorted((first, second), key=sizes.__getitem__)
-        ratio = sizes[large] / sizes[small] if sizes[small] else 1.0
-        if ratio < LIKELY_RATIO:
+    for pair in pairwise(range(len(sizes))):
+        other, odd = sorted(pair, key=off.__getitem__)
+        ratio = float(np.exp(abs(logs[odd] - logs[other])))
+        if ratio < LIKELY_RATIO or min(sizes[odd], sizes[other]) == 0.0:
             continue
-        odd, other = (large, small) if sizes[large] > middle else (small, large)
-        beside = f"'{names[other]}' {_short(sizes[other])}"
-        said = f"'{names[odd]}' is {_short(sizes[odd])} across, {beside}"
+        factors = [a / b for a in UNITS for b in UNITS]
+        factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[other]))
+        said = (
+            f"'{names[odd]}' is {_short(sizes[odd])} across, '{names[other]}' "
+            f"{_short(sizes[other])}, as if they were in different units: multiply the "
+            f"coordinates of '{names[odd]}' by {factor:g}, or leave it out"
+        )
         if ratio > MAX_RATIO:
-            factors = [a / b for a in UNITS for b in UNITS]
-            factor = min(factors, key=lambda f: abs(np.log(f * sizes[odd] / sizes[other])))
-            raise InputError(
-                f"{said}: they seem to be in different units. Multiply the coordinates of "
-                f"'{names[odd]}' by {factor:g}, or leave it out."
-            )
-        doubts.append(f"{said}, as if they were in different units")
+            raise InputError(f"{said}.")
+        doubts.append(said)
     meters = sizes[-1] * METERS.get(unit.lower(), 0.0)
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")

@@ -107,6 +107,9 @@ def test_a_scan_in_another_unit_is_named(make_folder):
     folder = make_folder({"day1.txt": small, "day2.txt": large, "day3.txt": small})
     with pytest.raises(InputError, match=r"'day2\.txt' is 307 across.*'day2\.txt' by 0\.001"):
         read_series([folder])
+    larger = {"day1.txt": "0 0 0\n90 170 250", "day2.txt": large, "day3.txt": small}
+    with pytest.raises(InputError, match=r"'day3\.txt' is 0\.297 across.*'day3\.txt' by 1000,"):
+        read_series([make_folder(larger, "the last one is small")])
     folder = make_folder({"day1.txt": small, "day2.txt": "0 0 0\n1 2 3"}, "ten times as large")
     assert "as if they were in different units" in read_series([folder]).findings[-1].sentence
 
