@@ -15,7 +15,7 @@ MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoo
 BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
 MIN_POINTS_FOR_NOISE = 36
 MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
-BLOCK = 1024  # points fitted at once
+BLOCK = 256  # points fitted at once: what they need stays in the processor's cache
 
 
 class Smoothed(NamedTuple):
@@ -120,10 +120,11 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
         return Smoothed(points, float(noise > 0.0))
     most = min(MAX_PATCH * len(cloud) / len(points), len(cloud))
     patches = [patch for patch in PATCH_SIZES if patch <= most]
+    every = _nearest(points, cloud, patches[-1])
     result, left = points.copy(), np.ones(len(points))
     for first in range(0, len(points), BLOCK):
         part = slice(first, first + BLOCK)
-        distance, neighbors = _nearest(points[part], cloud, patches[-1])
+        distance, neighbors = (values[part] for values in every)
         risk, best, rest = np.full(len(neighbors), 1.0), result[part], left[part]
         for patch in patches:
             fit = _fit(points[part], distance[:, :patch], neighbors[:, :patch])
@@ -138,7 +139,7 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
 def axes_of(offsets: NDArray[np.float64]) -> tuple[Points, Points, Points]:
     """Normals and two tangent directions, each (N, 3), of N neighbourhoods of shape (N, k, 3)."""
     about = offsets - offsets.mean(axis=1, keepdims=True)
-    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", about, about))
+    _, axes = np.linalg.eigh(about.mT @ about)
     return axes[:, :, 0], axes[:, :, 2], axes[:, :, 1]
 
 
@@ -156,20 +157,19 @@ def _fit(points: Points, distance: NDArray[np.float64], neighbors: NDArray[np.fl
     radius = np.maximum(distance[:, -1:], np.finfo(float).tiny)
     offsets = (neighbors - points[:, None]) / radius[..., None]
     normal, first, second = axes_of(offsets)
-    x, y, z = (np.einsum("nki,ni->nk", offsets, axis) for axis in (first, second, normal))
+    x, y, z = np.moveaxis(offsets @ np.stack([first, second, normal], axis=2), 2, 0)
     weights = np.exp(-((distance / radius) ** 2))
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], -1)
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
     # The small diagonal regularises patches whose points lie on a line.
     small = np.diag([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
-    weighted = terms * weights[..., None]
-    inverse = np.linalg.inv(np.einsum("nki,nkj->nij", weighted, terms) + small)
-    shares = np.einsum("nij,nkj->nki", inverse, weighted)
-    solution = np.einsum("nki,nk->ni", shares, z)
-    misfit = z - np.einsum("nki,ni->nk", terms, solution)
-    own = np.einsum("nki,nki->nk", shares, terms)
+    weighted = terms * weights[:, None]
+    shares = np.linalg.inv(weighted @ terms.mT + small) @ weighted
+    solution = shares @ z[..., None]
+    misfit = z - (terms.mT @ solution)[..., 0]
+    own = (shares * terms).sum(axis=1)
     free = np.maximum((weights * (1.0 - own)).sum(axis=1), 1e-9)
     return Fit(
-        displacement=(solution[:, :1] * radius) * normal,
+        displacement=(solution[:, 0] * radius) * normal,
         residual=(weights * misfit**2).sum(axis=1) / free * radius[:, 0] ** 2,
-        left=np.minimum((shares[:, :, 0] ** 2).sum(axis=1), 1.0),
+        left=np.minimum((shares[:, 0] ** 2).sum(axis=1), 1.0),
     )

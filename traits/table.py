@@ -6,10 +6,12 @@ import csv
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from io import StringIO
 from itertools import pairwise
+from os import cpu_count
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
@@ -125,10 +127,12 @@ def write_table(
     writer.writerow(COLUMNS)
     found: dict[float, list[Measurement]] = {}
     about = provenance(namer.clip)
-    for done, day in enumerate(days):
-        progress(done, len(days))
-        found[day] = measure(namer.clip, day)
-        writer.writerows(_safe(row) for row in _values(namer, found[day], about))
+    with ThreadPoolExecutor(cpu_count()) as threads:
+        measured = zip(days, threads.map(partial(measure, namer.clip), days), strict=True)
+        for done, (day, measurements) in enumerate(measured):
+            progress(done, len(days))
+            found[day] = measurements
+            writer.writerows(_safe(row) for row in _values(namer, measurements, about))
     scans = [time for time in namer.clip.times if time in found]
     for before, after in pairwise(scans):
         rates = _rates(namer, found[before], found[after], about)
