@@ -3,8 +3,6 @@
 Each stage is a section of the paper and hands its result on; none calls another one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -4,8 +4,6 @@ Scans of one plant nearly always do, and turning them for the sake of what one l
 series. So they stay unless the plant bases lie apart, or most scans would fit far better turned.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

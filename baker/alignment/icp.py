@@ -1,7 +1,5 @@
 """Trimmed iterative closest points (section 3.1; Besl & McKay 1992, Chetverikov et al. 2002)."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

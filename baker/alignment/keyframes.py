@@ -1,7 +1,5 @@
 """A series in one frame: what all stages after the alignment work on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

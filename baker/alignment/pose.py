@@ -1,7 +1,5 @@
 """Scans set upright on their stem's base, and how one is turned onto another."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

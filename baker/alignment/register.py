@@ -1,7 +1,5 @@
 """Coarse alignment of a series (section 3.1, ruling 19): left or brought together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise

@@ -1,7 +1,5 @@
 """The plant base: where the stem leaves the ground."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Scans that don't seem to be of this plant."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 Yaws are in degrees, from the later scan to the earlier, right-handed about +z.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Baking from Python: scans are paths, NumPy arrays or Open3D point clouds."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Segment adjacency: which segments of a labelled cloud touch, and across what gap."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ A stage takes ``map: MapLike = map`` as `scipy.optimize` takes ``workers``: the 
 items one after another; the ``map`` of a `concurrent.futures` executor shares them out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Rigid motions: fitted to pairs of points, and the smallest rotations between directions."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Samples of a point cloud: one point a voxel, or the farthest from those chosen before."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,8 +1,7 @@
 """Which way is up: heights along one of the six axis directions, without turning the cloud."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ class Vertical:
     sign: int
 
     @classmethod
-    def named(cls, up: str) -> Vertical:
+    def named(cls, up: str) -> Self:
         """From "x", "y", "z", "-x", "-y" or "-z"."""
         return cls("xyz".index(up[-1]), -1 if up.startswith("-") else 1)
 

@@ -5,8 +5,6 @@ of its size in the mean. But an organ of a few points may have been there all al
 seen: then it had more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Colours that tell organs apart, for points and for the clip's tracks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from colorsys import hls_to_rgb
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """One interval's work as a unit that any thread, process or machine can do on its own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """An organ's movers in one interval: where they start and end, with their colours and areas."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How one organ moves through an interval: its deformation, and its spine at mid-interval."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The shapes of a scan's organs: coordinates along and across each, from its attachment on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 

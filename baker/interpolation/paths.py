@@ -1,7 +1,5 @@
 """Control points of the movers of organs that deform, and of what grows on these."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a clip says of itself: its organs as tracks, and where it came from."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path

@@ -5,8 +5,6 @@ its attachment point so that its direction follows a robust smooth curve over th
 children go along. The scans are then no longer met exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The spine of an organ: the curve through the level sets of geodesic distance within it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ don't show that, the next ones do, wherever an organ keeps its direction. What s
 direction from scan to scan, and moves evenly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """One-to-one assignment of two sets of segments in which segments may stay unmatched."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

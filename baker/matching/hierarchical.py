@@ -5,8 +5,6 @@ segments nearer to each other; then the remaining children are matched. Whole su
 lost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -5,9 +5,8 @@ branch would make room for them, and points would leave one leaf for the next. S
 scans show are transported each on its own, and the stalk is registered to go with those around it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +89,7 @@ class _Leaflets:
     share: Floats
 
     @classmethod
-    def of(cls, points: Points, leaflet: Indices) -> _Leaflets:
+    def of(cls, points: Points, leaflet: Indices) -> Self:
         centroid, count = _centroids(points, leaflet, int(leaflet.max()) + 1)
         on = leaflet >= 0
         squared = ((points[on] - centroid[leaflet[on]]) ** 2).sum(axis=1)

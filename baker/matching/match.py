@@ -1,7 +1,5 @@
 """The segments of successive scans, matched (paper section 3.3)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial

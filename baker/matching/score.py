@@ -10,8 +10,6 @@ Of two scans the one with the smaller organs is the younger, so a series read ba
 same organs.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -6,8 +6,6 @@ one of the largest total score is taken: a minimum weight path cover, solved as 
 assignment.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Organs through the whole series: the matches of successive intervals chained into tracks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ The cloud's minimum spanning tree is walked from the root: where more than one b
 longer than a threshold, the tree forks, and each of those branches begins a segment of its own.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """The segment hierarchy of one scan (paper section 3.2): which organ grows from which."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -46,7 +44,7 @@ class Hierarchy:
             chain.append(segment)
         return chain
 
-    def merged(self, groups: Sequence[Sequence[int]]) -> Hierarchy:
+    def merged(self, groups: Sequence[Sequence[int]]) -> "Hierarchy":
         """The hierarchy with each group of segments as one; a group's head, its first, names it.
 
         groups: together every segment exactly once, each group's segments joined to its head.

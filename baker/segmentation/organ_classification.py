@@ -5,8 +5,6 @@ where there is a blade. On every path from the base to a tip the stem ends once,
 begins; where that is best for all paths together is found exactly, from the tips down.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,8 +5,6 @@ too: a leaf that is plain on day 9 tells what was unfolding on day 5. What the s
 would be no help: where the tip of a new leaf is, it has at best a stem.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

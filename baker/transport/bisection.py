@@ -1,7 +1,5 @@
 """The loops that halve a cloud down to single points."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

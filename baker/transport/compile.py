@@ -1,7 +1,5 @@
 """The solver's loops, compiled before the first problem: once, and with progress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Loops as machine code, compiled by numba at their first call and kept for the next process."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Corresponding points of an organ in two scans, from its transport plans (end of section 3.4)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

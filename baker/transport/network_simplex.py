@@ -28,8 +28,6 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport, J. Math
 W. H. Cunningham: A network simplex method, Math. Program. 11 (1976).
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

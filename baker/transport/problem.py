@@ -1,7 +1,5 @@
 """The transport problem of two segments: its options, its masses and costs, and a plan."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

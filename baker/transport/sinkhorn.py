@@ -1,7 +1,5 @@
 """The paper's regularised transport (3.4, equations 2-5) on a sparse support, in the log domain."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

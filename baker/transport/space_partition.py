@@ -1,7 +1,5 @@
 """Recursive bisection: clouds cut into even blocks, and plans carried from blocks to points."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ mass: look for neighbours after the part of the motion that a linear map explain
 out (`balance`), and start from a plan that is feasible by construction (`bisection`).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

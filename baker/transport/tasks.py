@@ -1,7 +1,5 @@
 """What is transported in one interval: matched organs, new organs, and organs that are lost."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """How far apart two segments are: the Wasserstein distance, exact or estimated."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from baker.transport.multiscale import couple
