@@ -10,7 +10,7 @@ import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError, as_completed
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -46,8 +46,7 @@ def bake_on_cluster(
             say(f"{address} has no workers yet; it is waited for them")
         # Where there are fewer plants than cores, a plant's intervals are tasks of their own.
         solve = _solve_from_worker if len(jobs) < cores else None
-        bake = partial(checked, partial(bake_plant, solve=solve), versions())
-        executor = client.get_executor(pure=False)
+        bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
         jobs = [replace(job, options=replace(job.options, workers=1)) for job in jobs]
         futures = {executor.submit(bake, job): job for job in jobs}
         try:
@@ -75,27 +74,34 @@ def versions() -> dict[str, str]:
     return {program["name"]: program["version"], **packages, "distributed": version("distributed")}
 
 
-def checked(function: Callable[[Any], Any], expected: dict[str, str], job: Any) -> Any:
-    """Do a task on a worker that has the expected versions; InputError on any other.
+@dataclass(frozen=True)
+class Checked:
+    """A task, done by workers that have the versions of here; others raise InputError.
 
     Each task checks it, as workers come and go.
     """
-    from distributed import get_worker
 
-    for name, found in versions().items():
-        if found != expected[name]:
-            raise InputError(
-                f"The cluster's worker {get_worker().address} has {name} {found}, but "
-                f"here it is {expected[name]}; install the same on both."
-            )
-    return function(job)
+    function: Callable[[Any], Any]
+    versions: dict[str, str] = field(default_factory=versions)
+
+    def __call__(self, job: Any) -> Any:
+        from distributed import get_worker
+
+        found = versions()
+        for name, ours in self.versions.items():
+            if found[name] != ours:
+                raise InputError(
+                    f"The cluster's worker {get_worker().address} has {name} {found[name]}, but "
+                    f"here it is {ours}; install the same on both."
+                )
+        return self.function(job)
 
 
 def _solve(
     client: "Client", jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
     def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
-        return client.get_executor(pure=False).map(partial(checked, function, versions()), jobs)
+        return client.get_executor(pure=False).map(Checked(function), jobs)
 
     with _task_faults():
         yield from solve_by(map_on_cluster, jobs, report_progress)

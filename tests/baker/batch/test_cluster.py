@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from baker.batch import cluster as cluster_module
-from baker.batch.cluster import checked
+from baker.batch.cluster import Checked
 from baker.batch.outputs import Outputs
 from baker.batch.plant import PlantJob, WorkerDied, bake_plant
 from baker.cli import main
@@ -114,7 +114,7 @@ def test_one_plants_clip_is_the_same_too(cluster, house, clips, tmp_path):
 def test_a_worker_of_another_version_is_told(cluster):
     ours = cluster_module.versions() | {"numpy": "0.9"}
     with distributed.Client(cluster.address, set_as_default=False) as client:
-        task = client.submit(checked, str, ours, 1)
+        task = client.submit(Checked(str, ours), 1)
         with pytest.raises(InputError, match=r"tcp://127\.0\.0\.1:.*here it is 0\.9"):
             task.result()
 
