@@ -156,6 +156,10 @@ class Clip:
         table: DataFrame = import_module("traits").data_frame(self, days)
         return table
 
+    def _repr_html_(self) -> str:
+        """The page that plays the clip: what a notebook shows."""
+        return str(import_module("player").iframe(self))
+
     def to_open3d(self, day: float) -> PointCloud:
         """The plant at a time as an Open3D point cloud, in the frame of the input, with colours."""
         from open3d import geometry, utility
