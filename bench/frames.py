@@ -37,13 +37,13 @@ import numpy as np
 import gclip
 from bench.synthetic import growing, static
 from gclip import Clip
-from gclip.evaluate import layers_at
+from gclip.evaluate import layers_at, locate
 from player.export import Film, export
 from player.export.video import write_mp4
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
 from player.rendering.point_buffers import estimate
-from player.rendering.points import Way
+from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -107,16 +107,19 @@ def _draw_times(
     camera = Camera.fit(clip.bounds, aspect=size[0] / size[1])
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
-    def scatter(way: Way) -> None:
-        portions = renderer._portions(layers_at(clip, 0.5), 1, None)
-        discs = renderer._discs(0.5, camera, Style(), size, portions, True)
-        renderer._dots.scatter(way, portions, discs)
+    def rasterise(backend: RasterBackend) -> None:
+        ranges = renderer._ranges(layers_at(clip, 0.5), 1, None)
+        closing = renderer._closing.at(*locate(clip, 0.5))
+        renderer._raster.backend = backend
+        renderer._raster.rasterise(
+            ranges, renderer._splat_params(camera, Style(), size, ranges, closing)
+        )
 
     works: list[Callable[[], object]] = [
         lambda: renderer.draw(framebuffer, 0.5, camera, Style(), size),
-        partial(scatter, Way.POINTS),
+        partial(rasterise, RasterBackend.POINTS),
     ]
-    works += [partial(scatter, Way.COMPUTE)] * (context.version_code >= 430)
+    works += [partial(rasterise, RasterBackend.COMPUTE)] * (context.version_code >= 430)
     best = [0.0, 0.0, 0.0]
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers
@@ -162,7 +165,7 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
         camera = Camera.home(clip, size[0] / size[1])
         pace = Pace(max(len(interval) for interval in clip.intervals))
         loading, whole = [0.0] * jumps, []
-        load = renderer._movers.store.load
+        load = renderer._points.store.load
 
         def timed_load(*given: Any, load: Any = load, loading: list[float] = loading) -> Any:
             began = time.process_time()
@@ -171,10 +174,10 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
             finally:
                 loading[len(whole)] += 1e3 * (time.process_time() - began)  # noqa: B023
 
-        renderer._movers.store.load = timed_load  # type: ignore[method-assign]
+        renderer._points.store.load = timed_load  # type: ignore[method-assign]
         for day in np.random.default_rng(0).uniform(clip.times[0], clip.times[-1], jumps):
-            every, began = pace.detail(size).every, time.perf_counter()
-            show = partial(renderer.draw, every=every, patience=LOADING)
+            stride, began = pace.detail(size).every, time.perf_counter()
+            show = partial(renderer.draw, stride=stride, upload_budget=LOADING)
             picture = partial(show, framebuffer, day, camera, Style(), size)
             whole.append(milliseconds(partial(_finished, context, picture), time.process_time))
             pace.took(time.perf_counter() - began)

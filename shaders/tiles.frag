@@ -1,16 +1,17 @@
-// Which tiles of the picture hold dots, or have some within reach.
-#version 330 core
+// Which tiles of the picture hold points, or have some within reach of a splat.
 
 uniform usampler2D nearest;
-out float out_dots;
+uniform int reach;
+out float out_occupied;
 
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * TILE, last = textureSize(nearest, 0) - 1;
     uint closest = 0xFFFFFFFFu;
-    for (int y = -REACH; y < TILE + REACH; ++y) {
-        for (int x = -REACH; x < TILE + REACH; ++x) {
-            closest = min(closest, texelFetch(nearest, clamp(corner + ivec2(x, y), ivec2(0), last), 0).r);
+    for (int y = -reach; y < TILE + reach; ++y) {
+        for (int x = -reach; x < TILE + reach; ++x) {
+            ivec2 texel = clamp(corner + ivec2(x, y), ivec2(0), last);
+            closest = min(closest, texelFetch(nearest, texel, 0).r);
         }
     }
-    out_dots = closest == 0xFFFFFFFFu ? 0.0 : 1.0;
+    out_occupied = closest == 0xFFFFFFFFu ? 0.0 : 1.0;
 }

@@ -9,7 +9,6 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from player.export.annotations import annotated
-from player.export.cutout import Cutout
 from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.colors import Colors
@@ -103,14 +102,9 @@ class Film:
     def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
         """Draws the picture of a day, with all that is written into it."""
         scale = Colors(clip).color_scale(self.style) if self.annotations.legend else None
-        cutout = Cutout(offscreen, self.style) if self.transparent else None
 
         def draw(day: float, camera: Camera) -> NDArray:
-            plain = (
-                cutout.picture(day, camera)
-                if cutout
-                else offscreen.picture(day, camera, self.style)
-            )
+            plain = offscreen.picture(day, camera, self.style, self.transparent)
             return annotated(plain, day, camera, self, clip, scale)
 
         return draw

@@ -1,72 +1,84 @@
-"""The offscreen pictures that the passes hand on to each other."""
+"""Textures, and the framebuffers that the passes hand on to each other."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from player.gl.scissor import Region
-
 if TYPE_CHECKING:
     import moderngl
 
 
-class Targets:
-    """Textures and framebuffers for a picture of `size` = (width, height) pixels.
+NOTHING = 1e4  # the relative depth where no point is (shaders/depth.glsl)
 
-    A texel is a pixel, and holds the samples of it side by side: most passes need all of them, and
-    one look brings them (samples.glsl).
 
-    supersample: samples along each side of a pixel, 1 or 2.
-    distances: from the eye, negative where there is nothing; one is smoothed into the other.
-    light:     linear light and cover, one texture for each sample.
-    mask:      a depth buffer, 0 where the plant is: the later passes run there alone.
-    surface:   what rasterisers draw into: the first distances, lights, and mask (leave.glsl).
-    smoothed:  the two distances and the mask, which stays.
+class GBuffer:
+    """What the passes over the points leave of each sample, and the filtered depths.
+
+    Parameters
+    ----------
+    context : moderngl.Context
+    size : (int, int)
+        Width and height in samples.
+
+    Attributes
+    ----------
+    colors : moderngl.Texture
+        Linear light, and how much of the sample is covered.
+    depths : list of moderngl.Texture
+        Relative depths (shaders/depth.glsl): one is filtered into the other and back.
+    framebuffer : moderngl.Framebuffer
+        The colours and the first of the depths.
+    filtered : list of moderngl.Framebuffer
+        The depths, each alone.
+    light : moderngl.Texture
+        Light from the plant times cover, and cover; drawn by `lit`.
+
+    The framebuffers share a depth buffer that is 0 where the plant is, and 1 elsewhere.
     """
 
-    def __init__(
-        self, context: moderngl.Context, size: tuple[int, int], supersample: int = 1
-    ) -> None:
+    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
         self.size = size
-        self.supersample = supersample
-        count = supersample**2
-        self.distances = [texture(context, size, count, "f4") for _ in range(2)]
-        self.light = [texture(context, size, 4, "f2") for _ in range(count)]
-        self.mask = context.depth_renderbuffer(size)
-        self.surface = context.framebuffer([self.distances[0], *self.light], self.mask)
-        self.smoothed = [context.framebuffer([found], self.mask) for found in self.distances]
-        self._drawn: Region | None = None
+        self.colors = texture(context, size, 4, "f2")
+        self.depths = [texture(context, size, 1, "f4") for _ in range(2)]
+        self.light = texture(context, size, 4, "f2")
+        self._plant = context.depth_renderbuffer(size)
+        self.framebuffer = context.framebuffer([self.colors, self.depths[0]], self._plant)
+        self.filtered = [context.framebuffer([depths], self._plant) for depths in self.depths]
+        self.lit = context.framebuffer([self.light], self._plant)
+        for framebuffer in (*self.filtered, self.lit):
+            framebuffer.depth_mask = False
 
-    def clear(self, region: Region) -> None:
-        """No plant anywhere, before one is drawn within a region, of pixels: in the distances and
-        in the mask; light counts only where it is.
-        """
-        cleared = None if self._drawn is None else region.joined(self._drawn).rectangle
-        for target, masked in zip(self.smoothed, (True, False), strict=True):
-            target.depth_mask = masked
-            target.clear(-1.0, -1.0, -1.0, -1.0, viewport=cleared)
-            target.depth_mask = False
-        self._drawn = region
+    def clear(self) -> None:
+        """No plant anywhere."""
+        self.framebuffer.clear(depth=1.0)
+        self.lit.clear()
+        for depths in self.filtered:
+            depths.clear(NOTHING)
 
     def release(self) -> None:
-        for framebuffer in (self.surface, *self.smoothed):
+        framebuffers = (self.framebuffer, *self.filtered, self.lit)
+        for framebuffer in framebuffers:
             framebuffer.release()
-        for found in (*self.distances, *self.light):
-            found.release()
-        self.mask.release()
+        self._plant.release()
+        for attached in (self.colors, *self.depths, self.light):
+            attached.release()
 
 
 def texture(
     context: moderngl.Context,
     size: tuple[int, int],
     components: int,
-    kind: str,
+    dtype: str,
     linear: bool = False,
 ) -> moderngl.Texture:
-    """kind: "f1" for bytes, "f2" and "f4" for floats; linear: smooth between texels."""
+    """A texture that ends at its edges.
+
+    dtype: "f1" for bytes, "f2" and "f4" for floats, "u4" for whole numbers.
+    linear: smooth between texels.
+    """
     import moderngl
 
-    made = context.texture(size, components, dtype=kind)
+    made = context.texture(size, components, dtype=dtype)
     made.filter = (moderngl.LINEAR,) * 2 if linear else (moderngl.NEAREST,) * 2
     made.repeat_x = made.repeat_y = False
     return made

@@ -1,4 +1,4 @@
-"""Compiling shaders and setting their uniforms."""
+"""Compiling shaders, setting their uniforms, and passes over the whole picture."""
 
 from __future__ import annotations
 
@@ -22,13 +22,6 @@ def program(
             vertex_shader=source(f"{vertex}.vert", **definitions),
             fragment_shader=source(f"{fragment}.frag", **definitions),
         )
-
-
-def feedback(
-    context: moderngl.Context, vertex: str, *varyings: str, **definitions: int | float
-) -> moderngl.Program:
-    """Compile `<vertex>.vert` alone, to write `varyings` into a buffer, one after the other."""
-    return context.program(vertex_shader=source(f"{vertex}.vert", **definitions), varyings=varyings)
 
 
 def compute(
@@ -67,3 +60,31 @@ def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> N
             program[name].write(np.ascontiguousarray(value.T, np.float32).tobytes())  # type: ignore[union-attr]
         else:
             program[name].value = value  # type: ignore[union-attr]
+
+
+TILE = 16  # side in pixels of the tiles that the empty parts of a picture are skipped by
+
+
+class Passes:
+    """Fragment shaders over the framebuffer in use, each compiled when it is first needed."""
+
+    def __init__(self, context: moderngl.Context) -> None:
+        self._context = context
+        self._arrays: dict[str, moderngl.VertexArray] = {}
+
+    def fill(self, name: str, *, tiles: int = 0, **uniforms: Any) -> None:
+        """Run `<name>.frag` for every pixel, or for those of so many tiles (tile.vert)."""
+        import moderngl
+
+        if name not in self._arrays:
+            vertex = "tile" if tiles else "fullscreen"
+            compiled = program(self._context, vertex, name, TILE=TILE)
+            self._arrays[name] = self._context.vertex_array(compiled, [])
+        array = self._arrays[name]
+        give(array.program, **uniforms)
+        array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
+
+    def release(self) -> None:
+        for array in self._arrays.values():
+            array.program.release()
+            array.release()

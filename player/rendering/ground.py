@@ -1,109 +1,104 @@
-"""What is behind the plant: wall, floor, and the plant's shadow on it.
-
-Wall and floor change with the view alone, the shadow with the plant. So the picture of a floor
-without shadow is kept for as long as the view stands still, and each frame begins as a copy of it;
-only where the shadow lies is the floor drawn anew. All of it is smooth: a small picture of it is
-drawn, and spread over the whole one.
-"""
+"""What is behind the plant: wall, floor, and the plant's soft shadow on it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from player.gl.framebuffer import texture
-from player.gl.passes import Passes
-from player.gl.scissor import Region, half_field, whole
-from player.rendering.shadow import Shadow
-from player.view.camera import Camera
+from player.rendering.point_buffers import MAX_CHUNK
+from player.view.camera import Camera, axes, outline
 from player.view.style import GROUNDS, Style
 
 if TYPE_CHECKING:
-    import moderngl
+    from gclip import Clip
+    from player.gl.shader import Passes
+    from player.rendering.point_buffers import DrawRange
+    from player.rendering.point_cloud import PointCloud
 
-SHARE = 4  # sides of the picture to sides of the small one
-NOTHING = Region(0, 0, 0, 0)
+SIDE = 128  # texels along each side of the floor
+CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
+SHADOW_POINTS = 10_000  # as many as are enough for a shadow
 
 
-class Backdrop:
-    """Draws into pictures of `size` = (width, height) pixels.
+class Ground:
+    """The floor under a clip's plant, and the plant's shadow."""
 
-    small: the ground at a quarter of the resolution, sRGB, for the rims that it shines through.
-    """
-
-    def __init__(self, context: moderngl.Context, size: tuple[int, int], passes: Passes) -> None:
-        self._context = context
-        self._size = size
+    def __init__(self, points: PointCloud, passes: Passes) -> None:
+        context = points.context
+        self._points = points
         self._passes = passes
-        self._kept = texture(context, size, 4, "f1")
-        self._keeping = context.framebuffer([self._kept])
-        less = (max(size[0] // SHARE, 1), max(size[1] // SHARE, 1))
-        self.small = texture(context, less, 4, "f4", linear=True)
-        self._drawing = context.framebuffer([self.small])
-        self._view: object = None
-        self._shaded = NOTHING
+        self._clip = points.clip
+        self._textures = [texture(context, (SIDE, SIDE), 2, "f4", linear=True) for _ in range(2)]
+        self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
+        self._to_square, self._half_side = floor_square(points.clip)
 
-    def draw(
-        self,
-        picture: moderngl.Framebuffer,
-        camera: Camera,
-        style: Style,
-        shadow: Shadow,
-        to_floor: NDArray[np.float64],
-        region: Region,
-    ) -> None:
-        """Over all of `picture`.
+    def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
+        """point_area: what one point covers, in the clip's unit, where all of them are drawn."""
+        import moderngl
 
-        to_floor: (4, 4) from the eye's coordinates to the floor's square.
-        region:   of the picture, where the shadow lies.
-        """
-        self._context.enable_only(0)
-        uniforms = self._uniforms(camera, style, to_floor)
-        shadow.use(1)
-        self.small.use(2)
-        view = (camera, style.ground, style.show_ground)
-        if view != self._view:
-            self._small(uniforms, 0.0, whole(self._size))
-            self._keeping.use()
-            self._passes.fill("spread", {"ground": 2})
-            self._view, self._shaded = view, NOTHING
-        self._context.copy_framebuffer(picture, self._keeping)
-        if not style.show_ground:
-            region = NOTHING
-        drawn = region.joined(self._shaded)
-        if drawn != NOTHING:
-            self._small(uniforms, 1.0, drawn)
-        if region != NOTHING:
-            picture.scissor = region.rectangle
-            picture.use()
-            self._passes.fill("spread", {"ground": 2})
-            picture.scissor = None  # type: ignore[assignment]
-        self._shaded = region
+        context, (shadow, other) = self._points.context, self._framebuffers
+        shadow.use()
+        shadow.clear()
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
+        context.blend_func = moderngl.ONE, moderngl.ONE
+        drawn_points = sum(min(drawn.points, MAX_CHUNK) for drawn in ranges)
+        texel = (2.0 * self._half_side / SIDE) ** 2
+        for drawn in ranges:
+            some = drawn.reduced(min(SHADOW_POINTS / max(drawn_points, 1), 1.0))
+            uniforms = {
+                "from_above": self._to_square,
+                "reach": CONTACT_REACH * self._half_side,
+                "cover": drawn.total / max(some.points, 1) * point_area / texel,
+            }
+            self._points.draw("shadow", [some], uniforms)
+        context.enable_only(0)
+        for source, target, direction in ((0, other, (1.0, 0.0)), (1, shadow, (0.0, 1.0))):
+            target.use()
+            self._textures[source].use(0)
+            step = (direction[0] / SIDE, direction[1] / SIDE)
+            self._passes.fill("blur", source=0, direction=step, saturate=source == 0)
 
-    def _small(self, uniforms: dict[str, object], shadow_share: float, region: Region) -> None:
-        self._drawing.scissor = region.scaled(self.small.size, SHARE, margin=2).rectangle
-        self._drawing.use()
-        self._passes.fill("ground", uniforms | {"shadow_share": shadow_share})
-
-    def _uniforms(
-        self, camera: Camera, style: Style, to_floor: NDArray[np.float64]
-    ) -> dict[str, object]:
+    def uniforms(self, camera: Camera, style: Style, unit: int) -> dict[str, Any]:
+        """Of ground.glsl; the shadow is bound to a texture unit."""
+        self._textures[0].use(unit)
         colors = GROUNDS[style.ground]
         return {
-            "shadow": 1,
-            "half_field": half_field(camera, self._size[0] / self._size[1]),
-            "to_floor": to_floor,
-            "floor_share": 1.0 if style.show_ground else 0.0,
-            "above_color": colors.above,
-            "below_color": colors.below,
+            "shadow": unit,
+            "to_floor": self._to_square @ np.linalg.inv(camera.view()),
+            "floor_share": float(style.show_ground),
+            "top_color": colors.above,
+            "bottom_color": colors.below,
             "floor_color": colors.floor,
             "shadow_color": colors.shadow,
         }
 
     def release(self) -> None:
-        for framebuffer in (self._keeping, self._drawing):
+        for framebuffer in self._framebuffers:
             framebuffer.release()
-        for found in (self._kept, self.small):
-            found.release()
+        for square in self._textures:
+            square.release()
+
+
+def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:
+    """The square of floor that the plant may darken.
+
+    Returns
+    -------
+    to_square : (4, 4) float64
+        From local coordinates to the square, [-1, 1] × [-1, 1], and the height above it.
+    half_side : float
+        In the clip's unit.
+    """
+    points = outline(clip)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2
+    spread = float(np.hypot(*(points[:, :2] - middle[:2]).T).max())
+    half_side = 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9)
+    matrix = np.eye(4)
+    matrix[:3, :3] = axes(clip.up)
+    matrix[:3, 3] = -middle[0], -middle[1], -clip.floor
+    matrix[:2] /= half_side
+    return matrix, half_side

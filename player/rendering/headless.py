@@ -71,17 +71,22 @@ class Offscreen:
         return Camera.home(self.clip, self.size[0] / self.size[1])
 
     def picture(
-        self, day: float, camera: Camera | None = None, style: Style | None = None
+        self,
+        day: float,
+        camera: Camera | None = None,
+        style: Style | None = None,
+        transparent: bool = False,
     ) -> NDArray[np.uint8]:
         """(height, width, 4) uint8 sRGB, top row first.
 
+        transparent: the plant alone, with alpha, not multiplied into the colours.
         Where the driver was reset, all is begun anew once; where the GPU's memory is full, with one
         sample a pixel. Raises PlayerError where that doesn't help, ClipError where the clip's file
         was cut short after it was opened.
         """
         camera, style = camera or self.home, style or Style()
         try:
-            return self._picture(day, camera, style)
+            return self._picture(day, camera, style, transparent)
         except OutOfGpuMemory:
             if self._supersample == 1:
                 raise
@@ -90,11 +95,15 @@ class Offscreen:
             pass
         self.release()
         self._begin()
-        return self._picture(day, camera, style)
+        return self._picture(day, camera, style, transparent)
 
-    def _picture(self, day: float, camera: Camera, style: Style) -> NDArray[np.uint8]:
+    def _picture(
+        self, day: float, camera: Camera, style: Style, transparent: bool
+    ) -> NDArray[np.uint8]:
         width, height = self.size
-        self._renderer.draw(self._framebuffer, day, camera, style, self.size)
+        self._renderer.draw(
+            self._framebuffer, day, camera, style, self.size, transparent=transparent
+        )
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         check_context(self.context)
         return pixels.reshape(height, width, 4)[::-1]

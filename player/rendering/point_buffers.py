@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from gclip import Clip, Interval
 
-LENGTH = 1 << 20  # movers in a chunk: within OpenGL's smallest limits (128 MiB, 65,535 workgroups)
+MAX_CHUNK = 1 << 20  # points: within OpenGL's smallest limits (128 MiB, 65,535 workgroups)
 PADDING = 48  # bytes: compute shaders read movers by fours
 
 
@@ -38,22 +38,37 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class Portion:
+class DrawRange:
     """Those of a layer's movers that are to be drawn.
 
     count: only its first ones: a fair sample, but of whole blocks of neighbours.
-    every: of these, one of so many, or four neighbours of so many fours: the sample has no gaps.
+    stride: of these, one of so many, or four neighbours of so many fours: the sample has no gaps.
     """
 
     layer: Layer
     count: int
-    every: int = 1
+    stride: int = 1
+
+    @property
+    def total(self) -> int:
+        """How many points the layer has."""
+        return self.layer.group.count
+
+    @property
+    def points(self) -> int:
+        """How many of them are drawn."""
+        return -(-self.count // self.stride)
+
+    def reduced(self, share: float) -> DrawRange:
+        """About such a share of its first chunk."""
+        stride = max(round(self.stride / share), 1)
+        return replace(self, count=min(self.count, MAX_CHUNK), stride=stride)
 
     def chunks(self) -> Iterator[tuple[Chunk, int]]:
-        """Its chunks, and how many movers of each belong to the portion."""
+        """Its chunks, and how many movers of each are drawn."""
         group = self.layer.group
-        for offset in range(0, self.count, LENGTH):
-            length = min(LENGTH, group.count - offset)
+        for offset in range(0, self.count, MAX_CHUNK):
+            length = min(MAX_CHUNK, group.count - offset)
             yield (
                 Chunk(self.layer.interval, group.first + offset, length),
                 min(length, self.count - offset),
@@ -167,26 +182,28 @@ class ChunkStore:
                 while self._kept and self.size > self._room:
                     self._drop(self._least_wanted(chunk.interval))
 
-    def load(self, portions: list[Portion], seconds: float) -> list[int]:
+    def load(self, ranges: list[DrawRange], seconds: float) -> list[int]:
         """Upload what is wanted for some seconds, fair samples first; then, as far as there is
-        time and room, the interval after. Gives how many movers of each portion are there: at
+        time and room, the interval after. Gives how many movers of each drawn are there: at
         least those of its first chunk.
         """
         ends = time.perf_counter() + seconds
-        wanted = _fairly(portions)
+        wanted = _fairly(ranges)
         for place, chunk in enumerate(wanted):
-            if place < len(portions) or (time.perf_counter() < ends and self._fits(chunk)):
+            if place < len(ranges) or (time.perf_counter() < ends and self._fits(chunk)):
                 self[chunk]
         if all(chunk in self for chunk in wanted):
-            self._load_ahead(max((p.layer.interval for p in portions), default=-1) + 1, ends)
-        return [self._present(portion) for portion in portions]
+            self._load_ahead(max((p.layer.interval for p in ranges), default=-1) + 1, ends)
+        return [self._present(drawn) for drawn in ranges]
 
     def _load_ahead(self, index: int, ends: float) -> None:
         if index >= len(self._clip.intervals):
             return
         interval = self._clip.intervals[index]
         self._fetcher.fetch(index, interval)
-        for chunk in _fairly([Portion(Layer(index, g, 0, 0, 1), g.count) for g in interval.groups]):
+        for chunk in _fairly(
+            [DrawRange(Layer(index, g, 0, 0, 1), g.count) for g in interval.groups]
+        ):
             bytes_needed = self.size + estimate(interval) * chunk.count
             if time.perf_counter() >= ends or bytes_needed > self._room:
                 return
@@ -199,9 +216,9 @@ class ChunkStore:
         needed = estimate(self._clip.intervals[chunk.interval]) * chunk.count
         return chunk in self or kept + needed <= self._room
 
-    def _present(self, portion: Portion) -> int:
+    def _present(self, drawn: DrawRange) -> int:
         count = 0
-        for chunk, length in portion.chunks():
+        for chunk, length in drawn.chunks():
             if chunk not in self:
                 break
             count += length
@@ -225,12 +242,12 @@ class ChunkStore:
             self._drop(chunk)
 
 
-def _fairly(portions: list[Portion]) -> list[Chunk]:
-    """The portions' chunks, so that each prefix holds about the same share of every portion."""
+def _fairly(ranges: list[DrawRange]) -> list[Chunk]:
+    """The ranges' chunks, so that each prefix holds about the same share of every drawn."""
     placed = [
-        (number * LENGTH / max(portion.count, 1), chunk)
-        for portion in portions
-        for number, (chunk, _) in enumerate(portion.chunks())
+        (number * MAX_CHUNK / max(drawn.count, 1), chunk)
+        for drawn in ranges
+        for number, (chunk, _) in enumerate(drawn.chunks())
     ]
     return [chunk for _, chunk in sorted(placed, key=lambda entry: entry[0])]
 

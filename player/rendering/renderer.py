@@ -1,38 +1,31 @@
 """Draws a clip at a time into a framebuffer.
 
-A picture is made in steps: the nearest surface, by a rasteriser (rasteriser.py); light from its
-distances; the plant's shadow on the floor; all put together. A layer that fades is a cross-fade
-between the picture without and the picture with it, so that nothing pops.
+A picture is made in steps: the nearest surface's colour and depth, from points of one sample
+(points.py) or from splats (splats.py); the depths, filtered; the plant's shadow on the floor; all
+lit (shading.py) and put over the ground.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gclip.evaluate import Layer, layers_at, locate
 from gclip.morton import BLOCK
-from player.gl.context import on_cpu
-from player.gl.framebuffer import Targets
+from player.gl.framebuffer import GBuffer
 from player.gl.gl_errors import pictures_of
-from player.gl.passes import Passes
-from player.gl.scissor import Region, corners, seen, spanned
-from player.rendering.ground import Backdrop
-from player.rendering.point_buffers import Portion
-from player.rendering.point_cloud import LOOK, Movers
-from player.rendering.points import LARGEST, Dots, Way
-from player.rendering.shading import Lighting
-from player.rendering.shadow import BLURRED, SIDE, Shadow
-from player.rendering.splat_params import Discs
+from player.gl.shader import Passes
+from player.rendering.ground import Ground
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import PointCloud
+from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
+from player.rendering.shading import shade
 from player.rendering.splat_radius import ClosingDistances
-from player.rendering.splats import Splats
-from player.rendering.tiled import TiledSplats
-from player.view.camera import Camera, axes, outline
+from player.rendering.splats import SplatParams, Splats
+from player.view.camera import Camera, outline
 from player.view.colors import Colors, ScalarField
 from player.view.style import Style
 
@@ -41,17 +34,17 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-DISC = 2.3  # natural disc radius in closing distances: neighbours drift apart between scans
-SPARE = 4.0  # texels of the floor that the plant may leave its sampled outline by
-SMALLEST = 1.5  # diameter in pixels below which no disc shrinks
+NATURAL_RADIUS = 2.3  # of a splat, in closing distances: neighbours drift apart between scans
+MIN_POINT_PX = 1.5  # diameter in pixels below which no splat shrinks
+SHADOW_UNIT = 2
 
 
 class Renderer:
     """Draws one clip with one context.
 
     supersample: samples along each side of a pixel; 1 in a window, 2 for export.
-    way:         how dots get into the picture; AUTO takes the faster way.
-    memory:      bytes of the GPU that movers may take up; None asks the driver.
+    backend:     what draws small points; None takes compute shaders where there are any.
+    memory:      bytes of the GPU that points may take up; None asks the driver.
     """
 
     def __init__(
@@ -60,31 +53,24 @@ class Renderer:
         clip: Clip,
         supersample: int = 1,
         *,
-        way: Way = Way.AUTO,
+        backend: RasterBackend | None = None,
         memory: int | None = None,
     ) -> None:
         self.context = context
         self.clip = clip
         self.supersample = supersample
-        self._movers = Movers(context, clip, memory)
-        self._dots = Dots(self._movers, way, supersample)
-        self._splats = Splats(self._movers, supersample)
-        self._tiled = TiledSplats(self._movers, supersample) if on_cpu(context) else None
-        self._shadow = Shadow(self._movers)
+        self._points = PointCloud(context, clip, memory)
+        self._passes = Passes(context)
+        self._raster = PointRaster(self._points, self._passes, backend)
+        self._splats = Splats(self._points, self._passes)
+        self._ground = Ground(self._points, self._passes)
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
-        self._passes = Passes(context, **LOOK, SUPERSAMPLE=supersample)
-        self._sized: tuple[()] | tuple[Targets, Lighting, Backdrop] = ()
+        self._gbuffer: GBuffer | None = None
+        self._max_point_px = float(context.info["GL_POINT_SIZE_RANGE"][1])
         points = outline(clip)
-        low, high = points.min(axis=0), points.max(axis=0)
-        self._middle = (low + high) / 2
-        spread = float(np.hypot(*(points[:, :2] - self._middle[:2]).T).max())
-        self._floor_side = 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9)
-        self._half_shadow = (high - low)[:2] / 2 + (BLURRED + 2 * SPARE / SIDE) * self._floor_side
-        half = (high - low)[:2] / 2 / self._floor_side
-        self._above = spanned(0.5 - 0.5 * half, 0.5 + 0.5 * half, (SIDE, SIDE), SPARE)
-        self._radius = max(float(np.linalg.norm(high - low)) / 2, 1e-9)
-        self._all_bounds: tuple[NDArray, NDArray] | None = None
+        diagonal = np.linalg.norm(points.max(axis=0) - points.min(axis=0))
+        self._scene_radius = max(float(diagonal) / 2, 1e-9)
 
     def draw(
         self,
@@ -94,202 +80,140 @@ class Renderer:
         style: Style,
         size: tuple[int, int],
         *,
-        every: int = 1,
-        patience: float | None = None,
+        stride: int = 1,
+        upload_budget: float | None = None,
+        transparent: bool = False,
     ) -> bool:
-        """Draw the plant on `day` over all of `framebuffer`, `size` = (width, height) pixels.
+        """Draw the plant on `day` over all of a framebuffer.
 
-        every:    of so many movers one is drawn, and larger.
-        patience: seconds that uploading may take, or as long as it needs (None). Movers that are
-                  not on the GPU by then are left out this time.
-        Returns whether every mover was drawn, as large as it has to be. The framebuffer stays
-        bound, with blending and depth test switched off.
+        Parameters
+        ----------
+        framebuffer : moderngl.Framebuffer
+            Stays bound, with blending and depth test switched off.
+        day : float
+            In the clip's own time.
+        camera : Camera
+        style : Style
+        size : (int, int)
+            The framebuffer's width and height in pixels.
+        stride : int
+            Of so many points one is drawn, and larger.
+        upload_budget : float, optional
+            Seconds that uploading may take, or as long as it needs. Points that are not on the GPU
+            by then are left out this time.
+        transparent : bool
+            The plant alone, with alpha, not multiplied into the colours.
+
+        Returns
+        -------
+        bool
+            Whether every point was drawn, as large as it has to be.
         """
-        targets, lighting, backdrop = self._targets_for(size)
-        portions = self._portions(layers_at(self.clip, day), every, patience)
+        wait = upload_budget is None
         samples = (size[0] * self.supersample, size[1] * self.supersample)
-        discs = self._discs(day, camera, style, samples, portions, patience is None)
-        area = self._mover_area(day, self._closing.at(*locate(self.clip, day), patience is None))
-        self._movers.paint(self._colors, day, style)
-        region, shadowed = self._plant_region(discs, portions), self._shadow_region(size, camera)
-        pixels = region.scaled(size, self.supersample)
-        from_above = self._from_above()
-        to_floor = from_above @ np.linalg.inv(camera.view())
+        gbuffer = self._gbuffer_of(samples)
+        ranges = self._ranges(layers_at(self.clip, day), stride, upload_budget)
+        closing = self._closing.at(*locate(self.clip, day), wait)
+        splats = self._splat_params(camera, style, samples, ranges, closing)
+        self._points.set_colors(self._colors, day, style)
+        if style.show_ground and not transparent:
+            self._ground.cast_shadow(ranges, self._point_area(day, closing))
+        gbuffer.clear()
+        if splats.typical_radius_px <= MAX_RADIUS_PX:
+            self._raster.draw(gbuffer, ranges, splats)
+        else:
+            self._splats.draw(gbuffer, ranges, splats)
+        shade(self.context, self._passes, gbuffer, splats, style)
         framebuffer.viewport = (0, 0, *size)
-        for stage, opacity in _stages(portions):
-            if style.show_ground:
-                self._shadow.cast(stage, from_above, self._floor_side, area, self._above)
-            backdrop.draw(lighting.picture, camera, style, self._shadow, to_floor, shadowed)
-            targets.clear(pixels)
-            self._rasterise(targets, stage, discs, region)
-            smoothed = lighting.smooth(discs, pixels)
-            lighting.light(discs, style, pixels, self._radius, backdrop.small, smoothed)
-            self._show(framebuffer, lighting, opacity)
-        if patience is not None:
+        framebuffer.use()
+        gbuffer.light.use(0)
+        self._passes.fill(
+            "picture",
+            **splats.uniforms(),
+            **self._ground.uniforms(camera, style, SHADOW_UNIT),
+            light=0,
+            supersample=self.supersample,
+            transparent=transparent,
+        )
+        if not wait:
             self._closing.measure(locate(self.clip, day)[0])
-        exact = patience is None or self.settled(day)
-        return _missing(portions) == 0 and every == 1 and exact
+        return _missing(ranges) == 0 and stride == 1 and (wait or self.radius_known(day))
 
-    def settled(self, day: float) -> bool:
-        """Whether the discs' size on a day is known, and not guessed."""
+    def radius_known(self, day: float) -> bool:
+        """Whether the splats' size on a day is measured, and not guessed."""
         return self._closing.settled(locate(self.clip, day)[0])
 
     @property
     def loaded(self) -> int:
-        """Bytes of movers brought to the GPU so far; grows."""
-        return self._movers.store.loaded
-
-    def positions(self, day: float, computed: bool = False) -> NDArray[np.float32]:
-        """(N, 3) positions about the clip's origin as the GPU computes them, layer by layer in the
-        order of `gclip.evaluate.layers_at`; read back for tests, from the vertex shaders or from
-        the compute shaders.
-        """
-        self._targets_for((16, 16))[0].surface.use()
-        return self._movers.positions(layers_at(self.clip, day), computed)
+        """Bytes of points brought to the GPU so far; grows."""
+        return self._points.store.loaded
 
     def release(self) -> None:
         """Give the GPU's memory back."""
         self._closing.release()
-        parts = (self._movers, self._dots, self._splats, self._shadow, self._passes, *self._sized)
-        for part in parts:
-            part.release()
-        if self._tiled is not None:
-            self._tiled.release()
+        parts = (self._points, self._raster, self._splats, self._ground, self._passes)
+        for part in (*parts, self._gbuffer):
+            if part is not None:
+                part.release()
 
-    def _discs(
+    def _splat_params(
         self,
-        day: float,
         camera: Camera,
         style: Style,
         samples: tuple[int, int],
-        portions: list[Portion],
-        wait: bool,
-    ) -> Discs:
+        ranges: list[DrawRange],
+        closing: float,
+    ) -> SplatParams:
         """As large as closes the surface between as many points as are drawn."""
-        magnification = samples[1] / (2.0 * math.tan(camera.field_of_view / 2))
-        natural = self._closing.at(*locate(self.clip, day), wait)
-        every = max((portion.every for portion in portions), default=1)
-        radius = DISC * style.point_size * natural * math.sqrt(every)
-        missing, drawn = _missing(portions), sum(portion.count for portion in portions)
+        stride = max((drawn.stride for drawn in ranges), default=1)
+        splats = SplatParams(
+            camera=camera,
+            samples=samples,
+            radius=NATURAL_RADIUS * style.point_size * closing * math.sqrt(stride),
+            point_px_range=(MIN_POINT_PX * self.supersample, self._max_point_px),
+            scene_radius=self._scene_radius,
+            by_track=style.color_by in ("track", "age"),
+            by_scalar=self._colors.scalar_field(style) is not ScalarField.NONE,
+        )
+        if style.pixels is not None:
+            smallest = max(style.pixels * samples[1] / 720, splats.point_px_range[0])
+            fixed = (smallest, self._max_point_px)
+            return replace(splats, radius=1e-6 * splats.radius, point_px_range=fixed)
+        missing, drawn = _missing(ranges), sum(drawn.count for drawn in ranges)
         if missing:
             # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
             gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
-            radius = max(radius, min(gaps * radius, LARGEST * camera.distance / magnification))
-        smallest = SMALLEST * self.supersample
-        if style.pixels is not None:
-            radius, smallest = 1e-6 * radius, max(style.pixels * samples[1] / 720, smallest)
-        return Discs(
-            camera=camera,
-            samples=samples,
-            radius=radius,
-            magnification=magnification,
-            smallest=smallest,
-            by_track=style.color_by in ("track", "age"),
-            by_value=self._colors.scalar_field(style) is not ScalarField.NONE,
-        )
+            fast = MAX_RADIUS_PX * camera.distance / splats.focal_px
+            radius = max(splats.radius, min(gaps * splats.radius, fast))
+            return replace(splats, radius=radius)
+        return splats
 
-    def _portions(self, layers: list[Layer], every: int, patience: float | None) -> list[Portion]:
-        wanted = [Portion(layer, layer.group.count, every) for layer in layers]
-        if patience is None:
+    def _ranges(
+        self, layers: list[Layer], stride: int, upload_budget: float | None
+    ) -> list[DrawRange]:
+        wanted = [DrawRange(layer, layer.group.count, stride) for layer in layers]
+        if upload_budget is None:
             return wanted
-        there = self._movers.store.load(wanted, patience)
-        return [replace(portion, count=n) for portion, n in zip(wanted, there, strict=True)]
+        resident = self._points.store.load(wanted, upload_budget)
+        return [replace(drawn, count=n) for drawn, n in zip(wanted, resident, strict=True)]
 
-    def _rasterise(
-        self, targets: Targets, stage: list[Portion], discs: Discs, region: Region
-    ) -> None:
-        if discs.typical_radius <= LARGEST:
-            self._dots.draw(targets, stage, discs, region)
-        elif self._tiled is None or not self._tiled.draw(targets, stage, discs, region):
-            self._splats.draw(targets, stage, discs, region)
+    def _gbuffer_of(self, samples: tuple[int, int]) -> GBuffer:
+        if self._gbuffer is None or self._gbuffer.size != samples:
+            if self._gbuffer is not None:
+                self._gbuffer.release()
+                self._gbuffer = None
+            with pictures_of(samples):
+                self._gbuffer = GBuffer(self.context, samples)
+        return self._gbuffer
 
-    def _targets_for(self, size: tuple[int, int]) -> tuple[Targets, Lighting, Backdrop]:
-        if not self._sized or self._sized[0].size != size:
-            for part in self._sized:
-                part.release()
-            self._sized = ()
-            with pictures_of(size):
-                targets = Targets(self.context, size, self.supersample)
-                self._sized = (
-                    targets,
-                    Lighting(self.context, targets, self._passes),
-                    Backdrop(self.context, size, self._passes),
-                )
-        return self._sized
-
-    def _show(self, framebuffer: moderngl.Framebuffer, lighting: Lighting, opacity: float) -> None:
-        import moderngl
-
-        if opacity == 1.0:
-            self.context.copy_framebuffer(framebuffer, lighting.picture)
-            framebuffer.use()
-            self.context.enable_only(moderngl.NOTHING)
-            return
-        framebuffer.use()
-        self.context.enable_only(moderngl.BLEND)
-        self.context.blend_func = (  # type: ignore[assignment]
-            moderngl.SRC_ALPHA,
-            moderngl.ONE_MINUS_SRC_ALPHA,
-            moderngl.ONE,
-            moderngl.ONE,
-        )
-        lighting.texture.use(0)
-        self._passes.fill("show", {"picture": 0, "opacity": opacity})
-        self.context.enable_only(moderngl.NOTHING)
-
-    def _plant_region(self, discs: Discs, portions: list[Portion]) -> Region:
-        """The samples that the movers' discs may cover."""
-        boxes = [corners(*self._bounds(p.layer.interval)) for p in portions]
-        points = np.concatenate(boxes) if boxes else np.zeros((0, 3))
-        nearest = discs.camera.near
-        away = -(points @ discs.camera.view()[2, :3] + discs.camera.view()[2, 3])
-        reach = discs.radius * discs.magnification / max(away.min(initial=1e30), nearest)
-        to_clip = discs.projection @ discs.camera.view()
-        margin = max(reach, discs.smallest / 2) + 3.0
-        return seen(points, to_clip, discs.samples, nearest, margin)
-
-    def _shadow_region(self, size: tuple[int, int], camera: Camera) -> Region:
-        """The pixels of the floor that the plant's shadow may reach."""
-        square = self._half_shadow * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
-        points = np.column_stack([self._middle[:2] + square, np.full(4, self.clip.floor)])
-        to_clip = camera.matrix(size[0] / size[1])
-        return seen(points @ axes(self.clip.up), to_clip, size, camera.near, 1.0)
-
-    def _bounds(self, index: int) -> tuple[NDArray, NDArray]:
-        """Lowest and highest corner of an interval's movers."""
-        box = self.clip.intervals[index].box
-        if box is not None:
-            return np.asarray(box.low), np.asarray(box.high)
-        if self._all_bounds is None:
-            self._all_bounds = self.clip.bounds
-        return self._all_bounds
-
-    def _from_above(self) -> NDArray[np.float64]:
-        """(4, 4) from local coordinates to the floor's square, [-1, 1] × [-1, 1] × height."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = axes(self.clip.up)
-        matrix[:3, 3] = -self._middle[0], -self._middle[1], -self.clip.floor
-        matrix[:2] /= self._floor_side
-        return matrix
-
-    def _mover_area(self, day: float, closing: float) -> float:
-        """What one mover covers: the more movers share a scan's surface, the less."""
+    def _point_area(self, day: float, closing: float) -> float:
+        """What one point covers: the more points share a scan's surface, the less."""
         index, _ = locate(self.clip, day)
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
-        movers = max(len(self.clip.intervals[index]), 1)
-        return float(4.0 * closing**2 * points / movers)
+        count = max(len(self.clip.intervals[index]), 1)
+        return float(4.0 * closing**2 * points / count)
 
 
-def _stages(portions: list[Portion]) -> Iterator[tuple[list[Portion], float]]:
-    """What to draw one upon the other: the opaque layers, then these with each fainter one."""
-    drawn = [portion for portion in portions if portion.layer.alpha >= 1.0]
-    yield drawn, 1.0
-    alphas = {portion.layer.alpha for portion in portions if 0.0 < portion.layer.alpha < 1.0}
-    for alpha in sorted(alphas, reverse=True):
-        drawn = drawn + [portion for portion in portions if portion.layer.alpha == alpha]
-        yield drawn, alpha
-
-
-def _missing(portions: list[Portion]) -> int:
-    """Movers that are to be drawn, and are not on the GPU yet."""
-    return sum(portion.layer.group.count - portion.count for portion in portions)
+def _missing(ranges: list[DrawRange]) -> int:
+    """Points that are to be drawn, and are not on the GPU yet."""
+    return sum(drawn.total - drawn.count for drawn in ranges)

@@ -170,12 +170,12 @@ class Colors:
         return texels
 
     def uniforms(self) -> dict[str, object]:
-        """How value.glsl gets from positions and velocities to values from 0 to 1."""
+        """How scalar_field.glsl gets from positions and velocities to values from 0 to 1."""
         low, high = self._heights
         upward = axes(self._clip.up)[2] / (high - low)
         return {
             "height_axis": (*upward.tolist(), -low / (high - low)),
-            "fastest": self._fastest,
+            "max_speed": self._fastest,
         }
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:

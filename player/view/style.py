@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 
 Light = tuple[float, float, float]
@@ -129,12 +129,4 @@ GROUNDS = {
         text="#15201b",
         muted="#55625c",
     ),
-}
-
-# What transparent pictures are found from (player/export/cutout.py): the same light on the plant
-# before a black and before a grey wall. Grey stays below white where the wall is brightest.
-GROUNDS |= {
-    f"{name} on {screen}": replace(ground, above=(level,) * 3, below=(level,) * 3)
-    for name, ground in tuple(GROUNDS.items())
-    for screen, level in (("black", 0.0), ("grey", 0.8))
 }

@@ -67,7 +67,7 @@ class Stage:
                 picture.scissor = (left, 0, right - left, size[1])
                 self._enlarger.copy(into.color_attachments[0], picture, where)
                 picture.scissor = None
-        settled = all(self._renderer(pane, style).settled(pane.day) for pane in panes)
+        settled = all(self._renderer(pane, style).radius_known(pane.day) for pane in panes)
         self.loading = patience is not None and (before != self._loaded or not settled)
         self._painted = wanted
 
@@ -118,8 +118,8 @@ class Stage:
         def paint(framebuffer: Any, pixels: tuple[int, int]) -> None:
             whole = self._renderer(pane, style).draw(
                 *(framebuffer, pane.day, pane.camera, style, pixels),
-                every=detail.every,
-                patience=patience,
+                stride=detail.every,
+                upload_budget=patience,
             )
             self.whole = self.whole and whole
 

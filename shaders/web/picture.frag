@@ -1,6 +1,6 @@
 // The finished picture: light on the surface from its distances alone, over floor and background.
 
-#include "../srgb.glsl"
+#include "../color.glsl"
 
 in vec2 v_at;
 uniform sampler2D color_sum;

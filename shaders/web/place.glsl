@@ -1,6 +1,6 @@
 // Where a mover is and how large its disc appears.
 
-#include "../curve.glsl"
+#include "../interpolate.glsl"
 
 layout(location = 0) in vec3 in_point0;
 #if DEGREE > 0
@@ -17,13 +17,13 @@ uniform float alpha;  // share of the movers that are there: organs that fade di
 
 vec3 mover_position() {
 #if DEGREE == 0
-    return on_curve(vec3[](in_point0));
+    return bezier(vec3[](in_point0));
 #elif DEGREE == 1
-    return on_curve(vec3[](in_point0, in_point1));
+    return bezier(vec3[](in_point0, in_point1));
 #elif DEGREE == 2
-    return on_curve(vec3[](in_point0, in_point1, in_point2));
+    return bezier(vec3[](in_point0, in_point1, in_point2));
 #else
-    return on_curve(vec3[](in_point0, in_point1, in_point2, in_point3));
+    return bezier(vec3[](in_point0, in_point1, in_point2, in_point3));
 #endif
 }
 

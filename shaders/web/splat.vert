@@ -2,7 +2,7 @@
 // Surface splatting after Botsch et al. 2005, "High-quality surface splatting on today's GPUs".
 
 #include "disc.glsl"
-#include "../srgb.glsl"
+#include "../color.glsl"
 
 layout(location = 4) in uint in_track;
 #if SCAN_COLORS

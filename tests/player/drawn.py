@@ -8,7 +8,6 @@ from typing import Any
 
 import moderngl
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from gclip import Clip
@@ -40,21 +39,14 @@ def drawn(
     style: Style | None = None,
     *,
     supersample: int = 1,
-    as_on_a_gpu: bool = False,
-    every: int = 1,
+    stride: int = 1,
     **renderer_options: Any,
 ) -> Picture:
-    """(height, width, 3) int, bottom row first: what a new renderer draws.
-
-    as_on_a_gpu: blend splats one upon the other, also where the CPU would sort them into tiles.
-    """
-    with pytest.MonkeyPatch.context() as patch:
-        if as_on_a_gpu:
-            patch.setattr("player.rendering.renderer.on_cpu", lambda context: False)
-        renderer = Renderer(context, clip, supersample, **renderer_options)
+    """(height, width, 3) int, bottom row first: what a new renderer draws."""
+    renderer = Renderer(context, clip, supersample, **renderer_options)
     framebuffer = context.simple_framebuffer(size, 3)
-    whole = renderer.draw(framebuffer, day, camera, style or Style(), size, every=every)
-    assert whole == (every == 1)
+    whole = renderer.draw(framebuffer, day, camera, style or Style(), size, stride=stride)
+    assert whole == (stride == 1)
     assert context.error == "GL_NO_ERROR"
     pixels = read_pixels(framebuffer)
     renderer.release()  # the framebuffer stays bound, and goes with its context

@@ -24,7 +24,7 @@ from gclip import Clip
 from player.export.film import Film
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
-from player.rendering.points import Way
+from player.rendering.points import RasterBackend
 from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
@@ -129,11 +129,9 @@ def _drawn(
     plant: str,
     day: float,
     style: Style,
-    way: Way = Way.AUTO,
-    tiled: bool = True,
-    every: int = 1,
+    **options: Any,
 ) -> Callable[[], Picture]:
-    """By a renderer that is told which way to go."""
+    """By a renderer with options of its own."""
 
     def draw() -> Picture:
         clip = clip_of(plant)
@@ -141,10 +139,7 @@ def _drawn(
         with ExitStack() as made:
             context = headless()
             made.callback(context.release)
-            pixels = drawn(
-                context, clip, day, camera, SIZE, style,
-                way=way, as_on_a_gpu=not tiled, every=every,
-            )  # fmt: skip
+            pixels = drawn(context, clip, day, camera, SIZE, style, **options)
         return pixels[::-1].astype(np.uint8)
 
     return draw
@@ -191,9 +186,9 @@ LOOSE = ("splats", "light", "tracks", "age", "speed", "height", "window", "wipe"
 GOLDEN = tuple(
     Golden(name, name in LOOSE, tuple(ways))
     for name, *ways in (
-        ("splats", _drawn("tomato", 5.0, COARSE), _drawn("tomato", 5.0, COARSE, tiled=False)),
-        ("dots", _drawn("tomato", 4.0, FINE, Way.POINTS), _drawn("tomato", 4.0, FINE, Way.COMPUTE)),
-        ("few", _drawn("tomato", 6.0, FINE, every=40)),  # each single mover counts
+        ("splats", _drawn("tomato", 5.0, COARSE)),
+        ("points", *(_drawn("tomato", 4.0, FINE, backend=backend) for backend in RasterBackend)),
+        ("few", _drawn("tomato", 6.0, FINE, stride=40)),  # each single mover counts
         ("unshaded", _still("tree", 22.0, Style(eye_dome=0.0, depth_cue=False, show_ground=False))),
         ("shaded", _still("tree", 22.0, Style(eye_dome=2.0))),
         ("light", _still("tree", 28.0, Style(ground="light"), annotations=DATE_AND_SCALE)),

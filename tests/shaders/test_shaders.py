@@ -20,7 +20,7 @@ def test_every_include_is_resolved(name: str) -> None:
 
 
 def test_definitions_follow_the_version() -> None:
-    _, _, after = shaders.source("dots.vert", SECOND=2, FIRST=1).partition("#version")
+    _, _, after = shaders.source("points.vert", SECOND=2, FIRST=1).partition("#version")
     assert after.splitlines()[1:3] == ["#define FIRST 1", "#define SECOND 2"]
 
 
@@ -29,6 +29,7 @@ def test_the_page_interpolates_with_the_windows_shader() -> None:
     files_there = {entry.name for entry in (files(shaders) / "web").iterdir()}
     assert set(web) == {name for name in files_there if not name.endswith(".glsl")}
     assert not any("#include" in text for text in web.values())
-    curve = shaders.source("curve.glsl")
+    curve = shaders.resolved("interpolate.glsl")
     assert curve in web["positions.vert"]
-    assert curve in shaders.source("positions.vert")
+    assert curve in shaders.source("points.vert")
+    assert curve in shaders.source("points.comp")

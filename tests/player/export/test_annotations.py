@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from gclip import Clip, Motion, Track
+from gclip.evaluate import linear_to_srgb, srgb_to_linear
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
@@ -81,18 +82,19 @@ def test_a_long_legend_is_cut_and_says_so(clip: Clip, tmp_path: Path) -> None:
     assert 150 < rows[-1] < 0.8 * SIZE[1]
 
 
-def test_a_transparent_picture_over_black_is_the_picture_on_black(
-    clip: Clip, tmp_path: Path
-) -> None:
-    plain = still(clip, tmp_path, style=Style(ground="dark on black", show_ground=False))
+def test_a_transparent_picture_over_the_ground_is_the_picture(clip: Clip, tmp_path: Path) -> None:
+    bare, no_organ = Style(show_ground=False), frozenset(range(len(clip.track_table)))
+    plain = still(clip, tmp_path, style=bare)
+    ground = still(clip, tmp_path, style=replace(bare, hidden=no_organ))
     cut = still(clip, tmp_path, transparent=True)
     assert cut.shape == (*SIZE[::-1], 4)
-    opacity = cut[..., 3]
+    opacity = cut[..., 3:] / 255.0
     assert (opacity[:20] == 0).all()
-    assert (opacity == 255).sum() > 4000, "the plant itself is opaque"
-    inside = opacity == 255
-    assert np.abs(cut[..., :3][inside] - plain[inside]).max() <= 2
-    assert (plain[opacity == 0] <= 40).all(), "no more is cut away than a fiftieth of the light"
+    assert (opacity == 1.0).sum() > 4000, "the plant itself is opaque"
+    assert ((opacity > 0.0) & (opacity < 1.0)).sum() > 100, "its edges are smooth"
+    plant, behind = (srgb_to_linear(picture[..., :3] / 255.0) for picture in (cut, ground))
+    over = 255.0 * linear_to_srgb(opacity * plant + (1.0 - opacity) * behind)
+    assert np.abs(over - plain[..., :3]).max() <= 3
 
 
 def test_transparency_is_for_pictures(clip: Clip, tmp_path: Path) -> None:

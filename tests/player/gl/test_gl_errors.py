@@ -17,7 +17,7 @@ from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.headless import Offscreen, render
 from player.rendering.point_buffers import ChunkStore, estimate
-from player.rendering.points import Way
+from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -229,7 +229,7 @@ def test_compute_shaders_that_fail_leave_the_work_to_points(
         raise moderngl.Error("GLSL Compiler failed\n\ncompute_shader\n==\n0:1(1): error: no\n")
 
     clip = make_clip()
-    renderers = [Renderer(context, clip, way=way) for way in (Way.POINTS, Way.COMPUTE)]
+    renderers = [Renderer(context, clip, backend=backend) for backend in RasterBackend]
     framebuffer, camera = context.simple_framebuffer(SIZE, 3), Camera.home(clip, 4 / 3)
     monkeypatch.setattr(moderngl.Context, "compute_shader", broken)
     pictures = []

@@ -16,21 +16,21 @@ from gclip.morton import BLOCK
 from gclip.pack import Movers, pack_interval
 from player.gl.gpu_memory import room
 from player.rendering import point_buffers
-from player.rendering.point_buffers import ChunkStore, Portion, estimate
-from player.rendering.point_cloud import Movers as DrawnMovers
+from player.rendering.point_buffers import ChunkStore, DrawRange, estimate
 from player.rendering.prefetch import Fetcher
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
 from tests.player.drawn import drawn
+from tests.player.positions import gpu_positions
 
 SIZE = (160, 120)
 
 
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr(point_buffers, "LENGTH", 333)
-    monkeypatch.setattr(player.rendering.point_cloud, "LENGTH", 333)
+    monkeypatch.setattr(point_buffers, "MAX_CHUNK", 333)
+    monkeypatch.setattr(player.rendering.point_cloud, "MAX_CHUNK", 333)
     return 333
 
 
@@ -44,8 +44,8 @@ def series(clip: Clip, count: int) -> Clip:
     )
 
 
-def whole(clip: Clip, day: float) -> list[Portion]:
-    return [Portion(layer, layer.group.count) for layer in layers_at(clip, day)]
+def whole(clip: Clip, day: float) -> list[DrawRange]:
+    return [DrawRange(layer, layer.group.count) for layer in layers_at(clip, day)]
 
 
 @pytest.mark.parametrize(
@@ -80,11 +80,9 @@ def test_positions_do_not_depend_on_the_chunks(
     if computed and context.version_code < 430:
         pytest.skip("compute shaders need OpenGL 4.3")
     clip = make_clip(degree=2)
-    renderer = Renderer(context, clip, memory=1)
     frame = clip.at(3.3)
-    found = renderer.positions(3.3, computed)
+    found = gpu_positions(context, clip, 3.3, computed=computed, memory=1)
     assert np.abs(found - frame.local).max() < 1e-4 * np.linalg.norm(np.subtract(*clip.bounds))
-    renderer.release()
 
 
 def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks: int) -> None:
@@ -93,7 +91,7 @@ def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks:
     store = ChunkStore(context, clip, limit)
     for day in np.linspace(0, 9, 30):
         there = store.load(whole(clip, float(day)), 1.0)
-        assert there == [portion.count for portion in whole(clip, float(day))]
+        assert there == [drawn.count for drawn in whole(clip, float(day))]
         assert 0 < store.size <= limit
     store.release()
     assert store.size == 0
@@ -104,8 +102,8 @@ def test_without_time_the_beginning_is_there_and_the_rest_follows(
 ) -> None:
     clip = make_clip()
     store, wanted = ChunkStore(context, clip, 1 << 30), whole(clip, 3.0)
-    assert store.load(wanted, 0.0) == [min(small_chunks, portion.count) for portion in wanted]
-    assert store.load(wanted, 1.0) == [portion.count for portion in wanted]
+    assert store.load(wanted, 0.0) == [min(small_chunks, drawn.count) for drawn in wanted]
+    assert store.load(wanted, 1.0) == [drawn.count for drawn in wanted]
     store.release()
 
 
@@ -122,36 +120,31 @@ def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, 
     store.release()
 
 
-def test_patience_draws_what_is_there(
+def test_a_budget_draws_what_is_there(
     context: moderngl.Context, make_clip, small_chunks: int
 ) -> None:
     clip = make_clip()
     renderer = Renderer(context, clip)
     framebuffer = context.simple_framebuffer(SIZE)
     view = (1.0, Camera.fit(clip.bounds), Style(), SIZE)
-    assert not renderer.draw(framebuffer, *view, patience=0.0)
-    assert not renderer.draw(framebuffer, *view, every=2)
+    assert not renderer.draw(framebuffer, *view, upload_budget=0.0)
+    assert not renderer.draw(framebuffer, *view, stride=2)
     assert renderer.draw(framebuffer, *view)
-    assert renderer.draw(framebuffer, *view, patience=0.0)
+    assert renderer.draw(framebuffer, *view, upload_budget=0.0)
     renderer.release()
 
 
-@pytest.mark.parametrize("every", [2, 3, 1000, 10**6])
-def test_one_mover_in_many(
-    context: moderngl.Context, make_clip, small_chunks: int, every: int
+@pytest.mark.parametrize("stride", [2, 3, 1000, 10**6])
+def test_one_point_in_many(
+    context: moderngl.Context, make_clip, small_chunks: int, stride: int
 ) -> None:
     """Of each chunk; a shadow takes one in a thousand of ten million."""
     clip = make_clip()
-    context.simple_framebuffer(SIZE).use()
-    movers = DrawnMovers(context, clip)
-    layers = layers_at(clip, 2.1)
-    found = movers.captured("positions", 3, [Portion(x, x.group.count, every) for x in layers], {})
-    taken = [np.arange(n) % small_chunks % every == 0 for n in (x.group.count for x in layers)]
-    wanted = movers.positions(layers)[np.concatenate(taken)]
+    found = gpu_positions(context, clip, 2.1, stride=stride)
+    counts = [layer.group.count for layer in layers_at(clip, 2.1)]
+    taken = [np.arange(n) % small_chunks % stride == 0 for n in counts]
+    wanted = gpu_positions(context, clip, 2.1)[np.concatenate(taken)]
     np.testing.assert_array_equal(found, wanted)
-    movers.draw("shadow", [Portion(x, x.group.count, every) for x in layers], {}, fewer=every)
-    assert context.error == "GL_NO_ERROR"
-    movers.release()
 
 
 def test_the_fetcher_reads_one_interval_and_stops(make_clip) -> None:

@@ -9,17 +9,16 @@ import pytest
 import player.rendering.renderer
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
-from player.rendering.points import Way
-from player.rendering.renderer import Renderer
+from player.rendering.points import RasterBackend
 from player.view.style import Style
-from tests.player.drawn import Picture, camera_at, drawn, read_pixels
+from tests.player.drawn import Picture, camera_at, drawn
 
 SIZE = (161, 119)  # no multiple of a tile's side
-COUNT = 30_001  # odd: compute shaders draw movers by twos
+COUNT = 30_001  # odd: compute shaders draw points by fours
 
 
 def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -> Clip:
-    """A waving sheet with a smaller one before it, many movers to every pixel."""
+    """A waving sheet with a smaller one before it, many movers to stride pixel."""
     random = np.random.default_rng(7)
     behind = random.random(COUNT) < 0.7
     x, z = random.uniform(-20, 20, COUNT), random.uniform(0, 40, COUNT)
@@ -44,10 +43,14 @@ def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -
 
 
 def picture(
-    context: moderngl.Context, clip: Clip, way: Way, style: Style | None = None, every: int = 1
+    context: moderngl.Context,
+    clip: Clip,
+    backend: RasterBackend | None,
+    style: Style | None = None,
+    stride: int = 1,
 ) -> Picture:
     camera = camera_at(clip, SIZE, -80, 0.1)
-    return drawn(context, clip, 0.4, camera, SIZE, style, way=way, every=every)
+    return drawn(context, clip, 0.4, camera, SIZE, style, backend=backend, stride=stride)
 
 
 @pytest.fixture
@@ -69,48 +72,41 @@ def compute_context(context: moderngl.Context) -> moderngl.Context:
     ids=["quantised", "float32", "scan colours", "many tracks", "wide tracks"],
 )
 def test_both_ways_make_the_same_picture(compute_context: moderngl.Context, clip: Clip) -> None:
-    by_points = picture(compute_context, clip, Way.POINTS)
-    computed = picture(compute_context, clip, Way.COMPUTE)
+    by_points = picture(compute_context, clip, RasterBackend.POINTS)
+    computed = picture(compute_context, clip, RasterBackend.COMPUTE)
     assert (by_points.max(axis=2) > 60).sum() > 2000
     # Where two movers are equally near to 1 part in 4 million, either may stay.
     assert (np.abs(by_points - computed).max(axis=2) > 2).mean() < 0.002
 
 
-def test_successive_pictures_are_the_same(compute_context: moderngl.Context) -> None:
-    """Whichever way the renderer finds to be faster after the first of them."""
+def test_the_context_decides_what_draws(compute_context: moderngl.Context) -> None:
+    """And no measurement: the same machine draws the same picture, always."""
     clip = dense_clip()
-    renderer = Renderer(compute_context, clip)
-    framebuffer = compute_context.simple_framebuffer(SIZE, 3)
-    pictures = []
-    for _ in range(3):
-        renderer.draw(framebuffer, 0.4, camera_at(clip, SIZE, -80, 0.1), Style(), SIZE)
-        pictures.append(read_pixels(framebuffer))
-    renderer.release()
-    assert (pictures[0].max(axis=2) > 60).sum() > 2000
-    for other in pictures[1:]:
-        assert (np.abs(pictures[0] - other).max(axis=2) > 2).mean() < 0.002
+    first, second = (picture(compute_context, clip, None) for _ in range(2))
+    assert (first == second).all()
+    assert (first == picture(compute_context, clip, RasterBackend.COMPUTE)).all()
 
 
 def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where both can be had, changing from one to the other is hardly seen."""
     clip, style = dense_clip(), Style(show_ground=False)
-    dots = picture(context, clip, Way.AUTO, style)
-    monkeypatch.setattr(player.rendering.renderer, "LARGEST", 0.0)
-    splats = picture(context, clip, Way.AUTO, style)
+    dots = picture(context, clip, None, style)
+    monkeypatch.setattr(player.rendering.renderer, "MAX_RADIUS_PX", 0.0)
+    splats = picture(context, clip, None, style)
     assert (dots != splats).any()
     plant = splats.max(axis=2) > 60
     assert (dots.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.05)
     assert np.abs(dots - splats)[plant].mean() < 6
 
 
-@pytest.mark.parametrize("way", [Way.POINTS, Way.COMPUTE])
-@pytest.mark.parametrize("every", [2, 8])
+@pytest.mark.parametrize("backend", [RasterBackend.POINTS, RasterBackend.COMPUTE])
+@pytest.mark.parametrize("stride", [2, 8])
 def test_fewer_movers_show_the_same_plant(
-    compute_context: moderngl.Context, way: Way, every: int
+    compute_context: moderngl.Context, backend: RasterBackend, stride: int
 ) -> None:
     clip, style = dense_clip(), Style(show_ground=False)
-    whole = picture(compute_context, clip, way, style)
-    some = picture(compute_context, clip, way, style, every=every)
+    whole = picture(compute_context, clip, backend, style)
+    some = picture(compute_context, clip, backend, style, stride=stride)
     assert (some != whole).any()
     plant = whole.max(axis=2) > 60
     assert (some.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.1)

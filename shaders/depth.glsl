@@ -1,0 +1,22 @@
+// Depths before the eye. Between the passes they are kept relative to the scene, in its radii
+// beyond the camera's target, so that half floats hold them finely.
+
+uniform float target_depth;  // of the camera's target before the eye, in the clip's unit
+uniform float scene_radius;  // in the clip's unit
+uniform float perspective;   // 1, or 0 for a parallel projection
+uniform vec2 half_extent;    // half of what the picture shows where clip_w is 1, across and up
+
+const float NOTHING = 1e4;  // the relative depth where no point is
+
+float relative_depth(float view_depth) {
+    return (view_depth - target_depth) / scene_radius;
+}
+
+float view_depth_of(float relative) {
+    return target_depth + scene_radius * relative;
+}
+
+// What the projection divides by at a depth: a thing's size in the picture shrinks with it.
+float clip_w(float view_depth) {
+    return mix(1.0, view_depth, perspective);
+}

@@ -1,0 +1,24 @@
+// The one rule of fading: an organ that fades dissolves. One after the other its points shrink and
+// are gone, at any time the same ones. Where many lie upon each other, the last ones still cover
+// all: so each next one takes its time.
+
+uniform float opacity;    // of the organ, from 0 to 1
+uniform int first_point;  // number, in its interval, of the first point of what is drawn
+
+const float OVERLAP = 6.0, SHRINKING = 0.3;  // doublings; share of the time that one point takes
+
+// A fixed number in [0, 1) for each point (a multiplicative hash, Knuth 1973).
+float hash01(uint point) {
+    uint mixed = point * 2654435769u;
+    mixed = (mixed ^ (mixed >> 15)) * 2246822519u;
+    return float(mixed >> 8) / 16777216.0;
+}
+
+// What is left of a point's radius, from 0 to 1.
+float presence(int point) {
+    if (opacity >= 1.0) {
+        return 1.0;
+    }
+    float turn = log2(1.0 + (exp2(OVERLAP) - 1.0) * hash01(uint(first_point + point))) / OVERLAP;
+    return clamp((opacity * (1.0 + SHRINKING) - turn) / SHRINKING, 0.0, 1.0);
+}

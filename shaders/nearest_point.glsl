@@ -1,0 +1,30 @@
+// A point as one sample of the picture: which one, how deep, and whose.
+//
+// 22 bits of depth above 10 of the track in one number: the smallest is the nearest. It takes one
+// atomic operation a point, and a pass over the picture closes the surface (fill_holes.frag).
+#include "depth.glsl"
+
+uniform mat4 view;
+uniform vec2 focal;        // clip coordinates of one unit aside, where clip_w is 1
+uniform ivec2 samples;     // the picture's size
+uniform vec2 depth_range;  // before the eye, of the nearest and the farthest that is seen
+
+const float DEPTH_STEPS = 4194302.0;
+const uint EMPTY = 0xFFFFFFFFu;
+
+// Whether the point is in the picture, and if so, its sample and its number there.
+bool place_point(vec3 position, uint track, out ivec2 texel, out uint number) {
+    vec3 view_pos = (view * vec4(position, 1.0)).xyz;
+    float view_depth = -view_pos.z;
+    vec2 clip_pos = view_pos.xy * focal / max(clip_w(view_depth), 1e-6);
+    vec2 at = (clip_pos * 0.5 + 0.5) * vec2(samples);
+    texel = ivec2(floor(at));
+    float share = (view_depth - depth_range.x) / (depth_range.y - depth_range.x);
+    number = (uint(int(clamp(share, 0.0, 1.0) * DEPTH_STEPS + 0.5)) << 10) | (track & 1023u);
+    return share >= 0.0 && share <= 1.0
+        && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(samples)));
+}
+
+float depth_of(uint number) {
+    return mix(depth_range.x, depth_range.y, float(number >> 10) / DEPTH_STEPS);
+}

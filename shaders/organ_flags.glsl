@@ -1,0 +1,29 @@
+// The organs' colours, and with HAS_FLAGS which organs are hidden or dimmed.
+#ifndef ORGAN_FLAGS
+#define ORGAN_FLAGS
+
+// Row by row; linear light; alpha: 0 hidden, 1 as usual, between: dimmed behind a highlighted one.
+uniform sampler2D palette;
+
+vec4 organ_texel(uint track) {
+    int width = textureSize(palette, 0).x, id = int(track);
+    return texelFetch(palette, ivec2(id % width, id / width), 0);
+}
+
+bool is_hidden(uint track) {
+#if HAS_FLAGS
+    return organ_texel(track).a == 0.0;
+#else
+    return false;
+#endif
+}
+
+vec3 dimmed(vec3 linear, uint track) {
+#if HAS_FLAGS
+    float grey = 0.35 * dot(linear, vec3(0.2126, 0.7152, 0.0722));
+    return mix(vec3(grey), linear, organ_texel(track).a);
+#else
+    return linear;
+#endif
+}
+#endif

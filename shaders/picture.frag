@@ -1,0 +1,27 @@
+// The finished picture: of each pixel the mean of its samples, over wall and floor.
+#include "color.glsl"
+#include "ground.glsl"
+
+in vec2 v_at;
+uniform sampler2D light;    // times cover, cover
+uniform int supersample;    // samples along each side of a pixel
+uniform bool transparent;   // the plant alone
+out vec4 out_color;         // sRGB, alpha not multiplied in
+
+// Breaks up the banding of 8-bit gradients (interleaved gradient noise, Jimenez 2014).
+float dither() {
+    vec2 texel = floor(gl_FragCoord.xy);
+    return (fract(52.9829189 * fract(dot(texel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+}
+
+void main() {
+    ivec2 corner = ivec2(gl_FragCoord.xy) * supersample;
+    vec4 plant = vec4(0.0);
+    for (int i = 0; i < supersample * supersample; ++i) {
+        plant += texelFetch(light, corner + ivec2(i % supersample, i / supersample), 0);
+    }
+    plant /= float(supersample * supersample);
+    vec3 linear = transparent ? plant.rgb / max(plant.a, 1e-4)
+                              : plant.rgb + (1.0 - plant.a) * ground_color(v_at);
+    out_color = vec4(linear_to_srgb(linear) + dither(), transparent ? plant.a : 1.0);
+}

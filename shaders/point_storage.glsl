@@ -1,0 +1,93 @@
+// Four points at a time from storage buffers, for compute shaders, in the bindings that are the
+// locations of point_attributes.glsl. A quantised position is three 16-bit numbers, so four of them
+// are three times 64 bits.
+#include "interpolate.glsl"
+
+#if QUANTISED
+#define WORDS 3  // of 64 bits, for four points
+#else
+#define WORDS 6
+#endif
+
+layout(std430, binding = 0) readonly buffer Points0 { uvec2 stored_points0[]; };
+#if DEGREE > 0
+layout(std430, binding = 1) readonly buffer Points1 { uvec2 stored_points1[]; };
+#endif
+#if DEGREE > 1
+layout(std430, binding = 2) readonly buffer Points2 { uvec2 stored_points2[]; };
+#endif
+#if DEGREE > 2
+layout(std430, binding = 3) readonly buffer Points3 { uvec2 stored_points3[]; };
+#endif
+layout(std430, binding = 4) readonly buffer Tracks { uint stored_track[]; };
+#if SCAN_COLORS
+layout(std430, binding = 5) readonly buffer StartColors { uint stored_start_color[]; };
+layout(std430, binding = 6) readonly buffer EndColors { uint stored_end_color[]; };
+#endif
+
+#if QUANTISED
+vec3 first_of(uvec3 words) {
+    return vec3(ivec3(words.x & 0xFFFFu, words.x >> 16, words.y & 0xFFFFu));
+}
+vec3 second_of(uvec3 words) {
+    return vec3(ivec3(words.y >> 16, words.z & 0xFFFFu, words.z >> 16));
+}
+vec3[4] unpacked(uvec2 w[WORDS]) {
+    return vec3[](first_of(uvec3(w[0], w[1].x)), second_of(uvec3(w[0], w[1].x)),
+                  first_of(uvec3(w[1].y, w[2])), second_of(uvec3(w[1].y, w[2])));
+}
+#define READ(stored, at) unpacked(uvec2[](stored[at], stored[at + 1u], stored[at + 2u]))
+#else
+vec3[4] unpacked(uvec2 w[WORDS]) {
+    return vec3[](uintBitsToFloat(uvec3(w[0], w[1].x)), uintBitsToFloat(uvec3(w[1].y, w[2])),
+                  uintBitsToFloat(uvec3(w[3], w[4].x)), uintBitsToFloat(uvec3(w[4].y, w[5])));
+}
+#define READ(stored, at) unpacked(uvec2[](stored[at], stored[at + 1u], stored[at + 2u], stored[at + 3u], stored[at + 4u], stored[at + 5u]))
+#endif
+
+// The control points of four curves; those beyond the last point mean nothing.
+struct Curves {
+    vec3 points[DEGREE + 1][4];
+};
+
+Curves stored_curves(uint four) {
+    uint at = four * uint(WORDS);
+    Curves curves;
+    curves.points[0] = READ(stored_points0, at);
+#if DEGREE > 0
+    curves.points[1] = READ(stored_points1, at);
+#endif
+#if DEGREE > 1
+    curves.points[2] = READ(stored_points2, at);
+#endif
+#if DEGREE > 2
+    curves.points[3] = READ(stored_points3, at);
+#endif
+    return curves;
+}
+
+vec3[DEGREE + 1] curve_of(Curves curves, int i) {
+    vec3 curve[DEGREE + 1];
+    for (int k = 0; k <= DEGREE; ++k) {
+        curve[k] = curves.points[k][i];
+    }
+    return curve;
+}
+
+uint[4] stored_tracks(uint four) {
+#if WIDE_TRACKS
+    return uint[](stored_track[4u * four], stored_track[4u * four + 1u],
+                  stored_track[4u * four + 2u], stored_track[4u * four + 3u]);
+#else
+    uint low = stored_track[2u * four], high = stored_track[2u * four + 1u];
+    return uint[](low & 0xFFFFu, low >> 16, high & 0xFFFFu, high >> 16);
+#endif
+}
+
+#if SCAN_COLORS
+vec4 stored_start(int point) { return unpackUnorm4x8(stored_start_color[point]); }
+vec4 stored_end(int point) { return unpackUnorm4x8(stored_end_color[point]); }
+#else
+vec4 stored_start(int point) { return vec4(0.0); }
+vec4 stored_end(int point) { return vec4(0.0); }
+#endif

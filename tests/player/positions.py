@@ -1,0 +1,74 @@
+"""Points' positions as the GPU computes them, read back from shaders with the player's includes."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from typing import Any
+
+import moderngl
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gclip import Clip
+from gclip.evaluate import layers_at
+from player.gl.shader import give
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import POINTS_EACH, WORKGROUP, PointCloud
+from shaders import with_header, with_includes
+
+
+def gpu_positions(
+    context: moderngl.Context,
+    clip: Clip,
+    day: float,
+    *,
+    computed: bool = False,
+    stride: int = 1,
+    memory: int | None = None,
+) -> NDArray[np.float32]:
+    """(N, 3) positions about the clip's origin, layer by layer in the order of `layers_at`.
+
+    computed: from the compute shaders' interpolation; else by transform feedback from the vertex
+              shaders'.
+    """
+    screen = context.simple_framebuffer((16, 16))
+    screen.use()  # nothing is drawn, yet OpenGL wants a framebuffer
+    points, parts = PointCloud(context, clip, memory), [np.zeros((0, 3), np.float32)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("player.rendering.point_cloud.program", _feedback)
+        patch.setattr("player.rendering.point_cloud.compute", _compute)
+        for layer in layers_at(clip, day):
+            drawn = DrawRange(layer, layer.group.count, stride)
+            given = {"COMPUTED": 1} if computed else {}
+            shader = points._program("positions", layer, {}, **given)
+            for buffers, count in points._chunks(shader, drawn):
+                some = -(-count // stride)
+                result = context.buffer(reserve=12 * max(some, 1))
+                if computed:
+                    give(shader, count=count)
+                    buffers.bind()
+                    result.bind_to_storage_buffer(7)
+                    shader.run(-(-count // (POINTS_EACH * WORKGROUP)))
+                    context.memory_barrier()
+                else:
+                    array = buffers.array(shader, points._one_in(stride))
+                    array.transform(result, vertices=some)
+                parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
+                result.release()
+    points.release()
+    return np.concatenate(parts)
+
+
+def _source(name: str, suffix: str, **definitions: int) -> str:
+    text = files(__package__).joinpath("shaders").joinpath(name + suffix).read_text("utf-8")
+    return with_header(with_includes(text), suffix, **definitions)
+
+
+def _feedback(context: moderngl.Context, name: str, _: str, **definitions: int) -> Any:
+    source = _source(name, ".vert", **definitions)
+    return context.program(vertex_shader=source, varyings=("out_position",))
+
+
+def _compute(context: moderngl.Context, name: str, **definitions: int) -> Any:
+    return context.compute_shader(_source(name, ".comp", **definitions))

@@ -1,0 +1,20 @@
+// Positions only, into a buffer.
+#include "point_storage.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+layout(std430, binding = 7) writeonly buffer Found { float found[]; };
+uniform int count;
+
+void main() {
+    int four = int(gl_GlobalInvocationID.x);
+    Curves curves = stored_curves(uint(four));
+    for (int i = 0; i < 4; ++i) {
+        int point = 4 * four + i;
+        if (point < count) {
+            vec3 position = bezier(curve_of(curves, i));
+            for (int axis = 0; axis < 3; ++axis) {
+                found[3 * point + axis] = position[axis];
+            }
+        }
+    }
+}
