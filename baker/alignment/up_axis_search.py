@@ -58,15 +58,18 @@ def find_up(
     up, option, doubts = directions[found], "", list[str]()
     down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
     over = costs[:, found] - costs[:, down] > TURNED_OVER
-    if 2 * over.sum() < len(samples):
-        named = [name for name, is_over in zip(names, over, strict=True) if is_over]
-        doubts = [f"{name} seems to be upside down: turn it over" for name in named]
+    if over.any() and 2 * over.sum() < len(samples):
+        named = ", ".join(name for name, is_over in zip(names, over, strict=True) if is_over)
+        doubts = [f"{named} seems to be upside down: turn it over"]
         total = costs[~over].mean(axis=0)
     lead = np.delete(total, found).min() - total[found]
     if ground_up is None and lead < CLOSE:
         other = directions[int(np.argmin(np.where(np.arange(len(total)) == found, np.inf, total)))]
-        doubts.append(f"by their shape they might as well grow along {other}")
         option = f"--up {other}"
+        if lead < 0:
+            doubts = [f"by their shape they might rather grow along {other}"]
+        else:
+            doubts.append(f"by their shape they might as well grow along {other}")
     return up, [Finding("up", f"{up}, {why}", "; ".join(doubts), option)]
 
 
