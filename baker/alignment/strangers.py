@@ -51,7 +51,7 @@ def strangers(
     if not unlike:
         return []
     named = ", ".join(unlike)
-    doubt = f"{named} may be of another plant or day, fallen or upside down: leave out what isn't it"
+    doubt = f"{named} may be of another plant or day, fallen or upside down: leave it out if so"
     return [Finding("plant", "the same one in all scans", doubt)]
 
 

@@ -30,7 +30,7 @@ def read(path: Path) -> Columns:
         return Columns({name: v for name, v in fields.items() if _is_column(v)})
     if not _is_table(array, USUAL_WIDTHS):
         found = f"shape {array.shape} and type {array.dtype}"
-        raise FormatError(f"holds an array of {found}; (N, 3) to (N, 7) numbers are read.")
+        raise FormatError(f"holds an array of {found}; (N, 3) to (N, 12) numbers are read.")
     names = usual_names(array)
     columns = {name: np.asarray(array[:, i]) for i, name in enumerate(names)}
     return Columns(columns, (f"columns taken as {' '.join(names)}.",))

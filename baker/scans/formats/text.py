@@ -17,7 +17,7 @@ from baker.scans.labels import label_rank
 LONGEST_LINE = 1 << 17
 SKIPPED = ("-", "_")  # for columns that are not used
 MIN_COUNTED = 9  # rows, of which a column may seem to be the count by chance
-USUAL_WIDTHS = range(3, 8)  # of rows whose columns need no names
+USUAL_WIDTHS = range(3, 13)  # of rows whose columns need no names
 
 
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
@@ -33,7 +33,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     if named is None and width not in USUAL_WIDTHS:
         example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
         raise FormatError(
-            f"{width} column{'s' * (width != 1)} without a header line; 3 to 7 are understood, "
+            f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
             f"for others say what they are, as in --columns {example} (- is not used).",
             start + 1,
         )
@@ -49,18 +49,20 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
     unread = [names[i] for i in wanted if i not in numbers + words]
     if unread and (named is None or set(unread) & {*"xyzXYZ"}):
-        raise _not_numbers(values, start + 1)
+        example = ",".join(["label", *"xyz", *["-"] * (width - 4)])
+        hint = f"; say what the columns are, as in --columns {example}" * (width > 3)
+        raise _not_numbers(values, start + 1, hint)
     rows = read_rows(lines[start:], names, start + 1, delimiter, numbers)
     if count is not None:
         require_count(count, len(rows), "rows")
     notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
     if named is None:
         if width > 3 and len(rows) > MIN_COUNTED and (np.diff(rows[:, 0]) == 1).all():
-            example = ",".join(["-", *"xyz", *["label"] * (width - 4)][:5])
+            example = ",".join(["-", *"xyz", *["-"] * (width - 5), *["label"] * (width > 4)])
             reason = f"its first column counts the rows; say it with --columns {example}."
             raise FormatError(reason)
-        usual = usual_names(rows, is_leica=count is not None)
-        names = [names[i] if i in words else usual[i] for i in range(width)]
+        for i, name in zip(numbers, usual_names(rows, is_leica=count is not None), strict=True):
+            names[i] = names[i] if name.startswith("column") else name  # words are columns too
         notes = [f"no header line: columns taken as {' '.join(names)}."]
     found = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
     if words:
@@ -113,14 +115,17 @@ def read_rows(
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
-    """Names for 3 to 7 columns without a header, as docs/scans.md tells."""
-    start = 4 if is_leica and rows.shape[1] == 7 else 3
-    is_normal = (rows[:, start : start + 3] < 0).any()
-    triple = ["nx", "ny", "nz"] if is_normal else ["red", "green", "blue"]
-    others = {4: ["column 4"], 5: ["column 4", "column 5"], 6: triple, 7: [*triple, "column 7"]}
-    if is_leica:
-        others |= {4: ["intensity"], 7: ["intensity", *triple]}
-    return ["x", "y", "z", *others.get(rows.shape[1], [])]
+    """Names for the columns of a table without a header, as docs/scans.md tells."""
+    names, width = ["x", "y", "z"], rows.shape[1]
+    if is_leica and width in (4, 7):
+        names.append("intensity")
+    while width - len(names) >= 3:
+        is_normal = (rows[:, len(names) : len(names) + 3] < 0).any()
+        triple = ["nx", "ny", "nz"] if is_normal else ["red", "green", "blue"]
+        if triple[0] in names:
+            break
+        names += triple
+    return [*names, *(f"column {i + 1}" for i in range(len(names), width))]
 
 
 def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:

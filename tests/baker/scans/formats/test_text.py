@@ -117,6 +117,24 @@ def test_trailing_delimiters(load):
     assert load("1;2;3;\n4;5;6;\n").points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
+@pytest.mark.parametrize(
+    ("row", "names"),
+    [
+        ("9 8 7 1 2", "red green blue column_7 column_8"),
+        ("9 8 7 leaf 2", "red green blue column_7 column_8"),
+        ("9 8 7 0 -.6 .8", "red green blue nx ny nz"),
+        ("0 -.6 .8 9 8 7 2", "nx ny nz red green blue column_10"),
+        ("9 8 7 6 5 4", "red green blue column_7 column_8 column_9"),
+        ("leaf 2", "column_4 column_5"),
+    ],
+)
+def test_more_columns_without_a_header(tmp_path, row, names):
+    path = tmp_path / "scan.txt"
+    path.write_text(f"1 2 3 {row}\n4 5 6 {row}\n")
+    found = sorted(name.replace(" ", "_") for name in read_columns(path).values)
+    assert found == sorted(["x", "y", "z", *names.split()])
+
+
 def test_quoted_values(load):
     assert load('"x","y","z"\n"1","2","3"\n').points.tolist() == [[1, 2, 3]]
 
@@ -132,8 +150,9 @@ def test_quoted_values(load):
         ("x y z label\n1 2 3 4\n1 2 3\n", r"line 3: 3 values .* \(x y z label\)"),
         ("x y z x\n1 2 3 4\n", r"names two columns 'x'"),
         ("a b c\n1 2 3\n", r"line 1: 'a' is not a number"),
-        ("1 2\n3 4\n", r"line 1: 2 columns without a header line; 3 to 7 are understood"),
-        ("1 2 3 4 5 6 7 8\n", r"line 1: 8 columns .* --columns x,y,z,-,-,-,-,label"),
+        ("1 2\n3 4\n", r"line 1: 2 columns without a header line; 3 to 12 are understood"),
+        (f"{'1 ' * 13}\n", r"line 1: 13 columns .* --columns x,y,z,(-,){9}label"),
+        ("leaf 1 2 3\n", r"line 1: 'leaf' is not a number; .* --columns label,x,y,z\."),
         ("1 2 three 4\n1 2 3 4\n", r"line 1: 'three' is not a number"),
         ("1,5;2,5;3,5\n", r"line 1: '1,5' is not a number; write decimals with a point"),
         ("1 2 3\n1,5 2,5 3,5\n", r"line 2: '1,5' is not a number; write decimals with a point"),
