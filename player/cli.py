@@ -188,7 +188,7 @@ def play_command(
         files = [clip] if second is None else [clip, second]
         chosen = None if size is None else _size(size)
         player.window.start(
-            files, style, player.window.Wanted(chosen, ground, turning, path, kiosk)
+            files, style, player.window.LaunchOptions(chosen, ground, turning, path, kiosk)
         )
 
 

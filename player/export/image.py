@@ -50,20 +50,17 @@ def write_sequence(
             _save(picture, file(index), view)
 
 
-def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> str:
+def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> Path:
     """Write what a window shows to a new PNG file in the working folder, named after `title`.
 
     pixels: RGB, bottom row first; size: (width, height).
-    Returns a sentence for the user: what was saved, or why nothing was.
+    Returns the file. Raises PlayerError where it can't be written.
     """
     path = free_name(title, "still.png")
     picture = np.frombuffer(pixels, np.uint8).reshape(size[1], size[0], 3)[::-1]
-    try:
-        with whole_file(path) as part:
-            part.write_bytes(_encoded(picture))
-    except PlayerError as error:
-        return str(error)
-    return f"Saved {path}"
+    with whole_file(path) as part:
+        part.write_bytes(_encoded(picture))
+    return path
 
 
 def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:

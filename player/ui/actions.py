@@ -228,10 +228,7 @@ def exported(scene: Scene) -> Scene:
 
 
 def reformatted(scene: Scene) -> Scene:
-    from player.export.formats import FORMATS
-
-    names = [one.example for one in FORMATS]
-    chosen = names[(names.index(scene.output.example) + 1) % len(names)]
+    chosen = scene.formats[(scene.formats.index(scene.output.example) + 1) % len(scene.formats)]
     output = replace(scene.output, example=chosen)
     return replace(scene, output=output).told(f"Export: {chosen}")
 

@@ -1,148 +1,108 @@
-"""Draws the help: every key and mouse action, straight from the table in keys.py."""
+"""The help: every key and mouse action, straight from the table in keys.py."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from imgui_bundle import imgui, imgui_ctx
+
 from player.ui import keys
-from player.ui.canvas import BOLD, ICONS, Canvas
+from player.ui.theme import packed
+from player.ui.widgets import BARE, key_labels
 
 if TYPE_CHECKING:
+    from player.ui.gui import Gui
     from player.ui.theme import Theme
+    from player.view.state import Scene
+
+COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
+TITLE, TEXT, CAP = 21.0, 15.5, 13.0  # sizes of letters
+PADDING, BETWEEN, GAP = 26.0, 40.0, 12.0  # of the card, of its columns, of keys and their meaning
+CAP_PADDING, CAP_GAP = 7.0, 4.0
+EDGE = 12.0  # what the card keeps from the window's
+SLACK = 0.985  # small letters are wider for their size: they snap to pixels
 
 
-@dataclass(frozen=True)
-class Spacing:
-    """Heights of a row, a section's name, and the title; the card's edge, and between columns."""
+class Help:
+    """Over everything, and smaller where the window is."""
 
-    row: float
-    section: float
-    head: float
-    padding: float
-    column: float
+    def __init__(self) -> None:
+        self._size, self._scale = (0.0, 0.0), 1.0
 
-
-ROOMY = Spacing(29.0, 38.0, 48.0, 30.0, 44.0)
-DENSE = Spacing(23.0, 28.0, 38.0, 20.0, 30.0)
-
-Rows = list[tuple[tuple[str, ...], str]]
-
-TITLE, TEXT, CAP = 22.0, 16.0, 14.0
-TEXT_GAP = 14.0
-LARGE_ENOUGH = 0.9  # scale from which roomy lines are preferred to larger letters
-CAP_HEIGHT, CAP_PADDING, CAP_GAP = 22.0, 7.0, 4.0
-SLACK = 1.04  # small letters are wider for their size: they snap to pixels
-ARROWS = {"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"}
-COLUMNS = (
-    (("Time", "Organs"), ("View", "Compare"), ("Look", "Window")),
-    (("Time", "Organs", "Look"), ("View", "Compare", "Window")),
-)
-
-
-def draw_help(canvas: Canvas, theme: Theme, size: tuple[float, float]) -> None:
-    """Over everything, in as many columns as show it largest, smaller where the window is small."""
-    table = keys.sections()
-    choices = [[[(name, table[name]) for name in column] for column in way] for way in COLUMNS]
-    best: _Card | None = None
-    for spacing in (ROOMY, DENSE):
-        cards = [_Card(canvas, theme, columns, spacing) for columns in choices]
-        card = max(cards, key=lambda card: card.scale(size))
-        if best is None or (
-            best.scale(size) < LARGE_ENOUGH and card.scale(size) > best.scale(size)
-        ):
-            best = card
-    assert best is not None
-    canvas.rectangle(0.0, 0.0, *size, theme.shade)
-    best.draw(size)
-
-
-class _Card:
-    def __init__(
-        self,
-        canvas: Canvas,
-        theme: Theme,
-        columns: list[list[tuple[str, Rows]]],
-        spacing: Spacing,
-    ) -> None:
-        self.spacing = spacing
-        self.canvas = canvas
-        self.theme = theme
-        self.columns = columns
-        every = [[row for _, rows in column for row in rows] for column in columns]
-        self.cap_widths = [max(self._caps_width(labels) for labels, _ in rows) for rows in every]
-        self.text_widths = [
-            SLACK * max(canvas.width(text, TEXT) for _, text in rows) for rows in every
-        ]
-        self.width = (
-            2 * self.spacing.padding
-            + sum(self.cap_widths)
-            + sum(self.text_widths)
-            + TEXT_GAP * len(columns)
-            + self.spacing.column * (len(columns) - 1)
+    def draw(self, scene: Scene, gui: Gui, theme: Theme, size: tuple[float, float]) -> Scene:
+        """Draw it in a window of `size` units; a click closes it."""
+        if size != self._size:
+            self._size, self._scale = size, 1.0
+        imgui.set_next_window_pos((0.0, 0.0))
+        imgui.set_next_window_size(size)
+        with imgui_ctx.begin("shade", None, BARE):
+            imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, packed(theme.shade))
+        imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
+        imgui.push_style_var(imgui.StyleVar_.window_rounding, 14.0)
+        imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+        imgui.push_style_var(imgui.StyleVar_.window_padding, 2 * (PADDING * self._scale,))
+        imgui.push_style_var(
+            imgui.StyleVar_.item_spacing, (CAP_GAP * self._scale, 5.0 * self._scale)
         )
-        heights = [
-            sum(self.spacing.section + self.spacing.row * len(rows) for _, rows in column)
-            + 10.0 * (len(column) - 1)
-            for column in columns
-        ]
-        self.height = 2 * self.spacing.padding + self.spacing.head + max(heights) - 10.0
+        imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*theme.card))
+        flags = BARE & ~imgui.WindowFlags_.no_background | imgui.WindowFlags_.always_auto_resize
+        with imgui_ctx.begin("help", None, flags):
+            with imgui_ctx.begin_group():
+                self._draw_card(gui, theme)
+            wide, high = imgui.get_item_rect_size()
+        imgui.pop_style_color()
+        imgui.pop_style_var(4)
+        edges = 2 * (EDGE + PADDING * self._scale)
+        beyond = max(wide / (size[0] - edges), high / (size[1] - edges))
+        self._scale *= SLACK / beyond if beyond > 1.0 else 1.0
+        pressed = any(imgui.is_mouse_clicked(button) for button in range(3))
+        return replace(scene, help=False) if pressed else scene
 
-    def scale(self, size: tuple[float, float]) -> float:
-        return min(1.0, (size[0] - 24.0) / self.width, (size[1] - 24.0) / self.height)
+    def _draw_card(self, gui: Gui, theme: Theme) -> None:
+        with imgui_ctx.push_font(gui.bold, TITLE * self._scale):
+            imgui.text_unformatted("Keys and mouse")
+        with imgui_ctx.push_font(None, TEXT * self._scale):
+            imgui.same_line(0.0, 16.0 * self._scale)
+            imgui.text_colored(theme.muted, "Esc, or a click, closes this")
+            imgui.new_line()
+            for number, sections in enumerate(COLUMNS):
+                if number:
+                    imgui.same_line(0.0, BETWEEN * self._scale)
+                with imgui_ctx.begin_group():
+                    self._draw_column(gui, theme, sections)
 
-    def draw(self, size: tuple[float, float]) -> None:
-        scale, canvas, theme = self.scale(size), self.canvas, self.theme
-        width, height = scale * self.width, scale * self.height
-        left, top = (size[0] - width) / 2, (size[1] - height) / 2
-        canvas.rectangle(left, top, width, height, theme.card, 14.0 * scale)
-        canvas.frame(left, top, width, height, theme.edge, 14.0 * scale)
-        x, y = left + self.spacing.padding * scale, top + (self.spacing.padding + TITLE / 2) * scale
-        canvas.text(x, y, "Keys and mouse", TITLE * scale, theme.text, BOLD)
-        close = "Esc closes this"
-        right = left + width - self.spacing.padding * scale
-        canvas.text(right, y, close, TEXT * scale, theme.muted, align=1.0)
-        for column, caps, texts in zip(
-            self.columns, self.cap_widths, self.text_widths, strict=True
-        ):
-            self._draw_column(
-                column, x, top + (self.spacing.padding + self.spacing.head) * scale, scale, caps
-            )
-            x += (caps + TEXT_GAP + texts + self.spacing.column) * scale
+    def _draw_column(self, gui: Gui, theme: Theme, sections: tuple[str, ...]) -> None:
+        table, left = keys.sections(), imgui.get_cursor_pos_x()
+        beside = (2 * CAP_PADDING + CAP_GAP) * self._scale
+        rows = {name: [(key_labels(keys), text) for keys, text in table[name]] for name in sections}
+        with imgui_ctx.push_font(gui.bold, CAP * self._scale):
+            widths = {
+                (name, row): sum(imgui.calc_text_size(label).x + beside for label in labels)
+                for name in sections
+                for row, (labels, _) in enumerate(rows[name])
+            }
+        middle = left + max(widths.values())
+        for name in sections:
+            with imgui_ctx.push_font(gui.bold, TEXT * self._scale):
+                imgui.set_cursor_pos_x(middle + GAP * self._scale)
+                imgui.text_colored(theme.accent, name)
+            for row, (labels, text) in enumerate(rows[name]):
+                imgui.set_cursor_pos_x(middle - widths[name, row])
+                self._draw_keys(gui, labels)
+                imgui.set_cursor_pos_x(middle + GAP * self._scale)
+                imgui.text_unformatted(text)
+            imgui.dummy((0.0, 6.0 * self._scale))
 
-    def _draw_column(
-        self, column: list[tuple[str, Rows]], x: float, y: float, scale: float, caps: float
-    ) -> None:
-        for name, rows in column:
-            self.canvas.text(x, y + 8.0 * scale, name, TEXT * scale, self.theme.accent, BOLD)
-            y += self.spacing.section * scale
-            for labels, text in rows:
-                self._draw_caps(labels, x, y, scale)
-                text_x = x + (caps + TEXT_GAP) * scale
-                self.canvas.text(text_x, y, text, TEXT * scale, self.theme.text)
-                y += self.spacing.row * scale
-            y += 10.0 * scale
-
-    def _draw_caps(self, labels: tuple[str, ...], x: float, y: float, scale: float) -> None:
-        canvas, theme, high = self.canvas, self.theme, CAP_HEIGHT * scale
-        for label in labels:
-            width = self._cap_width(label) * scale
-            canvas.rectangle(x, y - high / 2, width, high, theme.hover, 5.0 * scale)
-            canvas.frame(x, y - high / 2, width, high, theme.edge, 5.0 * scale)
-            inner = x + CAP_PADDING * scale
-            for word, font in _words(label):
-                canvas.text(inner, y, word, CAP * scale, theme.text, font)
-                inner += (canvas.width(word, CAP, font) + CAP_GAP) * scale
-            x += width + CAP_GAP * scale
-
-    def _caps_width(self, labels: tuple[str, ...]) -> float:
-        return sum(self._cap_width(label) + CAP_GAP for label in labels) - CAP_GAP
-
-    def _cap_width(self, label: str) -> float:
-        words = [self.canvas.width(word, CAP, font) + CAP_GAP for word, font in _words(label)]
-        return max(sum(words) - CAP_GAP + 2 * CAP_PADDING, CAP_HEIGHT)
-
-
-def _words(label: str) -> list[tuple[str, str]]:
-    """(text, font) pieces of a key's label; the text font has no arrows, the icons have."""
-    return [(ARROWS[word], ICONS) if word in ARROWS else (word, BOLD) for word in label.split(" ")]
+    def _draw_keys(self, gui: Gui, labels: list[str]) -> None:
+        imgui.begin_disabled()
+        imgui.push_style_var(imgui.StyleVar_.alpha, 1.0)
+        imgui.push_style_var(
+            imgui.StyleVar_.frame_padding, (CAP_PADDING * self._scale, 2.0 * self._scale)
+        )
+        with imgui_ctx.push_font(gui.bold, CAP * self._scale):
+            for label in labels:
+                imgui.button(label)
+                imgui.same_line(0.0, CAP_GAP * self._scale)
+        imgui.pop_style_var(2)
+        imgui.end_disabled()

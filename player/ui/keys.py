@@ -188,6 +188,11 @@ def picked(scene: Scene, track: int | None) -> Scene:
     return scene.styled(picked=None if track == scene.style.picked else track)
 
 
+def wiped_to(scene: Scene, share: float) -> Scene:
+    """A drag of the wipe's line, to a share of the width."""
+    return replace(scene, wipe=min(max(share, 0.02), 0.98))
+
+
 def scrubbed(scene: Scene, day: float) -> Scene:
     """A click or drag on the timeline."""
     return scene.clock(lambda t: t.at(day))
@@ -200,6 +205,12 @@ def action(name: str) -> Action:
 def action_for(key: str) -> Action | None:
     """What a key does, None where it does nothing."""
     return next((action for action in ACTIONS if key in action.keys), None)
+
+
+def pressed(scene: Scene, key: str, shift: bool = False, repeated: bool = False) -> Scene:
+    """A key, by its name or the character typed, went down, or repeats while it is held."""
+    found = (action_for(f"shift+{key}") if shift else None) or action_for(key)
+    return found.do(scene) if found and (found.repeats or not repeated) else scene
 
 
 def drag_for(button: str, shift: bool) -> Drag | None:

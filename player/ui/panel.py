@@ -6,18 +6,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from imgui_bundle import imgui, imgui_ctx
+
+from player.export.formats import FORMATS
 from player.ui import actions, keys
-from player.ui.panel_widgets import Widgets
+from player.ui.pen import Pen
+from player.ui.theme import CLEAR, PADDING, faint, packed, rgb
+from player.ui.widgets import button, key_labels, tip
 from player.view.choices import SIZES, Compare
 from player.view.style import ColorMode
 
 if TYPE_CHECKING:
-    from gclip import Clip
-    from player.ui.canvas import Canvas
+    from gclip import Clip, Track
+    from player.ui.gui import Gui
     from player.ui.theme import Theme
     from player.view.state import Scene
 
-ORGANS_SHOWN = 8  # rows of the list; more are scrolled
+WIDTH = 272.0
+LEAST_BESIDE = 300.0  # what it leaves to the plant
+LEAST_HEIGHT = 200.0  # below which it takes the whole window's
+SMALL = 13.0  # size of the keys
+LABEL, VALUE, KEY, ROW = 74.0, 46.0, 26.0, 25.0
+LARGEST_SIZE, STRONGEST = 5.0, 2.0  # of points and of the shading, at the sliders' ends
+EYE, EYE_CLOSED = "\uf06e", "\uf070"
 
 
 @dataclass(frozen=True)
@@ -29,135 +40,251 @@ class Exporting:
     total: int
 
 
-class Panel:
-    """Belongs to one canvas and one clip."""
+def panel_width(width: float, wanted: bool) -> float:
+    """What the panel takes from a window's width: nothing where it would leave too little."""
+    return WIDTH if wanted and stands_beside(width) else 0.0
 
-    def __init__(self, canvas: Canvas, clip: Clip) -> None:
-        self._canvas = canvas
+
+def stands_beside(width: float) -> bool:
+    """Whether a window is wide enough for the panel beside the plant; else it lies over it."""
+    return width >= WIDTH + LEAST_BESIDE
+
+
+def panel_place(
+    size: tuple[float, float], strips: tuple[float, float]
+) -> tuple[float, float, float, float]:
+    """(left, top, width, height): beside the plant, in a narrow window over it.
+
+    strips: heights of what it then leaves free above and below.
+    """
+    (width, height), (top, bottom) = size, strips
+    left, between = max(width - WIDTH, 0.0), height - top - bottom
+    if stands_beside(width) or between < LEAST_HEIGHT:
+        return left, 0.0, width - left, height
+    return left, top, width - left, between
+
+
+class Panel:
+    """Of one clip."""
+
+    def __init__(self, clip: Clip) -> None:
         self._clip = clip
 
     def draw(
         self,
         scene: Scene,
+        gui: Gui,
         theme: Theme,
         place: tuple[float, float, float, float],
         exporting: Exporting | None = None,
     ) -> Scene:
-        """Draw it at (x, y, width, height), and give the scene as the user changed it with it."""
-        with Widgets(self._canvas, theme, place) as widgets:
+        """Draw it at (left, top, width, height), and give the scene as the mouse changed it."""
+        imgui.set_next_window_pos(place[:2])
+        imgui.set_next_window_size(place[2:])
+        flags = imgui.WindowFlags_
+        unmoved = (flags.no_decoration & ~flags.no_scrollbar) | flags.no_move | flags.no_nav
+        with imgui_ctx.begin("panel", None, unmoved | flags.no_saved_settings):
+            pen = Pen(gui, theme, imgui.get_window_draw_list(), place[2:])
             for title, section in (
-                ("Look", self._look),
+                ("Look", _look),
+                ("View", _view),
+                ("Compare", _compare),
+                ("Export", lambda scene, pen: _export(scene, pen, exporting)),
                 ("Organs", self._organs),
-                ("Compare", self._compare),
-                ("View", self._view),
-                ("Export", self._export),
             ):
-                if widgets.section(title, opened=title in ("Look", "Organs", "Export")):
-                    scene = section(widgets, scene, exporting)
+                with imgui_ctx.push_font(gui.bold, 15.0):
+                    opened = title in ("Look", "Export", "Organs")
+                    imgui.set_next_item_open(opened, imgui.Cond_.once)
+                    shown = imgui.collapsing_header(title)
+                if shown:
+                    scene = section(scene, pen)
         return scene
 
-    def _look(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
-        style, modes = scene.style, scene.color_modes
-        modes += () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
-        chosen = widgets.choice(
-            "Colour", [mode.label for mode in modes], modes.index(scene.color_mode), "color"
-        )
+    def _organs(self, scene: Scene, pen: Pen) -> Scene:
+        names = [("hide", "Hide"), ("alone", "Alone"), ("show all", "Show all")]
+        active = "alone" if scene.style.alone is not None else ""
+        scene = _buttons(scene, pen.theme, names, active)
+        table = self._clip.track_table
+        with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.0, 0.0)):
+            clipper = imgui.ListClipper()
+            clipper.begin(len(table), ROW)
+            while clipper.step():
+                for row in range(clipper.display_start, clipper.display_end):
+                    with imgui_ctx.push_id(str(row)):
+                        scene = _organ(scene, pen, row, table[row])
+        return scene
+
+
+def _organ(scene: Scene, pen: Pen, number: int, organ: Track) -> Scene:
+    """A row of the list: a click on the name picks the organ, one on the eye hides it."""
+    style, theme = scene.style, pen.theme
+    visible = style.alone == number if style.alone is not None else number not in style.hidden
+    x, y = imgui.get_cursor_screen_pos()
+    width = imgui.get_content_region_avail().x - KEY
+    if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
+        scene = keys.picked(scene, number)
+    imgui.same_line()
+    icon = EYE if visible else EYE_CLOSED
+    imgui.push_style_color(imgui.Col_.button, CLEAR)
+    imgui.push_style_color(imgui.Col_.text, theme.muted)
+    if imgui.button(f"{icon}##eye", (KEY, ROW)):
+        scene = actions.hidden_or_shown(number)(scene.styled(alone=None))
+    imgui.pop_style_color(2)
+    dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
+    pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
+    name = pen.fitted(organ.name, 15.0, width - 34.0)
+    pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
+    return scene
+
+
+def _look(scene: Scene, pen: Pen) -> Scene:
+    modes = scene.color_modes
+    modes += () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
+    names = [mode.label for mode in modes]
+    chosen = _choice(pen, "Colour", names, modes.index(scene.color_mode), "color")
+    if chosen is not None:
+        scene = actions.colored(modes[chosen])(scene)
+    style = scene.style
+    if style.pixels is None:
+        limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
+        size = _slider(pen, "Points", style.point_size, limits, "larger", text)
+        scene = scene if size is None else scene.styled(point_size=size)
+    else:
+        limits, text = (actions.FEWEST, actions.MOST), f"{style.pixels:.1f} px"
+        size = _slider(pen, "Points", style.pixels, limits, "larger", text)
+        scene = scene if size is None else scene.styled(pixels=size)
+    text = f"{style.eye_dome:.0%}"
+    shading = _slider(pen, "Shading", style.eye_dome, (0.0, STRONGEST), "shading", text)
+    scene = scene if shading is None else scene.styled(eye_dome=shading)
+    switches = (
+        ("pixels", "Sized in pixels", style.pixels is not None),
+        ("ground", "Light ground", style.ground == "light"),
+        ("floor", "Floor and shadow", style.show_ground),
+        ("depth", "Depth cue", style.depth_cue),
+        ("guides", "Scale bar, axes", scene.guides),
+        ("legend", "Legend", scene.legend),
+    )
+    return _switches(scene, pen, switches)
+
+
+def _view(scene: Scene, pen: Pen) -> Scene:
+    sides = [("front", "Front"), ("side", "Side"), ("behind", "Back"), ("above", "Top")]
+    scene = _buttons(scene, pen.theme, sides)
+    scene = _buttons(scene, pen.theme, [("fit", "Whole plant")])
+    count = len(scene.path.keys)
+    switches = (
+        ("parallel", "Parallel", scene.camera.orthographic),
+        ("turn", "Go round", scene.turning),
+        ("follow", f"Follow path ({count} key{'' if count == 1 else 's'})", scene.following),
+    )
+    scene = _switches(scene, pen, switches)
+    path = [("add key", "Add key"), ("drop key", "Remove"), ("save path", "Save")]
+    return _buttons(scene, pen.theme, path)
+
+
+def _compare(scene: Scene, pen: Pen) -> Scene:
+    choices = list(Compare)
+    label = "Other clip" if scene.clips > 1 else "With scan"
+    names = [choice.value for choice in choices]
+    chosen = _choice(pen, label, names, choices.index(scene.compare), "compare")
+    return scene if chosen is None else actions.compared_by(choices[chosen])(scene)
+
+
+def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:
+    output, names = scene.output, [one.example for one in FORMATS]
+    chosen = _choice(pen, "What", names, names.index(output.example), "format")
+    if chosen is not None:
+        output = replace(output, example=names[chosen])
+    if FORMATS[names.index(output.example)].picture:
+        sizes = [f"{s[0]} × {s[1]}" if s else "as the window" for s in SIZES]
+        now = SIZES.index(output.size) if output.size in SIZES else 0
+        chosen = _choice(pen, "Pixels", sizes, now, "size")
         if chosen is not None:
-            scene = actions.colored(modes[chosen])(scene)
-        if style.pixels is None:
-            size = widgets.slider(
-                "Points", style.point_size, 0.2, 5.0, "larger", f"{style.point_size:.0%}"
-            )
-            scene = scene if size is None else scene.styled(point_size=size)
-        else:
-            size = widgets.slider(
-                "Points",
-                style.pixels,
-                actions.FEWEST,
-                actions.MOST,
-                "larger",
-                f"{style.pixels:.1f} px",
-            )
-            scene = scene if size is None else scene.styled(pixels=size)
-        shading = widgets.slider(
-            "Shading", style.eye_dome, 0.0, 3.0, "shading", f"{style.eye_dome:.0%}", False
-        )
-        scene = scene if shading is None else scene.styled(eye_dome=shading)
-        switches = (
-            ("pixels", "Sized in pixels", style.pixels is not None),
-            ("ground", "Light ground", style.ground == "light"),
-            ("floor", "Floor and shadow", style.show_ground),
-            ("depth", "Depth cue", style.depth_cue),
-            ("guides", "Scale bar, axes", scene.guides),
-            ("legend", "Legend", scene.legend),
-        )
-        return _switched(widgets, scene, switches)
-
-    def _organs(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
-        style, table = scene.style, self._clip.track_table
-        with widgets.rows(len(table), min(len(table), ORGANS_SHOWN)) as shown:
-            for row in shown:
-                track = table[row]
-                visible = style.alone == row if style.alone is not None else row not in style.hidden
-                clicked = widgets.organ(row, track.name, track.color, style.picked == row, visible)
-                if clicked == "name":
-                    scene = keys.picked(scene, row)
-                elif clicked == "eye":
-                    scene = actions.hidden_or_shown(row)(scene.styled(alone=None))
-        buttons = [("hide", "Hide"), ("alone", "Alone"), ("show all", "Show all")]
-        pressed = widgets.buttons(buttons, active="alone" if style.alone is not None else "")
-        return keys.action(pressed).do(scene) if pressed else scene
-
-    def _compare(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
-        choices = list(Compare)
-        names = [choice.value for choice in choices]
-        label = "Other clip" if scene.clips > 1 else "With scan"
-        chosen = widgets.choice(label, names, choices.index(scene.compare), "compare")
-        return scene if chosen is None else actions.compared_by(choices[chosen])(scene)
-
-    def _view(self, widgets: Widgets, scene: Scene, _: object) -> Scene:
-        sides = [("front", "Front"), ("side", "Side"), ("behind", "Back"), ("above", "Top")]
-        pressed = widgets.buttons(sides) or widgets.buttons([("fit", "Whole plant")])
-        if pressed:
-            scene = keys.action(pressed).do(scene)
-        count = len(scene.path.keys)
-        switches = (
-            ("parallel", "Parallel", scene.camera.orthographic),
-            ("turn", "Go round", scene.turning),
-            ("follow", f"Follow path ({count} key{'' if count == 1 else 's'})", scene.following),
-        )
-        scene = _switched(widgets, scene, switches)
-        path = [("add key", "Add key"), ("drop key", "Remove"), ("save path", "Save")]
-        pressed = widgets.buttons(path)
-        return keys.action(pressed).do(scene) if pressed else scene
-
-    def _export(self, widgets: Widgets, scene: Scene, exporting: Exporting | None) -> Scene:
-        from player.export.formats import FORMATS
-
-        output, names = scene.output, [one.example for one in FORMATS]
-        chosen = widgets.choice("What", names, names.index(output.example), "format")
-        if chosen is not None:
-            output = replace(output, example=names[chosen])
-        if FORMATS[names.index(output.example)].picture:
-            sizes = [f"{s[0]} × {s[1]}" if s else "as the window" for s in SIZES]
-            known = SIZES.index(output.size) if output.size in SIZES else 0
-            chosen = widgets.choice("Pixels", sizes, known, "size")
-            if chosen is not None:
-                output = replace(output, size=SIZES[chosen])
-        scene = replace(scene, output=output)
-        if output.example.endswith(".png"):
-            scene = _switched(widgets, scene, (("transparent", "Transparent", output.transparent),))
-        if exporting is not None:
-            widgets.progress(exporting.done, exporting.total)
-        pressed = widgets.buttons(
-            [("export", "Stop" if exporting else "Export"), ("picture", "Picture")]
-        )
-        return keys.action(pressed).do(scene) if pressed else scene
+            output = replace(output, size=SIZES[chosen])
+    scene = replace(scene, output=output)
+    if output.example.endswith(".png"):
+        scene = _switches(scene, pen, [("transparent", "Transparent", output.transparent)])
+    if exporting is not None:
+        share = exporting.done / exporting.total if exporting.total else 0.0
+        imgui.progress_bar(share, (-1.0, 8.0), "")
+    both = [("export", "Stop" if exporting else "Export"), ("picture", "Picture")]
+    return _buttons(scene, pen.theme, both)
 
 
-def _switched(widgets: Widgets, scene: Scene, switches: Sequence[tuple[str, str, bool]]) -> Scene:
+def _choice(pen: Pen, label: str, names: Sequence[str], now: int, action: str) -> int | None:
+    """One of several; the number of the one that was just chosen."""
+    found = None
+    _label(pen, label)
+    imgui.set_next_item_width(_room(pen, action))
+    if imgui.begin_combo(f"##{label}", names[now]):
+        for number, name in enumerate(names):
+            if imgui.selectable(name, number == now)[0]:
+                found = number
+        if imgui.is_key_pressed(imgui.Key.escape):
+            imgui.close_current_popup()
+        imgui.end_combo()
+    tip(action)
+    _key(pen, action)
+    return found
+
+
+def _slider(
+    pen: Pen, label: str, value: float, limits: tuple[float, float], action: str, text: str
+) -> float | None:
+    """A number, and beside it how it reads; the new one while it is being changed."""
+    flags = imgui.SliderFlags_.no_input
+    if limits[0] > 0.0:
+        flags |= imgui.SliderFlags_.logarithmic
+    _label(pen, label)
+    imgui.set_next_item_width(_room(pen, action) - VALUE)
+    changed, new = imgui.slider_float(f"##{label}", value, *limits, "", flags)
+    tip(action)
+    imgui.same_line()
+    imgui.text_unformatted(text)
+    _key(pen, action)
+    return new if changed else None
+
+
+def _switches(scene: Scene, pen: Pen, switches: Sequence[tuple[str, str, bool]]) -> Scene:
     """Checkboxes: (action, label, whether it is on)."""
     for action, label, on in switches:
-        if widgets.switch(label, on, action):
+        if imgui.checkbox(f"{label}###{action}", on)[0]:
             scene = keys.action(action).do(scene)
+        tip(action)
+        _key(pen, action)
     return scene
+
+
+def _buttons(
+    scene: Scene, theme: Theme, actions: Sequence[tuple[str, str]], active: str = ""
+) -> Scene:
+    """Buttons in a row: (action, label)."""
+    gap = imgui.get_style().item_spacing.x
+    width = (imgui.get_content_region_avail().x - gap * (len(actions) - 1)) / len(actions)
+    for action, label in actions:
+        ground = faint(theme.accent, 0.35) if action == active else None
+        scene = button(scene, action, label, (width, 0.0), ground)
+        imgui.same_line()
+    imgui.new_line()
+    return scene
+
+
+def _label(pen: Pen, label: str) -> None:
+    imgui.align_text_to_frame_padding()
+    imgui.text_colored(pen.theme.muted, label)
+    imgui.same_line(PADDING + LABEL)
+
+
+def _room(pen: Pen, action: str) -> float:
+    """Width between a label and its key."""
+    label = key_labels(keys.action(action).labels)[0]
+    return imgui.get_content_region_avail().x - max(KEY, pen.width(label, SMALL) + 12.0)
+
+
+def _key(pen: Pen, action: str) -> None:
+    """The key that does the same, at the end of the row."""
+    label = key_labels(keys.action(action).labels)[0]
+    bar = imgui.get_style().scrollbar_size if imgui.get_scroll_max_y() > 0 else 0.0
+    imgui.same_line(imgui.get_window_width() - PADDING - bar - pen.width(label, SMALL))
+    with imgui_ctx.push_font(None, SMALL):
+        imgui.text_colored(pen.theme.muted, label)

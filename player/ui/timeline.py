@@ -1,21 +1,27 @@
-"""Draws the timeline: its line, the scans' marks and dates, the handle with the current date."""
+"""The timeline: its line, the scans' marks and dates, the handle with the current date."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from player.ui.canvas import BOLD, Canvas, Color
-from player.ui.layout import LABEL_SIZE, SNAP, Layout
-from player.view.dates import date_at, elapsed
+from imgui_bundle import imgui
+
+from player.ui import keys
+from player.ui.theme import Color, faint, packed
+from player.view.dates import date_at, elapsed, short_dates
 from traits.doubts import doubts_of
 
 if TYPE_CHECKING:
     from gclip import Clip
-    from player.ui.theme import Theme
+    from player.ui.pen import Pen
     from player.view.playback import Timeline
+    from player.view.state import Scene
 
-DATE_SIZE, SIDE_SIZE = 19.0, 15.0
+DATE_SIZE, SIDE_SIZE, LABEL_SIZE, KEY_SIZE = 19.0, 15.0, 15.0, 13.0
+REACH = 18.0  # how far from the line the mouse still takes hold of it
+SNAP = 4.0  # how near to a scan's mark a click means the scan itself
 LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
 BUBBLE_ABOVE, BUBBLE_HEIGHT, PADDING, SPACE = 40.0, 32.0, 12.0, 9.0
 DOT, HANDLE = 5.0, 8.0
@@ -23,90 +29,50 @@ EVENT = 13.0  # from the line to the marks of births and losses
 DOUBT, DOUBT_GAP = 8.0, 11.0  # from the line to the stroke of a doubtful interval, and to its scans
 LEFT_OUT = 6.0  # half of the stroke where a scan was left out
 BRACKET = 9.0  # half the height of the brackets about the part that is played
+EDGE = 8.0  # what texts keep from the window's
 
 
-def draw_timeline(
-    canvas: Canvas,
-    theme: Theme,
-    layout: Layout,
-    clip: Clip,
-    timeline: Timeline,
-    pointed: float | None,
-    lively: bool,
-    keys: Sequence[float] = (),
-) -> None:
-    """pointed: x of the cursor where it rests on the timeline; lively: the line is in use.
-    keys: days of the camera's path.
+@dataclass(frozen=True)
+class Line:
+    """Where the days stand.
+
+    left, right, height: its ends and its height, in units.
+    times:  of the scans; others: more days that a click means exactly.
     """
-    _draw_line(canvas, theme, layout, timeline, lively)
-    _draw_events(canvas, theme, layout, clip)
-    for day in keys:
-        _diamond(canvas, layout.x_of(day), layout.line + EVENT, theme.text)
-    _draw_dates(canvas, theme, layout, timeline)
-    if pointed is not None and abs(pointed - layout.x_of(timeline.day)) > HANDLE:
-        _draw_preview(canvas, theme, layout, clip, pointed)
-        return
-    _draw_bubble(
-        canvas,
-        theme,
-        layout,
-        timeline.day,
-        date_at(clip.scans, timeline.day),
-        elapsed(clip.scans, timeline.day, clip.time_unit),
-        strong=True,
-    )
+
+    left: float
+    right: float
+    height: float
+    times: tuple[float, ...]
+    others: tuple[float, ...] = ()
+
+    def x_of(self, day: float) -> float:
+        first, last = self.times[0], self.times[-1]
+        return self.left + (self.right - self.left) * (day - first) / (last - first)
+
+    def day_at(self, x: float) -> float:
+        """The day at a place; right at one of `times` and `others`, that day."""
+        nearest = min((*self.times, *self.others), key=lambda time: abs(self.x_of(time) - x))
+        if abs(self.x_of(nearest) - x) <= SNAP:
+            return nearest
+        share = min(max((x - self.left) / (self.right - self.left), 0.0), 1.0)
+        return self.times[0] + share * (self.times[-1] - self.times[0])
 
 
-def _draw_line(
-    canvas: Canvas, theme: Theme, layout: Layout, timeline: Timeline, lively: bool
-) -> None:
-    line, now = layout.line, layout.x_of(timeline.day)
-    thickness = 5.0 if lively else 3.0
-    top = line - thickness / 2
-    canvas.rectangle(layout.left, top, layout.right - layout.left, thickness, theme.track, 2.5)
-    begin, end = layout.x_of(timeline.lower), layout.x_of(timeline.upper)
-    canvas.rectangle(begin, top, max(now - begin, 0.0), thickness, theme.accent, 2.5)
-    _draw_range(canvas, theme, line, timeline, (begin, end))
-    for time in layout.times:
-        x, passed = layout.x_of(time), time <= timeline.day
-        canvas.disc(x, line, DOT + 2.0, theme.veil)
-        canvas.disc(x, line, DOT, theme.accent if passed else theme.muted)
-        if not passed:
-            canvas.disc(x, line, DOT - 2.0, theme.veil)
-    canvas.disc(now, line, HANDLE + (2.0 if lively else 0.0) + 2.5, theme.veil)
-    canvas.disc(now, line, HANDLE + (2.0 if lively else 0.0), theme.accent)
-    canvas.disc(now, line, HANDLE - 4.0, theme.on_accent)
+def labels_on(
+    line: Line, texts: Sequence[str], ends: tuple[float, float], measure: Callable[[str], float]
+) -> list[tuple[int, float]]:
+    """Which of the scans' dates fit under the line, and about which x.
 
-
-def _draw_range(
-    canvas: Canvas, theme: Theme, line: float, timeline: Timeline, ends: tuple[float, float]
-) -> None:
-    """Brackets about the part that is played."""
-    if timeline.begin is None and timeline.end is None:
-        return
-    for x, inwards in zip(ends, (1.0, -1.0), strict=True):
-        canvas.line((x, line - BRACKET), (x, line + BRACKET), theme.text, 2.0)
-        for y in (line - BRACKET, line + BRACKET):
-            canvas.line((x, y), (x + 5.0 * inwards, y), theme.text, 2.0)
-
-
-def _draw_events(canvas: Canvas, theme: Theme, layout: Layout, clip: Clip) -> None:
-    """Births above the line, losses below it, at the scans that first show them; strokes across it
-    where scans were left out, and along it where the bake doubts an interval.
+    ends: between which they stay. Those of the first and the last scan go before the others.
     """
-    for doubt in doubts_of(clip):
-        x, end = layout.x_of(doubt.start) + DOUBT_GAP, layout.x_of(doubt.end) - DOUBT_GAP
-        canvas.rectangle(x, layout.line + DOUBT, max(end - x, 2.0), 3.0, theme.loss, 1.5)
-    for held in clip.held_out:
-        x = layout.x_of(held.time)
-        canvas.line((x, layout.line - LEFT_OUT), (x, layout.line + LEFT_OUT), theme.muted, 2.0)
-    for scan, (born, lost) in zip(clip.scans, events(clip), strict=True):
-        x = layout.x_of(scan.time)
-        for count, side, paint in ((born, -1.0, theme.accent), (lost, 1.0, theme.loss)):
-            if count:
-                base = layout.line + side * (EVENT - 3.0)
-                tip = base + side * 6.0
-                canvas.triangle([(x - 4.0, base), (x + 4.0, base), (x, tip)], paint)
+    kept: dict[int, tuple[float, float]] = {}
+    for scan in (0, len(texts) - 1, *range(1, len(texts) - 1)):
+        half = measure(texts[scan]) / 2
+        x = max(min(line.x_of(line.times[scan]), ends[1] - half), ends[0] + half)
+        if all(abs(x - other) >= half + width + 12.0 for other, width in kept.values()):
+            kept[scan] = (x, half)
+    return [(scan, x) for scan, (x, _) in sorted(kept.items())]
 
 
 def events(clip: Clip) -> list[tuple[int, int]]:
@@ -120,51 +86,180 @@ def events(clip: Clip) -> list[tuple[int, int]]:
     ]
 
 
-def _diamond(canvas: Canvas, x: float, y: float, paint: Color) -> None:
-    for side in (-1.0, 1.0):
-        canvas.triangle([(x - 4.5, y), (x + 4.5, y), (x, y + 4.5 * side)], paint)
+class TimelineView:
+    """Of one clip. held: whether the mouse drags its handle."""
 
+    def __init__(self, clip: Clip) -> None:
+        self._clip = clip
+        self._events = events(clip)
+        self._doubts = doubts_of(clip)
+        dates = [scan.date for scan in clip.scans]
+        self._dates = (dates, short_dates(dates))
+        self._held_out = tuple(held.time for held in clip.held_out)
+        self.held = False
 
-def _draw_dates(canvas: Canvas, theme: Theme, layout: Layout, timeline: Timeline) -> None:
-    for label in layout.labels:
-        here = layout.times[label.scan] == timeline.day
-        color = theme.text if here else theme.muted
-        canvas.text(label.x, layout.line + LABELS_BELOW, label.text, LABEL_SIZE, color, align=0.5)
+    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float], least: float) -> Scene:
+        """Draw it, and give the scene as the mouse changed it.
 
+        Parameters
+        ----------
+        pen : Pen
+        scene : Scene
+        ends : tuple of float
+            Where the line begins and ends, across the window that ImGui has begun.
+        least : float
+            The x that dates stay right of.
+        """
+        height = pen.size[1] - 50.0
+        line = Line(
+            ends[0], max(ends[1], ends[0] + 1.0), height, tuple(self._clip.times), self._held_out
+        )
+        imgui.set_cursor_screen_pos((line.left - REACH / 2, height - REACH))
+        imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
+        self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
+        pointed = imgui.get_mouse_pos().x
+        if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
+            scene = keys.scrubbed(scene, line.day_at(pointed))
+        day = scene.timeline.day
+        self._draw_line(pen, line, scene.timeline, hovered or self.held)
+        self._draw_events(pen, line)
+        for key, _ in scene.path.keys:
+            _diamond(pen, line.x_of(key), height + EVENT, pen.theme.text)
+        self._draw_dates(pen, line, day, least)
+        if hovered and not self.held and abs(pointed - line.x_of(day)) > HANDLE:
+            self._draw_preview(pen, line, pointed)
+        else:
+            side = elapsed(self._clip.scans, day, self._clip.time_unit)
+            _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side, pen.theme.accent)
+        return scene
 
-def _draw_preview(canvas: Canvas, theme: Theme, layout: Layout, clip: Clip, pointed: float) -> None:
-    """What a click would go to."""
-    day = layout.day_at(pointed)
-    x = layout.x_of(day)
-    canvas.disc(x, layout.line, DOT + SNAP, (*theme.accent[:3], 0.35))
-    wrong = [doubt.what for doubt in doubts_of(clip) if doubt.start < day < doubt.end]
-    side = f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
-    for scan, (born, lost) in zip(clip.scans, events(clip), strict=True):
-        if scan.time == day:
-            side = f"{scan.points:,} points"
-            side += f", {born} born" if born else ""
-            side += f", {lost} lost" if lost else ""
-    _draw_bubble(canvas, theme, layout, day, date_at(clip.scans, day), side, strong=False)
+    def draw_key(self, pen: Pen, left: float, y: float) -> None:
+        """What the marks mean, those that occur, as far as there is room."""
+        theme, x = pen.theme, left
+        born, lost = (any(counts) for counts in zip(*self._events, strict=True))
+        for occurs, side, paint, text in (
+            (born, -1.0, theme.accent, "born"),
+            (lost, 1.0, theme.loss, "lost"),
+            (bool(self._doubts), 0.0, theme.loss, "in doubt"),
+        ):
+            wide = pen.width(text, KEY_SIZE)
+            if not occurs or x + 12.0 + wide > pen.size[0] - EDGE:
+                continue
+            if side:
+                _triangle(pen, x + 4.0, y - 3.0 * side, side, paint)
+            else:
+                _stroke(pen, x - 2.0, x + 8.0, y - 1.5)
+            pen.write(x + 12.0, y, text, KEY_SIZE, theme.muted)
+            x += 12.0 + wide + 12.0
+
+    def _draw_line(self, pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
+        theme, sheet, y = pen.theme, pen.sheet, line.height
+        now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
+        begin, end = line.x_of(timeline.lower), line.x_of(timeline.upper)
+        for left, right, paint in (
+            (line.left, line.right, theme.track),
+            (begin, max(now, begin), theme.accent),
+        ):
+            sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
+        if timeline.begin is not None or timeline.end is not None:
+            _draw_brackets(pen, y, begin, end)
+        for time in line.times:
+            passed = time <= timeline.day
+            _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
+            _disc(pen, line.x_of(time), y, DOT, theme.accent if passed else theme.muted)
+            if not passed:
+                _disc(pen, line.x_of(time), y, DOT - 2.0, theme.veil)
+        radius = HANDLE + (2.0 if lively else 0.0)
+        _disc(pen, now, y, radius + 2.5, theme.veil)
+        _disc(pen, now, y, radius, theme.accent)
+        _disc(pen, now, y, HANDLE - 4.0, theme.on_accent)
+
+    def _draw_events(self, pen: Pen, line: Line) -> None:
+        """Births above the line, losses below it, at the scans that first show them; strokes across
+        it where scans were left out, and along it where the bake doubts an interval.
+        """
+        theme = pen.theme
+        for doubt in self._doubts:
+            x, end = line.x_of(doubt.start) + DOUBT_GAP, line.x_of(doubt.end) - DOUBT_GAP
+            _stroke(pen, x, max(end, x + 2.0), line.height + DOUBT)
+        for time in self._held_out:
+            x = line.x_of(time)
+            ends = (x, line.height - LEFT_OUT), (x, line.height + LEFT_OUT)
+            pen.sheet.add_line(*ends, packed(theme.muted), 2.0)
+        for time, (born, lost) in zip(line.times, self._events, strict=True):
+            if born:
+                _triangle(pen, line.x_of(time), line.height - EVENT + 3.0, -1.0, theme.accent)
+            if lost:
+                _triangle(pen, line.x_of(time), line.height + EVENT - 3.0, 1.0, theme.loss)
+
+    def _draw_dates(self, pen: Pen, line: Line, day: float, least: float) -> None:
+        ends, shown = (least, pen.size[0] - EDGE), []
+        for texts in self._dates:
+            shown = labels_on(line, texts, ends, lambda text: pen.width(text, LABEL_SIZE))
+            if len(shown) == len(texts):
+                break
+        for scan, x in shown:
+            color = pen.theme.text if line.times[scan] == day else pen.theme.muted
+            pen.write(x, line.height + LABELS_BELOW, texts[scan], LABEL_SIZE, color, align=0.5)
+
+    def _draw_preview(self, pen: Pen, line: Line, pointed: float) -> None:
+        """What a click would go to."""
+        day, scans = line.day_at(pointed), self._clip.scans
+        _disc(pen, line.x_of(day), line.height, DOT + SNAP, faint(pen.theme.accent, 0.35))
+        wrong = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
+        side = f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
+        for scan, (born, lost) in zip(scans, self._events, strict=True):
+            if scan.time == day:
+                side = f"{scan.points:,} points"
+                side += f", {born} born" if born else ""
+                side += f", {lost} lost" if lost else ""
+        _draw_bubble(pen, line, day, date_at(scans, day), side, None)
 
 
 def _draw_bubble(
-    canvas: Canvas, theme: Theme, layout: Layout, day: float, date: str, side: str, strong: bool
+    pen: Pen, line: Line, day: float, date: str, side: str, accent: Color | None
 ) -> None:
-    room = layout.size[0] - 2 * PADDING - 16.0
-    date = canvas.fitted(date, DATE_SIZE, room, BOLD)
-    date_width = canvas.width(date, DATE_SIZE, BOLD)
-    side = canvas.fitted(side, SIDE_SIZE, max(room - date_width - SPACE, 0.0))
-    side_width = canvas.width(side, SIDE_SIZE) + SPACE if side else 0.0
-    width = date_width + side_width + 2 * PADDING
-    tip = layout.x_of(day)
-    x = min(max(tip - width / 2, 8.0), layout.size[0] - 8.0 - width)
-    y = layout.line - BUBBLE_ABOVE
+    room = pen.size[0] - 2 * PADDING - 16.0
+    date = pen.fitted(date, DATE_SIZE, room, bold=True)
+    date_width = pen.width(date, DATE_SIZE, bold=True)
+    side = pen.fitted(side, SIDE_SIZE, max(room - date_width - SPACE, 0.0))
+    side_width = pen.width(side, SIDE_SIZE) + SPACE if side else 0.0
+    width, tip = date_width + side_width + 2 * PADDING, line.x_of(day)
+    x = min(max(tip - width / 2, EDGE), pen.size[0] - EDGE - width)
+    y = line.height - BUBBLE_ABOVE
     top, bottom = y - BUBBLE_HEIGHT / 2, y + BUBBLE_HEIGHT / 2
-    canvas.rectangle(x, top, width, BUBBLE_HEIGHT, theme.card, 8.0)
-    canvas.frame(x, top, width, BUBBLE_HEIGHT, theme.accent if strong else theme.edge, 8.0)
-    canvas.triangle(
-        [(tip - 6.0, bottom), (tip + 6.0, bottom), (tip, bottom + 6.0)],
-        theme.accent if strong else theme.card,
-    )
-    canvas.text(x + PADDING, y, date, DATE_SIZE, theme.text, BOLD)
-    canvas.text(x + PADDING + date_width + SPACE, y + 0.5, side, SIDE_SIZE, theme.muted)
+    pen.panel(x, top, width, BUBBLE_HEIGHT, 8.0, accent or pen.theme.edge)
+    corners = (tip - 6.0, bottom), (tip + 6.0, bottom), (tip, bottom + 6.0)
+    pen.sheet.add_triangle_filled(*corners, packed(accent or pen.theme.card))
+    pen.write(x + PADDING, y, date, DATE_SIZE, pen.theme.text, bold=True)
+    pen.write(x + PADDING + date_width + SPACE, y + 0.5, side, SIDE_SIZE, pen.theme.muted)
+
+
+def _draw_brackets(pen: Pen, y: float, begin: float, end: float) -> None:
+    """About the part that is played."""
+    for x, inwards in ((begin, 5.0), (end, -5.0)):
+        for down in (-BRACKET, BRACKET):
+            pen.sheet.path_line_to((x + inwards if down < 0 else x, y + down))
+            pen.sheet.path_line_to((x if down < 0 else x + inwards, y + down))
+        pen.sheet.path_stroke(packed(pen.theme.text), thickness=2.0)
+
+
+def _disc(pen: Pen, x: float, y: float, radius: float, color: Color) -> None:
+    pen.sheet.add_circle_filled((x, y), radius, packed(color), 48)
+
+
+def _triangle(pen: Pen, x: float, base: float, side: float, color: Color) -> None:
+    """On a base at a height, its tip up (side -1) or down (1)."""
+    corners = (x - 4.0, base), (x + 4.0, base), (x, base + 6.0 * side)
+    pen.sheet.add_triangle_filled(*corners, packed(color))
+
+
+def _diamond(pen: Pen, x: float, y: float, color: Color) -> None:
+    for side in (-1.0, 1.0):
+        corners = (x - 4.5, y), (x + 4.5, y), (x, y + 4.5 * side)
+        pen.sheet.add_triangle_filled(*corners, packed(color))
+
+
+def _stroke(pen: Pen, left: float, right: float, top: float) -> None:
+    """Along the line, for what is in doubt."""
+    pen.sheet.add_rect_filled((left, top), (right, top + 3.0), packed(pen.theme.loss), 1.5)

@@ -67,9 +67,11 @@ def draw_title(pen: Pen, title: str) -> None:
 
 
 def draw_date(pen: Pen, day: float, clip: Clip) -> None:
-    """Below on the left: the date, and under it the time since the first scan."""
-    pen.text(0, -1 - LINE, date_at(clip.scans, day), LARGE, bold=True)
-    pen.text(0, -1, elapsed(clip.scans, day, clip.time_unit), SMALL, muted=True)
+    """Below on the left: the date, and under it the time since the first scan, if that is news."""
+    since = elapsed(clip.scans, day, clip.time_unit)
+    pen.text(0, -1 - LINE if since else -1, date_at(clip.scans, day), LARGE, bold=True)
+    if since:
+        pen.text(0, -1, since, SMALL, muted=True)
 
 
 def draw_scale_bar(pen: Pen, camera: Camera, unit: str) -> None:

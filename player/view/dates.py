@@ -15,9 +15,13 @@ __all__ = ["date_at", "elapsed", "short_dates"]
 
 
 def elapsed(scans: Sequence[ScanMark], day: float, unit: str) -> str:
-    """The time since the first scan: "+3.4 days", or "scan 2.4" where times are only an order."""
+    """The time since the first scan: "+3.4 days", or "scan 2.4" where times are only an order;
+    "" where the date says as much, "day 3.4".
+    """
     if unit == "days":
-        return f"+{day - scans[0].time:.1f} days"
+        since = f"{day - scans[0].time:.1f}"
+        said = re.fullmatch(r"\D*(\d+(?:\.\d+)?)", date_at(scans, day))
+        return "" if said and f"{float(said[1]):.1f}" == since else f"+{since} days"
     return f"scan {1.0 + day - scans[0].time:.1f}"
 
 

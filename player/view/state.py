@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Output, Wish
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
+
+if TYPE_CHECKING:
+    from gclip import Clip
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,7 @@ class Scene:
     turning:    the camera goes round the plant by itself; following: along its path.
     guides:     scale bar and axes; legend: what the colours mean.
     wipe:       share of the width where the wipe's line stands.
+    formats:    what can be exported, by an example's name.
     kiosk:      nothing but the plant and the date.
     notice:     a passing sentence for the user.
     """
@@ -43,6 +47,7 @@ class Scene:
     compare: Compare = Compare.OFF
     wipe: float = 0.5
     output: Output = field(default_factory=Output)
+    formats: tuple[str, ...] = (Output.example,)
     panel: bool = False
     guides: bool = True
     legend: bool = True
@@ -83,3 +88,35 @@ class Scene:
 
     def told(self, notice: str) -> Scene:
         return replace(self, notice=notice)
+
+
+def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
+    """What these clips don't have is no longer shown, picked or compared with."""
+    clip, style = clips[0], scene.style
+    organs, compare = len(clip.track_table), scene.compare
+    if scene.organs != organs and style.marked:
+        scene = scene.styled(scene.notice, picked=None, alone=None, hidden=frozenset())
+    if style.color_by == "error" and not clip.held_out:
+        scene = scene.styled(scene.notice, color_by=ColorMode.AUTO)
+    if len(clips) != scene.clips:
+        compare = Compare.BESIDE if len(clips) > 1 else Compare.OFF
+    return replace(
+        scene,
+        has_colors=clip.has_colors,
+        has_errors=bool(clip.held_out),
+        organs=organs,
+        clips=len(clips),
+        compare=compare,
+    )
+
+
+def reopened(scene: Scene, clips: Sequence[Clip], fresh: bool) -> Scene:
+    """The scene with other clips (fresh), or with the same ones as they were baked anew: then on
+    the same day, and with the same camera path.
+    """
+    times = tuple(clips[0].times)
+    timeline = replace(scene.timeline, times=times, begin=None, end=None)
+    timeline = timeline.at(times[0] if fresh else timeline.day)
+    path = CameraPath() if fresh else scene.path
+    following = bool(path and scene.following)
+    return clamped(replace(scene, timeline=timeline, path=path, following=following), clips)

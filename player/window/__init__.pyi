@@ -1,3 +1,3 @@
-from .start import Wanted, start
+from .app import LaunchOptions, start
 
-__all__ = ["Wanted", "start"]
+__all__ = ["LaunchOptions", "start"]

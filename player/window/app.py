@@ -1,46 +1,57 @@
 """The window: shows clips, and lets keys and mouse change what is seen.
 
-The scene is a frozen value (scene.py). Events turn it into a new one (controls.py), time passes
-over it, and a picture is drawn only where it would differ from the last one.
+The scene is a frozen value (player/view/state.py). Events turn it into a new one, time passes over
+it, and a picture is drawn only where it would differ from the last one.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes imgui-bundle's
+    import imgui_bundle  # noqa: F401
+import glfw  # elsewhere before imgui-bundle, whose copy of GLFW knows no Wayland
+
+from gclip import Clip
 from gclip.errors import ClipError
 from player.errors import PlayerError
+from player.export.formats import FORMATS
+from player.gl.context import from_window
 from player.gl.gl_errors import ContextLost, check_context
 from player.ui import keys
-from player.ui.layout import panel_width
+from player.ui.gui import Gui
+from player.ui.interface import Facts, Interface
+from player.ui.panel import panel_width, stands_beside
 from player.view.camera_animation import load_path
 from player.view.choices import Compare
+from player.view.colors import Colors
 from player.view.dates import date_at
-from player.view.playback import Timeline
+from player.view.holdout_error import Errors
+from player.view.playback import AtEnd, Timeline
 from player.view.split_view import Pair, Pane, panes_of
-from player.view.state import Scene
-from player.view.style import Style
+from player.view.state import Scene, clamped, reopened
+from player.view.style import GroundChoice, Style
 from player.window.dynamic_resolution import Detail, Pace
-from player.window.exports import Exports
+from player.window.export_job import Exports
 from player.window.glfw_window import (
-    events_to,
+    Measures,
     hide_cursor,
+    listen,
     opened,
     shortest_frame,
     switch_fullscreen,
 )
-from player.window.input import Controls
-from player.window.opened_clip import FileWatch, Shown
-from player.window.suited import reopened, suited
-from player.window.window_size import Measures, home_camera
-from player.window.wishes import granted
+from player.window.opened_clip import FileWatch, OpenClip
+from player.window.organ_info import OrganInfo
+from player.window.picking import organ_under
+from player.window.settings import Settings, load_settings, save_settings
+from player.window.viewports import Stage, home_camera
 
-if TYPE_CHECKING:
-    from gclip import Clip
-
+SIZE = (1280, 720)
 NOTICE_SECONDS = 2.5  # that a notice stays at least
 READING = 0.06  # seconds for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
@@ -48,39 +59,107 @@ LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant mu
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
 RESETS = 3  # of the graphics driver that are put up with
-FRESH = 0.7  # seconds that the panel is drawn anew after it was touched: its tips take a while
+# Seconds that pictures go on after the mouse did something: tips take a while.
+FRESH, FRESH_ON_CONTROLS = 0.05, 0.45
+
+
+@dataclass(frozen=True)
+class LaunchOptions:
+    """What the command line asks for; None leaves it to the last time's settings.
+
+    path:  file of a camera path to follow.
+    kiosk: full screen, over and over, nothing to press.
+    """
+
+    size: tuple[int, int] | None = None
+    ground: GroundChoice | None = None
+    turning: bool = False
+    path: Path | None = None
+    kiosk: bool = False
+
+
+def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
+    """Play one clip, or two in step, as the command line and the last time left the window.
+
+    Raises ClipError, and PlayerError as `show` does.
+    """
+    clips = [OpenClip.of(file) for file in files]
+    if style.color_by == "error":
+        Errors(clips[0].clip)
+    last = load_settings()
+    path = None if options.path is None else load_path(options.path, clips[0].clip)
+    style = replace(style, ground=options.ground or last.ground or style.ground)
+    size = options.size or last.size or SIZE
+    beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
+
+    def prepare(scene: Scene) -> Scene:
+        scene = replace(
+            scene,
+            turning=options.turning,
+            panel=last.panel is not False and beside,
+            guides=last.guides is not False,
+            legend=last.legend is not False,
+        )
+        if path is not None:
+            scene = replace(scene, path=path, following=True, turning=False)
+        if options.kiosk:
+            endless = replace(scene.timeline, at_end=AtEnd.LOOP)
+            scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
+        return scene
+
+    scene, size = show(clips, style, size=size, prepare=prepare)
+    if not options.kiosk:
+        kept = last.size if options.size or scene.fullscreen else size
+        panel = scene.panel if beside else last.panel
+        ground = GroundChoice(scene.style.ground)
+        save_settings(Settings(kept, panel, ground, scene.guides, scene.legend))
 
 
 def show(
-    clip: Clip | Sequence[Shown],
+    clips: Clip | Sequence[OpenClip],
     style: Style | None = None,
     *,
     name: str = "plant",
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] = SIZE,
     prepare: Callable[[Scene], Scene] = lambda scene: scene,
     watch: Callable[[Scene], None] = lambda scene: None,
 ) -> tuple[Scene, tuple[int, int]]:
     """Play a clip, or two in step, in a window until the user closes it.
 
-    style:   how it looks at first.
-    name:    what to call the clip in the titles.
-    size:    (width, height) of the window in units of 1/96 inch.
-    prepare: makes the first scene from the usual one.
-    watch:   called with the scene after each picture.
-    Gives the last scene and the window's size. Where the graphics driver is reset, a new window
-    goes on where the lost one was. Raises PlayerError where there is no display, no OpenGL 3.3, or
-    too little of the GPU's memory.
+    Where the graphics driver is reset, a new window goes on where the lost one was.
+
+    Parameters
+    ----------
+    clips : Clip or sequence of OpenClip
+    style : Style, optional
+        How it looks at first.
+    name : str
+        What to call a bare clip in the titles.
+    size : tuple of int
+        (width, height) of the window in units of 1/96 inch.
+    prepare, watch : callable
+        Makes the first scene from the usual one; is called with the scene after each picture.
+
+    Returns
+    -------
+    Scene, tuple of int
+        The last scene, and the window's size.
+
+    Raises
+    ------
+    PlayerError
+        Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
     """
-    shown = tuple(clip) if isinstance(clip, Sequence) else (Shown(clip, name),)
+    shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
     for left in reversed(range(RESETS + 1)):
         with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, style or Style(), prepare)
+            window = Window(handle, shown, style or Style(), prepare, watch)
             try:
-                return window.run(watch), window.size
+                return window.run(), window.size
             except ContextLost:
                 if left == 0:
                     raise
-                shown, lost = window.shown, window.scene
+                shown, lost = window.clips, window.scene
 
                 def prepare(fresh: Scene, lost: Scene = lost) -> Scene:
                     return lost
@@ -90,56 +169,70 @@ def show(
     raise AssertionError("the last one returns or raises")
 
 
+@dataclass(frozen=True)
+class Picture:
+    """All that a picture depends on: what is drawn is compared with what is wanted.
+
+    events: how many the mouse has sent.
+    """
+
+    scene: Scene
+    measures: Measures
+    facts: Facts
+    detail: Detail
+    events: int
+
+    @property
+    def view(self) -> object:
+        """What moves: the day, the camera and the size."""
+        return self.scene.timeline.day, self.scene.camera, self.measures
+
+
 class Window:
     """Clips in one open window, whose OpenGL context is current."""
 
     def __init__(
         self,
         handle: Any,
-        shown: tuple[Shown, ...],
+        clips: tuple[OpenClip, ...],
         style: Style,
         prepare: Callable[[Scene], Scene],
+        watch: Callable[[Scene], None],
     ) -> None:
-        import glfw
-
-        from player.gl.context import from_window
-
-        self._glfw: Any = glfw
-        self._handle = handle
-        self._context: Any = from_window()
-        self._measures = self._measured()
-        self._dropped: list[str] = []
+        self._handle, self._watch = handle, watch
+        self._context = from_window()
+        self._gui = Gui()
         self._exports = Exports()
-        self._shape: object = None  # what the home camera is fitted to
-        self._drawn: object = None  # what the last picture showed
-        self._view: object = None  # its day, camera and size
-        self._touched, self._fresh_until = 0, 0.0
-        self._title = ""
+        self._measures = Measures.of(handle)
+        self._dropped: list[str] = []
+        self._drawn: Picture | None = None
+        self._fresh_until = 0.0
         self._notice, self._notice_ends = "", 0.0
-        self._watch: Callable[[Scene], None] = lambda scene: None
-        self._stage: Any = None
-        self._overlay: Any = None
-        self._show(shown)
-        camera = home_camera(shown[0].clip, (16.0, 9.0))
-        timeline = Timeline.of(shown[0].clip.times).played()
-        scene = Scene(timeline, camera, camera, style, False)
-        self._controls = Controls(prepare(suited(scene, shown)))
+        self._show(clips)
+        camera = home_camera(clips[0].clip, (16.0, 9.0))
+        timeline = Timeline.of(clips[0].clip.times).played()
+        formats = tuple(one.example for one in FORMATS)
+        scene = Scene(timeline, camera, camera, style, False, formats=formats)
+        self.scene = prepare(clamped(scene, [one.clip for one in clips]))
         self._fit()
-        self._fitted()
-        events_to(handle, self._controls, self._to_units, self._draw_again, self._dropped.extend)
-        hide_cursor(handle, self._controls.scene.kiosk)
+        self.scene = replace(self.scene, camera=self.scene.home)
+        listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
+        hide_cursor(handle, self.scene.kiosk)
 
-    def run(self, watch: Callable[[Scene], None]) -> Scene:
+    @property
+    def size(self) -> tuple[int, int]:
+        """In units of 1/96 inch."""
+        width, height = self._measures.units
+        return round(width), round(height)
+
+    def run(self) -> Scene:
         """Draw and listen until the window is closed; gives the last scene."""
-        glfw, self._watch = self._glfw, watch
-        frame = shortest_frame()
-        then = glfw.get_time()
-        while not self._controls.scene.closed and not glfw.window_should_close(self._handle):
+        frame, then = shortest_frame(), glfw.get_time()
+        while not self.scene.closed and not glfw.window_should_close(self._handle):
             now = glfw.get_time()
             self._pass_time(min(now - then, LONGEST_STEP), now)
             then = now
             self._look_at_files()
-            self._answer_click()
             self._follow_window()
             self._draw()
             if self._lively:
@@ -148,62 +241,39 @@ class Window:
             else:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
-        return self._controls.scene
-
-    @property
-    def scene(self) -> Scene:
-        """The present one."""
-        return self._controls.scene
-
-    @property
-    def shown(self) -> tuple[Shown, ...]:
-        """The present clips."""
-        return self._shown
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """In units of 1/96 inch."""
-        width, height = self._measures.units
-        return round(width), round(height)
+        return self.scene
 
     def release(self) -> None:
         self._exports.release()
-        self._overlay.release()
+        self._organs.release()
+        self._gui.release()
         self._stage.release()
 
-    def _show(self, shown: tuple[Shown, ...]) -> None:
+    def _show(self, clips: tuple[OpenClip, ...]) -> None:
         """Take these clips on the stage."""
-        from player.ui.overlay import Overlay
-        from player.view.colors import Colors
-        from player.window.organ_info import OrganFacts
-        from player.window.viewports import Stage
-
-        if self._stage is not None:
-            self._overlay.release()
-            self._stage.release()
-        self._shown = shown
-        clips = [one.clip for one in shown]
-        self._stage = Stage(self._context, clips)
-        self._overlay = Overlay(self._context, clips[0], " · ".join(one.name for one in shown))
-        self._pace = Pace(max(len(interval) for clip in clips for interval in clip.intervals))
-        self._colors, self._organ = Colors(clips[0]), OrganFacts(clips[0])
-        self._files = FileWatch([one.file for one in shown if one.file is not None])
+        self.clips, bare = clips, [one.clip for one in clips]
+        self._stage = Stage(self._context, bare)
+        self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
+        self._pace = Pace(max(len(interval) for clip in bare for interval in clip.intervals))
+        self._colors, self._organs = Colors(bare[0]), OrganInfo(bare[0])
+        self._files = FileWatch([one.file for one in clips if one.file is not None])
         self._pair: Pair | None = None
-        self._drawn = self._view = self._shape = None
+        self._fitted: tuple[float, float] | None = None
+        self._drawn = None
 
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
-        controls, scene = self._controls, self._controls.scene
-        plays = scene.timeline.playing and not controls.scrubbing
-        fresh = self._glfw.get_time() < self._fresh_until
-        return plays or scene.turning or bool(scene.notice) or fresh or not self._stage.whole
+        plays = self.scene.timeline.playing and not self._interface.scrubs
+        fresh = glfw.get_time() < self._fresh_until
+        told = bool(self.scene.notice)
+        return plays or self.scene.turning or told or fresh or not self._stage.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
-        controls, scene = self._controls, self._controls.scene
-        if not controls.scrubbing:
+        scene = self.scene
+        if not self._interface.scrubs:
             scene = scene.clock(lambda t: t.tick(seconds))
-        if scene.turning and not controls.dragging:
+        if scene.turning and not self._interface.drags:
             scene = scene.seen(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
@@ -215,7 +285,7 @@ class Window:
             self._notice, self._notice_ends = scene.notice, now + seconds
         elif scene.notice and now > self._notice_ends:
             scene = scene.told("")
-        controls.scene = scene
+        self.scene = scene
 
     def _look_at_files(self) -> None:
         """Show what was dropped on the window, and what was baked anew."""
@@ -223,152 +293,135 @@ class Window:
         try:
             paths = [name for name in dropped if name.lower().endswith(".json")]
             if paths:
-                path = load_path(Path(paths[0]), self._shown[0].clip)
-                scene = replace(self._controls.scene, path=path, following=True, turning=False)
-                self._controls.scene = scene.told(f"Camera path of {len(path.keys)} keys")
+                path = load_path(Path(paths[0]), self.clips[0].clip)
+                scene = replace(self.scene, path=path, following=True, turning=False)
+                self.scene = scene.told(f"Camera path of {len(path.keys)} keys")
             elif dropped:
-                self._take([Shown.opened(Path(name)) for name in dropped[:2]], fresh=True)
+                self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
-                again = [Shown.opened(one.file) if one.file else one for one in self._shown]
-                self._take(again, fresh=False)
+                self._take([one.reopened() for one in self.clips], fresh=False)
         except (ClipError, PlayerError) as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)
-            self._controls.scene = self._controls.scene.told(told)
+            self.scene = self.scene.told(told)
 
-    def _take(self, shown: Sequence[Shown], fresh: bool) -> None:
+    def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""
-        scene = self._controls.scene
-        self._show(tuple(shown))
-        self._controls.scene = reopened(scene, shown, fresh)
+        scene = self.scene
+        self._organs.release()
+        self._stage.release()
+        self._show(tuple(clips))
+        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
+        self.scene = reopened(scene, [one.clip for one in clips], fresh).told(told)
         self._fit()
         if fresh or scene.camera == scene.home:
-            self._fitted()
+            self.scene = replace(self.scene, camera=self.scene.home)
 
-    def _answer_click(self) -> None:
-        """Pick the organ that was clicked."""
-        controls, scene = self._controls, self._controls.scene
-        clicked, controls.clicked = controls.clicked, None
-        if clicked is None or scene.kiosk or controls.layout is None:
-            return
-        from player.window.picking import organ_under
-
-        panes, clip = self._panes(scene), self._shown[0].clip
-        over, track = organ_under(clip, panes, scene.style, clicked, controls.layout.size)
-        if over:
-            controls.scene = keys.picked(scene, track)
+    def _press(self, key: str, shift: bool, repeated: bool) -> None:
+        if key == "escape" and self._interface.popup:
+            self._gui.press_escape()
+        else:
+            self.scene = keys.pressed(self.scene, key, shift, repeated)
 
     def _follow_window(self) -> None:
         """Take over the window's present size, and give it the state that the scene asks for."""
-        controls = self._controls
-        switch_fullscreen(self._handle, controls.scene.fullscreen)
-        self._measures = self._measured()
+        switch_fullscreen(self._handle, self.scene.fullscreen)
+        self._measures = Measures.of(self._handle)
         self._fit()
-        date = date_at(self._shown[0].clip.scans, controls.scene.timeline.day)
-        title = f"{date} · {self._shown[0].name}"
-        if title != self._title:
-            self._glfw.set_window_title(self._handle, title)
-            self._title = title
+        date = date_at(self.clips[0].clip.scans, self.scene.timeline.day)
+        title = f"{date} · {self.clips[0].name}"
+        if title != glfw.get_window_title(self._handle):
+            glfw.set_window_title(self._handle, title)
 
     def _fit(self) -> None:
-        """Fit the home camera to the part of the window that a plant has."""
-        scene, (width, height) = self._controls.scene, self._measures.units
-        if not self._measures.visible:
-            return
+        """Fit the home camera to the part of the window that a plant has, and keep the camera's
+        place beside it.
+        """
+        scene, (width, height) = self.scene, self._measures.units
         width -= self._aside
         width *= 0.5 if scene.compare is Compare.BESIDE else 1.0
-        if self._shape == (width, height):
+        if not self._measures.visible or self._fitted == (width, height):
             return
-        self._shape = (width, height)
-        clips = [one.clip for one in self._shown]
-        homes = [home_camera(clip, (width, height)) for clip in clips]
-        home = homes[0]
-        if len(clips) > 1:
-            self._pair = Pair.of(clips[0], clips[1], (homes[0], homes[1]))
-            home = self._pair.homes[0]
-        untouched = scene.camera == scene.home
-        camera = home if untouched else scene.camera
-        self._controls.scene = replace(scene, camera=camera, home=home)
-
-    def _fitted(self) -> None:
-        """See the whole plant."""
-        self._controls.scene = replace(self._controls.scene, camera=self._controls.scene.home)
+        first, self._fitted = self._fitted is None, (width, height)
+        homes = [home_camera(one.clip, (width, height)) for one in self.clips]
+        if len(homes) > 1:
+            self._pair = Pair.of(self.clips[0].clip, self.clips[1].clip, (homes[0], homes[1]))
+            homes = list(self._pair.homes)
+        home = homes[0].with_orthographic(scene.camera.orthographic)
+        before = scene.home.with_orthographic(scene.camera.orthographic)
+        camera = scene.camera
+        if camera == before:
+            camera = home
+        elif not first:
+            camera = replace(camera, distance=camera.distance * home.distance / before.distance)
+        self.scene = replace(scene, camera=camera, home=homes[0])
 
     @property
     def _aside(self) -> float:
         """What the panel takes from the window's width, in units."""
-        scene = self._controls.scene
-        return panel_width(self._measures.units[0], scene.panel and not scene.kiosk)
+        return panel_width(self._measures.units[0], self.scene.panel and not self.scene.kiosk)
 
     def _draw(self) -> None:
-        controls, measures, now = self._controls, self._measures, self._glfw.get_time()
-        if controls.touched != self._touched:
-            self._touched, self._fresh_until = controls.touched, now + FRESH
-        fresh = now < self._fresh_until
-        cursor = None if controls.dragging else controls.cursor
-        held = controls.held if isinstance(controls.held, str) else None
-        scene, area = controls.scene, measures.beside(self._aside)
-        view = (scene.timeline.day, scene.camera, measures)
-        moves = view != self._view and scene.wish is None
-        detail = self._pace.detail(area) if moves else Detail()
-        facts = self._facts(scene)
-        wanted = (scene, measures, cursor, held, detail, facts)
-        if not measures.visible or (wanted == self._drawn and self._stage.whole and not fresh):
+        measures, area, now = self._measures, self._measures.beside(self._aside), glfw.get_time()
+        panes = self._panes()
+        wanted = Picture(self.scene, measures, self._facts(panes), Detail(), self._gui.events)
+        moves = self._drawn is None or wanted.view != self._drawn.view
+        if moves and self.scene.wish is None:
+            wanted = replace(wanted, detail=self._pace.detail(area))
+        if self._drawn is None or wanted.events != self._drawn.events:
+            fresh = FRESH_ON_CONTROLS if self._gui.holds_mouse else FRESH
+            self._fresh_until = now + fresh
+        same = wanted == self._drawn and self._stage.whole and now > self._fresh_until
+        if not measures.visible or same:
             return
-        began = self._glfw.get_time()
-        at_rest = (not moves and not self._stage.loading) or scene.wish is not None
-        panes = self._panes(scene)
+        at_rest = (not moves and not self._stage.loading) or self.scene.wish is not None
         patience = None if at_rest else LOADING
         try:
-            self._stage.paint(area, panes, scene.style, detail, patience)
+            self._stage.paint(area, panes, self.scene.style, wanted.detail, patience)
         except ClipError as error:  # cut short while it is open: the last picture stays
-            controls.scene = scene = scene.told(str(error))
-        self._context.screen.use()
-        self._stage.show(self._context.screen, area)
-        if scene.wish is not None:
+            self.scene = self.scene.told(str(error))
+        screen = self._context.screen
+        screen.use()
+        self._stage.show(screen, area)
+        if self.scene.wish is not None:
             pixels = self._stage.pixels(area)
-            controls.scene = scene = granted(scene, self._shown[0], self._exports, area, pixels)
-        wheel, controls.turned = controls.turned, 0.0
-        controls.layout = self._overlay.draw(
-            *(self._context.screen, scene, measures.units, measures.scale, cursor, held),
-            replace(facts, panes=panes if len(panes) > 1 else ()),
-            wheel,
-        )
+            self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
+        facts = wanted.facts
+        self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, facts)
         check_context(self._context)
-        self._glfw.swap_buffers(self._handle)
-        if self._overlay.chosen is not scene and self._overlay.chosen is not None:
-            controls.scene = self._overlay.chosen
-        controls.popup = self._overlay.popup
-        controls.drawn()
+        glfw.swap_buffers(self._handle)
         if moves:
-            self._pace.took(self._glfw.get_time() - began)
-        self._drawn, self._view = wanted, view
-        self._watch(scene)
+            self._pace.took(glfw.get_time() - now)
+        self._drawn = wanted
+        self._pick(panes)
+        self._watch(self.scene)
 
-    def _panes(self, scene: Scene) -> tuple[Pane, ...]:
-        clips, names = [one.clip for one in self._shown], [one.name for one in self._shown]
-        return panes_of(scene, clips, names, self._pair)
+    def _pick(self, panes: Sequence[Pane]) -> None:
+        """Pick the organ that was clicked."""
+        at, area = (
+            self._interface.clicked,
+            (self._measures.units[0] - self._aside, self._measures.units[1]),
+        )
+        if at is None or self.scene.kiosk:
+            return
+        over, track = organ_under(self.clips[0].clip, panes, self.scene.style, at, area)
+        if over:
+            self.scene = keys.picked(self.scene, track)
 
-    def _facts(self, scene: Scene) -> Any:
-        from player.ui.overlay import Facts
+    def _panes(self) -> tuple[Pane, ...]:
+        clips, names = [one.clip for one in self.clips], [one.name for one in self.clips]
+        return panes_of(self.scene, clips, names, self._pair)
 
-        picked = scene.style.picked
-        known = () if picked is None else tuple(self._organ.lines(picked, scene.timeline.day))
-        return Facts(self._colors.color_scale(scene.style), known, (), self._exports.progress)
+    def _facts(self, panes: tuple[Pane, ...]) -> Facts:
+        style, picked = self.scene.style, self.scene.style.picked
+        day = self.scene.timeline.day
+        organ = () if picked is None else tuple(self._organs.lines(picked, day))
+        compared = panes if len(panes) > 1 else ()
+        return Facts(self._colors.color_scale(style), organ, compared, self._exports.progress)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""
         self._drawn = None
         self._follow_window()
         self._draw()
-
-    def _measured(self) -> Measures:
-        glfw, handle = self._glfw, self._handle
-        scale = max(glfw.get_window_content_scale(handle)[0], 0.5)
-        return Measures(
-            tuple(glfw.get_window_size(handle)), tuple(glfw.get_framebuffer_size(handle)), scale
-        )
-
-    def _to_units(self, x: float, y: float) -> tuple[float, float]:
-        return self._measures.to_units(x, y) if self._measures.visible else (x, y)

@@ -1,19 +1,30 @@
-"""An export beside the window: in a process of its own, with progress, and easily stopped."""
+"""Exports beside the window: in a process of their own, with progress, and easily stopped."""
 
 from __future__ import annotations
 
 import multiprocessing
+import signal
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import gclip
+from gclip.errors import ClipError
+from player.atomic_write import free_name
 from player.errors import PlayerError
-
-if TYPE_CHECKING:
-    from player.export.film import Film
+from player.export.film import Film
+from player.export.formats import FORMATS, export, format_of
+from player.export.image import save_screenshot
+from player.ui.panel import Exporting
+from player.view.camera_animation import CameraPath, save_path
+from player.view.choices import Wish
+from player.view.dates import date_at
+from player.view.state import Scene
+from player.window.opened_clip import OpenClip
 
 PATIENCE = 5.0  # seconds that a stopped export has for tidying up
+STILL = "still.png"
 
 
 class Stopped(Exception):
@@ -29,7 +40,7 @@ class State:
     ended: str = ""
 
 
-class Export:
+class ExportJob:
     """One export under way; a process, so that the window stays smooth."""
 
     def __init__(self, clip: Path, film: Film, output: Path) -> None:
@@ -69,12 +80,6 @@ class Export:
 
 def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     """What the process does."""
-    import signal
-
-    import gclip
-    from gclip.errors import ClipError
-    from player.export import export
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
 
     def tell(state: State) -> None:
@@ -91,7 +96,7 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     name = Path(output).name
     try:
         export(gclip.open(clip), film, Path(output), progress)
-        ended = f"Saved {output}"
+        ended = saved(Path(output))
     except Stopped:
         ended = f"Stopped: {name} was not written."
     except (PlayerError, ClipError) as error:
@@ -100,3 +105,117 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
         ended = f"Exporting {name} failed: {error or type(error).__name__}."
     with suppress(Stopped):
         tell(State(ended=ended))
+
+
+class Exports:
+    """What the user asks for once: pictures, camera paths in files, and one export at a time."""
+
+    def __init__(self) -> None:
+        self._running: ExportJob | None = None
+
+    @property
+    def progress(self) -> Exporting | None:
+        """Of the export under way, if there is one."""
+        if self._running is None:
+            return None
+        state = self._running.state
+        return Exporting(self._running.name, state.done, state.total)
+
+    def look(self) -> str:
+        """What to tell the user: "" unless an export has just ended."""
+        if self._running is None:
+            return ""
+        ended = self._running.look().ended
+        if ended:
+            self._running = None
+        return ended
+
+    def execute(
+        self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
+    ) -> Scene:
+        """Do what a scene wishes for.
+
+        Parameters
+        ----------
+        scene : Scene
+        opened : OpenClip
+        area : tuple of int
+            (width, height) in pixels of the part of the window that shows the plant.
+        pixels : bytes
+            Its RGB, bottom row first.
+
+        Returns
+        -------
+        Scene
+            Without the wish, and with what came of it.
+        """
+        wish, scene = scene.wish, replace(scene, wish=None)
+        try:
+            if wish is Wish.SAVE_PATH:
+                return scene.told(_save_path(scene, opened))
+            name, still = opened.name, wish is Wish.PICTURE
+            if still:
+                name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
+                plain = scene.output.size is None and not scene.output.transparent
+                if plain or opened.file is None:
+                    return scene.told(saved(save_screenshot(pixels, area, name)))
+            if opened.file is None:
+                return scene.told("Only clips that were opened from a file can be exported.")
+            return scene.told(self._toggle(scene, opened.file, name, area, still))
+        except PlayerError as error:
+            return scene.told(str(error))
+
+    def release(self) -> None:
+        if self._running is not None:
+            self._running.release()
+
+    def _toggle(
+        self, scene: Scene, clip: Path, name: str, area: tuple[int, int], still: bool
+    ) -> str:
+        """Begin an export of what the scene shows, or stop the one under way."""
+        if self._running is not None:
+            self._running.stop()
+            return "Stopping …"
+        example = STILL if still else scene.output.example
+        output = free_name(name, example)
+        film = film_of(scene, example, area, name)
+        format_of(output, film)
+        self._running = ExportJob(clip, film, output)
+        return f"Exporting {output}"
+
+
+def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:
+    """The film that shows what the scene does: from the same place, in the same colours.
+
+    A picture narrower than the window is taken from farther away, so that nothing is cut off.
+    """
+    chosen = next(one for one in FORMATS if one.example == example)
+    width, height = scene.output.size or (area[0] // 2 * 2, area[1] // 2 * 2)
+    wider = min((width / height) / (area[0] / area[1]), 1.0)
+    cameras = scene.path.keys if scene.following else ((scene.timeline.day, scene.camera),)
+    path = CameraPath(tuple((day, camera.zoom(wider)) for day, camera in cameras))
+    return Film(
+        size=(max(width, 16), max(height, 16)),
+        turning=scene.turning,
+        style=scene.style,
+        at=(scene.timeline.day,) if chosen.days == 1 else (),
+        transparent=scene.output.transparent and chosen.suffix == ".png",
+        name=name,
+        path=path,
+    )
+
+
+def saved(file: Path) -> str:
+    """What to tell the user of a new file: its name, and the folder that it is in."""
+    folder = file.parent.absolute()
+    home = Path.home()
+    short = "~" / folder.relative_to(home) if folder.is_relative_to(home) else folder
+    return f"Saved {file.name} in {short}"
+
+
+def _save_path(scene: Scene, opened: OpenClip) -> str:
+    if not scene.path:
+        return "Add camera keys first: K, on two days or more."
+    file = Path(f"{opened.name}.camera.json")
+    save_path(scene.path, opened.clip, file)
+    return saved(file)

@@ -3,19 +3,62 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+import glfw as untyped
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
 
 if TYPE_CHECKING:
-    from player.window.input import Controls
+    from player.ui.gui import Gui
+
+glfw: Any = untyped  # its stubs leave out what handlers are given
 
 SMALLEST = (320, 240)  # units
 EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
+
+
+@dataclass(frozen=True)
+class Measures:
+    """The sizes of a window, which differ on displays of high density.
+
+    window:      (width, height) in the system's own coordinates, those of the mouse.
+    framebuffer: (width, height) in pixels; zero while the window is minimised.
+    scale:       pixels in a unit of 1/96 inch (the system's content scale).
+    """
+
+    window: tuple[int, int]
+    framebuffer: tuple[int, int]
+    scale: float
+
+    @classmethod
+    def of(cls, handle: Any) -> Measures:
+        """Those that a window has now."""
+        scale = max(glfw.get_window_content_scale(handle)[0], 0.5)
+        return cls(glfw.get_window_size(handle), glfw.get_framebuffer_size(handle), scale)
+
+    @property
+    def visible(self) -> bool:
+        return min(*self.window, *self.framebuffer) > 0
+
+    @property
+    def units(self) -> tuple[float, float]:
+        """(width, height) in units."""
+        return self.framebuffer[0] / self.scale, self.framebuffer[1] / self.scale
+
+    def to_units(self, x: float, y: float) -> tuple[float, float]:
+        """From the mouse's coordinates to units."""
+        width, height = self.units
+        return x * width / max(self.window[0], 1), y * height / max(self.window[1], 1)
+
+    def beside(self, aside: float) -> tuple[int, int]:
+        """(width, height) in pixels of what is left beside `aside` units."""
+        width, height = self.framebuffer
+        return max(width - round(aside * self.scale), 1), height
 
 
 @contextmanager
@@ -25,10 +68,6 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
     size: (width, height) in units of 1/96 inch.
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
-    if sys.platform == "darwin":
-        # Two copies of GLFW clash there; imgui-bundle brings one and makes `glfw` use it.
-        import imgui_bundle  # noqa: F401
-    import glfw
 
     reasons: list[str] = []
     glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason)))
@@ -57,7 +96,6 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
 
 def _created(size: tuple[int, int], title: str) -> Any:
     """A window with the newest OpenGL of VERSIONS that there is, or nothing."""
-    import glfw
 
     glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
@@ -75,29 +113,33 @@ def _created(size: tuple[int, int], title: str) -> Any:
 
 def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
     """The same where Mesa draws it on the CPU, slower: a GPU's driver may be broken."""
-    import glfw
 
     os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
     glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
     return _created(size, title) if glfw.init() else None
 
 
-def events_to(
+def listen(
     handle: Any,
-    controls: Controls,
-    to_units: Callable[[float, float], tuple[float, float]],
+    gui: Gui,
+    key: Callable[[str, bool, bool], None],
     draw_again: Callable[[], None],
-    dropped: Callable[[list[str]], None] = lambda names: None,
+    dropped: Callable[[list[str]], None],
 ) -> None:
-    """Hand the window's events on to `controls`.
+    """Hand the window's events on.
 
-    to_units:   from the cursor's coordinates to units.
-    draw_again: called when the system needs the picture anew.
-    dropped:    called with the names of files dropped on the window.
+    Parameters
+    ----------
+    handle : GLFW window
+    gui : Gui
+        Gets the mouse's.
+    key : callable
+        Gets a key's name, or the character typed; whether shift is held; whether it repeats.
+    draw_again : callable
+        Called when the system needs the picture anew.
+    dropped : callable
+        Gets the names of files dropped on the window.
     """
-    import glfw as untyped
-
-    glfw: Any = untyped
     named = {
         code: name.removeprefix("KEY_").lower()
         for name, code in vars(glfw).items()
@@ -115,42 +157,38 @@ def events_to(
         repeating, shifted = action == glfw.REPEAT, bool(modifiers & glfw.MOD_SHIFT)
         shortcut = modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER)
         if action != glfw.RELEASE and code in named and not shortcut:
-            controls.key(named[code], bool(modifiers & glfw.MOD_SHIFT), repeating)
+            key(named[code], shifted, repeating)
 
     def on_character(_: Any, code: int) -> None:
         # Characters, not key codes: "?" and "+" are elsewhere on every keyboard layout.
-        controls.key(chr(code).lower(), shifted, repeating)
+        key(chr(code).lower(), shifted, repeating)
 
-    def on_button(window: Any, code: int, action: int, modifiers: int) -> None:
-        if code not in buttons:
-            return
-        if action == glfw.PRESS:
-            controls.press(buttons[code], bool(modifiers & glfw.MOD_SHIFT))
-        else:
-            controls.release(buttons[code])
+    def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
+        if code in buttons:
+            gui.press(buttons[code], action == glfw.PRESS, bool(modifiers & glfw.MOD_SHIFT))
+
+    def on_move(_: Any, x: float, y: float) -> None:
+        gui.move_mouse(*Measures.of(handle).to_units(x, y))
 
     glfw.set_key_callback(handle, on_key)
     glfw.set_char_callback(handle, on_character)
     glfw.set_mouse_button_callback(handle, on_button)
-    glfw.set_cursor_pos_callback(handle, lambda _, x, y: controls.move(*to_units(x, y)))
-    glfw.set_cursor_enter_callback(handle, lambda _, entered: None if entered else controls.leave())
-    glfw.set_scroll_callback(handle, lambda _, right, up: controls.wheel(up))
+    glfw.set_cursor_pos_callback(handle, on_move)
+    glfw.set_cursor_enter_callback(handle, lambda _, entered: None if entered else gui.lose_mouse())
+    glfw.set_scroll_callback(handle, lambda _, right, up: gui.turn_wheel(up))
     glfw.set_window_refresh_callback(handle, lambda _: draw_again())
     glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
 
 
 def hide_cursor(handle: Any, wanted: bool) -> None:
     """Over the window."""
-    import glfw
 
     glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN if wanted else glfw.CURSOR_NORMAL)
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:
     """Go to the full screen of the monitor that shows most of the window, or back from it."""
-    import glfw as untyped
 
-    glfw: Any = untyped
     if wanted == bool(glfw.get_window_monitor(handle)):
         return
     if wanted:
@@ -166,7 +204,6 @@ def switch_fullscreen(handle: Any, wanted: bool) -> None:
 
 def shortest_frame() -> float:
     """Seconds below which the next picture would not be shown anyway."""
-    import glfw
 
     monitor = glfw.get_primary_monitor()
     rate = glfw.get_video_mode(monitor).refresh_rate if monitor else 0
@@ -174,7 +211,6 @@ def shortest_frame() -> float:
 
 
 def _monitor_of(handle: Any) -> Any:
-    import glfw
 
     left, top = glfw.get_window_pos(handle)
     width, height = glfw.get_window_size(handle)

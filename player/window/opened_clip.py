@@ -1,18 +1,17 @@
-"""What a window shows: clips and their files."""
+"""Clips and the files that they come from."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from gclip import Clip
+import gclip
+from gclip import Clip
 
 
 @dataclass(frozen=True)
-class Shown:
+class OpenClip:
     """A clip, what the user calls it, and the file that it comes from, if any."""
 
     clip: Clip
@@ -20,11 +19,13 @@ class Shown:
     file: Path | None = None
 
     @classmethod
-    def opened(cls, file: Path) -> Shown:
+    def of(cls, file: Path) -> OpenClip:
         """Raises ClipError where it is no clip."""
-        import gclip
-
         return cls(gclip.open(file), file.stem, file)
+
+    def reopened(self) -> OpenClip:
+        """As its file is now. Raises ClipError where that is no clip any more."""
+        return self if self.file is None else OpenClip.of(self.file)
 
 
 class FileWatch:

@@ -2,39 +2,46 @@
 
 from __future__ import annotations
 
-import threading
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
+from gclip import Clip
 from gclip.errors import ClipError
 from player.view.dates import date_at
-
-if TYPE_CHECKING:
-    from gclip import Clip
-    from traits import Measurement
+from traits import Measurement, measure
 
 PAUSE = 0.7  # seconds between measurements while time goes on
 
 
-class OrganFacts:
+class OrganInfo:
     """Measures organs in a thread; the window never waits for it."""
 
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
-        self._thread: threading.Thread | None = None
+        self._pool = ThreadPoolExecutor(1)
+        self._running: Future[None] | None = None
         self._asked: tuple[int, float] | None = None
-        self._found: tuple[tuple[int, float], Measurement | None] | None = None
+        self._found: tuple[int, Measurement | None] | None = None
         self._ended = 0.0
 
-    @property
-    def busy(self) -> bool:
-        """Whether an answer is on its way."""
-        return self._thread is not None and self._thread.is_alive()
+    def release(self) -> None:
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
     def lines(self, track: int, day: float) -> list[tuple[str, str]]:
-        """(what, value) pairs about an organ on a day, for people; the length may be of a moment
-        ago while the plant grows.
+        """What to tell about an organ on a day.
+
+        Parameters
+        ----------
+        track : int
+            Its row in the clip's table.
+        day : float
+            In the clip's time.
+
+        Returns
+        -------
+        list of (str, str)
+            What and its value; the length may be of a moment ago while the plant grows.
         """
         clip, organ = self._clip, self._clip.track_table[track]
         self._ask(track, day)
@@ -47,7 +54,7 @@ class OrganFacts:
             facts.append(("lost", date_at(clip.scans, organ.lost)))
         if not seen and day >= organ.born and clip.time_unit == "days":
             facts.append(("age", f"{day - organ.born:.1f} days"))
-        if self._found is not None and self._found[0][0] == track:
+        if self._found is not None and self._found[0] == track:
             facts += self._measured(self._found[1])
         return facts
 
@@ -63,19 +70,16 @@ class OrganFacts:
         ]
 
     def _ask(self, track: int, day: float) -> None:
-        new = self._asked is None or self._asked[0] != track
-        if self._asked == (track, day) or self.busy:
-            return
-        if not new and time.monotonic() < self._ended + PAUSE:
+        busy = self._running is not None and not self._running.done()
+        same = self._asked is not None and self._asked[0] == track
+        soon = same and time.monotonic() < self._ended + PAUSE
+        if busy or soon or self._asked == (track, day):
             return
         self._asked = (track, day)
-        self._thread = threading.Thread(target=self._measure, args=self._asked, daemon=True)
-        self._thread.start()
+        self._running = self._pool.submit(self._measure, track, day)
 
     def _measure(self, track: int, day: float) -> None:
-        from traits import measure
-
         with suppress(ClipError):  # cut short while it is open: who draws it tells
             found = measure(self._clip, day, only=[track])
-            self._found = ((track, day), found[0] if found else None)
+            self._found = (track, found[0] if found else None)
         self._ended = time.monotonic()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from player.gl.gl_errors import pictures_of
 from player.rendering.renderer import Renderer
+from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.split_view import Pane
 from player.window.dynamic_resolution import Detail, Enlarger
@@ -14,6 +15,19 @@ from player.window.dynamic_resolution import Detail, Enlarger
 if TYPE_CHECKING:
     from gclip import Clip
     from player.view.style import Style
+
+ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
+
+
+def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
+    """The whole plant in the part of a window that title and timeline leave free.
+
+    size: (width, height) of the window in units.
+    """
+    width, height = size
+    free = max(height - ABOVE - BELOW, 0.3 * height)
+    camera = Camera.home(clip, width / free).zoom(free / height)
+    return camera.pan(0.0, (BELOW - ABOVE) / 2 / height)
 
 
 class Stage:

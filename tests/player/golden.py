@@ -25,6 +25,8 @@ from player.export.film import Film
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
 from player.rendering.points import RasterBackend
+from player.ui.gui import Gui
+from player.ui.interface import Facts, Interface
 from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
@@ -32,13 +34,10 @@ from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
-from player.view.state import Scene
+from player.view.state import Scene, clamped
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail
-from player.window.opened_clip import Shown
-from player.window.suited import suited
-from player.window.viewports import Stage
-from player.window.window_size import Measures, home_camera
+from player.window.viewports import Stage, home_camera
 from tests.player.drawn import drawn
 
 FOLDER = Path(__file__).parent / "pictures"
@@ -151,22 +150,20 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
     def draw() -> Picture:
         clip = clip_of(plant)
         size = (round(WINDOW[0] * DENSITY), round(WINDOW[1] * DENSITY))
-        measures = Measures(size, size, DENSITY)
         camera = home_camera(clip, WINDOW)
         plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, False)
-        shown = replace(suited(plain, [Shown(clip, plant)]), **scene)
+        shown = replace(clamped(plain, [clip]), **scene)
         panes = panes_of(shown, [clip], [plant])
-        from player.ui.overlay import Facts, Overlay
-
         facts = Facts(Colors(clip).color_scale(style), panes=panes if len(panes) > 1 else ())
         with _screen(size) as (context, screen):
-            stage, overlay = Stage(context, [clip]), Overlay(context, clip, plant)
+            stage, gui = Stage(context, [clip]), Gui()
+            interface = Interface(gui, clip, plant)
             for _ in range(3):  # a panel learns its sizes as it is drawn
                 stage.paint(size, panes, style, Detail(), None)
                 screen.use()
                 stage.show(screen, size)
-                overlay.draw(screen, shown, measures.units, DENSITY, facts=facts)
-            overlay.release()
+                interface.draw(screen, shown, WINDOW, DENSITY, facts)
+            gui.release()
             stage.release()
             return _read(screen)
 

@@ -15,30 +15,23 @@ import numpy as np
 
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
-from player.ui.layout import Layout, arrange
+from player.ui.timeline import Line
 
 SIZE = (640, 480)
 TIMES = (0.0, 2.0, 3.0)
 DATES = ("2020-03-08", "2020-03-10", "2020-03-11")
 
-# Shows clips and tells after each picture what is seen, and where the panel's checkboxes are.
+# Shows clips and tells after each picture what is seen, and where the controls are.
 SHOW = """
 import json, sys, time
 from dataclasses import replace
 from pathlib import Path
-from imgui_bundle import imgui
-from player.ui.panel_widgets import Widgets
-from player.window.opened_clip import Shown
+import pytest
 from player.window.app import show
+from player.window.opened_clip import OpenClip
+from tests.player.desk import Places
 
-switches, switch = {}, Widgets.switch
-
-def placed(self, label, on, action):
-    (x, y), half = imgui.get_cursor_screen_pos(), imgui.get_frame_height() / 2
-    switches[label] = (x + half, y + half)
-    return switch(self, label, on, action)
-
-Widgets.switch = placed
+places = Places(pytest.MonkeyPatch()).found
 
 def tell(scene):
     t, c, s = scene.timeline, scene.camera, scene.style
@@ -53,14 +46,15 @@ def tell(scene):
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
         "panel": scene.panel, "help": scene.help, "notice": scene.notice,
         "fullscreen": scene.fullscreen, "output": scene.output.example,
-        "switches": switches, "clock": time.monotonic(),
+        "places": places, "clock": time.monotonic(),
     }), flush=True)
+    places.clear()
 
 if __name__ == "__main__":
     width, height = map(int, sys.argv[1:3])
     changes, files = json.loads(sys.argv[3]), sys.argv[4:]
-    shown = [Shown.opened(Path(file)) for file in files]
-    show(shown, size=(width, height), watch=tell, prepare=lambda scene: replace(scene, **changes))
+    clips = [OpenClip.of(Path(file)) for file in files]
+    show(clips, size=(width, height), watch=tell, prepare=lambda scene: replace(scene, **changes))
 """
 
 # Tells every program on the display that it is twice as dense, while a client keeps it alive.
@@ -93,7 +87,9 @@ class Shown:
     ) -> None:
         """changes: of the first scene. before: code that runs before all else."""
         files = clips if isinstance(clips, list) else [clips]
-        self.environment = {**os.environ, **display}
+        root = str(Path(__file__).parents[2])
+        paths = [root, os.environ.get("PYTHONPATH", "")]
+        self.environment = {**os.environ, **display, "PYTHONPATH": os.pathsep.join(paths)}
         self.states: list[State] = []
         self.process = subprocess.Popen(
             [sys.executable, "-c", before + SHOW, *map(str, size), json.dumps(changes),
@@ -151,6 +147,22 @@ class Shown:
     def point(self, x: float, y: float) -> None:
         self.xdotool("mousemove", round(x), round(y))
 
+    def middle(self, name: str) -> tuple[float, float]:
+        """Of a control, by its action."""
+        left, top, right, bottom = self.states[-1]["places"][name]
+        return (left + right) / 2, (top + bottom) / 2
+
+    def on_line(self, day: float) -> tuple[float, float]:
+        """Where a day stands on the timeline."""
+        left, top, right, bottom = self.states[-1]["places"]["timeline"]
+        half, times = (bottom - top) / 4, self.states[-1]["times"]
+        line = Line(left + half, right - half, (top + bottom) / 2, tuple(times))
+        return line.x_of(day), line.height
+
+    def click(self, x: float, y: float) -> None:
+        """Without waiting: what a click means must not depend on when pictures come."""
+        self.xdotool("mousemove", round(x), round(y), "click", 1)
+
     def end(self) -> None:
         self.process.kill()
         self.process.wait()
@@ -176,7 +188,3 @@ def small_clip(
         (Track(0, "stem", (90, 160, 60)), Track(1, leaf, (60, 90, 200), parent=0)),
         spacing=0.1,
     )
-
-
-def layout(size: tuple[float, float] = SIZE) -> Layout:
-    return arrange(size, TIMES, DATES, DATES, lambda text, height: 1.0)

@@ -57,14 +57,14 @@ def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
     from player.rendering.point_buffers import Portion, estimate
     from player.rendering.splat_radius import ClosingDistances
-    from player.ui.layout import arrange
+    from player.ui.timeline import Line, labels_on
     from player.view.camera import Camera
     from player.view.camera_animation import CameraPath
     from player.view.colors import Colors
     from player.view.dates import date_at, elapsed, short_dates
     from player.view.playback import Timeline
     from player.view.style import Style
-    from player.window.window_size import home_camera
+    from player.window.viewports import home_camera
 
     dates = [scan.date for scan in clip.scans]
     home = Camera.home(clip, ASPECT)
@@ -89,7 +89,9 @@ def loaded(clip: Clip) -> None:
     assert all(estimate(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)
     assert np.isfinite(timeline.day)
-    arrange((1280.0, 720.0), clip.times, dates, short_dates(dates), lambda text, size: len(text))
+    line = Line(50.0, 1100.0, 650.0, tuple(clip.times))
+    for texts in (dates, short_dates(dates)):
+        labels_on(line, texts, (8.0, 1270.0), len)
 
 
 def exported(clip: Clip, suffix: str) -> None:
@@ -122,27 +124,16 @@ def drawn(clip: Clip, path: Path) -> None:
 def overlaid(clip: Clip, path: Path) -> None:
     """What lies over the plant in the window: names and dates as a clip has them."""
     from player.gl.context import headless
-    from player.ui.overlay import Facts, Overlay
-    from player.view.camera import Camera
-    from player.view.playback import Timeline
-    from player.view.state import Scene
-    from player.view.style import Style
+    from player.ui.interface import Facts
+    from tests.player.desk import Desk, scene_of
 
     context = headless()
-    framebuffer = context.simple_framebuffer((900, 500))
-    framebuffer.use()
-    overlay = Overlay(context, clip, path.name)
-    camera, timeline = Camera.home(clip), Timeline.of(clip.times)
-    style = Style(color_by="track", picked=0)
     name = clip.track_table[0].name
+    facts = Facts(organ=((name, name),))
     for day, notice in ((clip.times[0], name), (clip.times[-1], "")):
-        scene = Scene(timeline.at(day), camera, camera, style, False, len(clip.track_table))
-        scene = scene.told(notice)
-        for panel in (True, False):
-            shown = scene if not panel else scene.switched("panel")
-            facts = Facts(organ=((name, name),))
-            overlay.draw(framebuffer, shown, (900.0, 500.0), 1.0, (450.0, 470.0), None, facts)
-    assert context.error == "GL_NO_ERROR"
-    overlay.release()
-    framebuffer.release()
+        scene = scene_of(clip, day, color_by="track", picked=0).told(notice)
+        for shown in (scene, scene.switched("panel")):
+            desk = Desk(context, clip, shown, facts=facts, name=path.name)
+            desk.point((450.0, 570.0))
+            desk.release()
     context.release()

@@ -199,7 +199,7 @@ def test_a_screenshot_takes_a_free_name(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.chdir(tmp_path)
     picture = np.arange(4 * 3 * 3, dtype=np.uint8).reshape(4, 3, 3)
     for name in ("plant-day-1.png", "plant-day-1-2.png"):
-        assert save_screenshot(picture[::-1].tobytes(), (3, 4), "plant / day 1") == f"Saved {name}"
+        assert save_screenshot(picture[::-1].tobytes(), (3, 4), "plant / day 1") == Path(name)
         assert (iio.imread(name) == picture).all()
     assert only(tmp_path) == ["plant-day-1-2.png", "plant-day-1.png"]
 

@@ -1,7 +1,7 @@
 """The one table: nothing in it is ambiguous, and all of it reaches the help and the handling."""
 
 from player.ui import keys
-from player.ui.layout import PANEL, TIMELINE, TOP_BUTTONS, WIPE
+from player.ui.interface import TINY_TOOLS, TOOLS
 
 
 def test_no_key_means_two_things() -> None:
@@ -21,8 +21,9 @@ def test_every_named_key_is_one_that_glfw_reports() -> None:
 
 
 def test_every_button_does_an_action() -> None:
-    for name in (*TOP_BUTTONS, "previous", "play", "next", "at end", "faster", "slower"):
+    for name in TOOLS:
         assert keys.action(name).help
+    assert set(TINY_TOOLS) < set(TOOLS)
 
 
 def test_the_help_lists_every_key_and_every_drag() -> None:
@@ -47,8 +48,3 @@ def test_shift_counts_only_where_the_table_says_so() -> None:
     assert keys.drag_for("left", shift=True).name == "pan"  # type: ignore[union-attr]
     assert keys.drag_for("right", shift=True).name == "pan"  # type: ignore[union-attr]
     assert keys.drag_for("fourth", shift=False) is None
-
-
-def test_places_are_no_actions() -> None:
-    names = {action.name for action in keys.ACTIONS}
-    assert not names & {TIMELINE, PANEL, WIPE}

@@ -9,7 +9,7 @@ import pytest
 
 from player.atomic_write import free_name
 from player.export.film import Film
-from player.window.export_job import Export
+from player.window.export_job import ExportJob
 from tests.player.conftest import ClipMaker
 
 LONG = Film(size=(640, 480), seconds=600.0)
@@ -21,7 +21,7 @@ def saved(make_clip: ClipMaker, tmp_path: Path) -> Path:
     return tmp_path / "plant.gclip"
 
 
-def ended(export: Export) -> str:
+def ended(export: ExportJob) -> str:
     deadline = time.monotonic() + 60.0
     while not export.look().ended:
         assert time.monotonic() < deadline
@@ -37,18 +37,18 @@ def begun(folder: Path) -> None:
 
 
 def test_it_ends_with_a_file(saved: Path) -> None:
-    export = Export(saved, Film(size=(64, 48), at=(1.0,)), saved.parent / "still.png")
+    export = ExportJob(saved, Film(size=(64, 48), at=(1.0,)), saved.parent / "still.png")
     assert "Saved" in ended(export)
     assert (saved.parent / "still.png").is_file()
 
 
 def test_what_fails_says_so_in_one_sentence(saved: Path) -> None:
-    export = Export(saved.parent / "none.gclip", Film(), saved.parent / "a.png")
+    export = ExportJob(saved.parent / "none.gclip", Film(), saved.parent / "a.png")
     assert "none.gclip" in ended(export)
 
 
 def test_a_stopped_one_leaves_nothing(saved: Path) -> None:
-    export = Export(saved, LONG, saved.parent / "out.mp4")
+    export = ExportJob(saved, LONG, saved.parent / "out.mp4")
     begun(saved.parent)
     export.stop()
     assert "Stopped" in ended(export)
@@ -61,11 +61,11 @@ import sys, time
 from pathlib import Path
 from player.export.film import Film
 from player.atomic_write import free_name
-from player.window.export_job import Export
+from player.window.export_job import ExportJob
 if __name__ == "__main__":
     folder = Path({str(saved.parent)!r})
     film = Film(size=(640, 480), seconds=600.0)
-    export = Export(folder / "plant.gclip", film, folder / "out.mp4")
+    export = ExportJob(folder / "plant.gclip", film, folder / "out.mp4")
     time.sleep(600)
 """
     window = subprocess.Popen([sys.executable, "-c", code])

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.player.shown import SIZE, Shown, layout
+from tests.player.shown import SIZE, Shown
 
 
 def test_it_plays_by_itself_and_space_pauses(opened: Shown) -> None:
@@ -34,19 +34,18 @@ def test_time_passes_at_the_clock_s_pace_not_the_frames_(shown: Shown) -> None:
 
 
 def test_a_click_on_a_scan_s_mark_goes_to_that_scan(shown: Shown) -> None:
-    shown.point(layout().x_of(2.0), layout().line)
-    shown.xdotool("click", 1)
+    shown.click(*shown.on_line(2.0))
     shown.until(lambda state: state["day"] == 2.0)
     shown.until(lambda state: "2020-03-10" in shown.xdotool("getwindowfocus", "getwindowname"))
 
 
 def test_dragging_the_timeline_scrubs_there_and_back(shown: Shown) -> None:
-    place = layout()
-    shown.drag(1, (place.x_of(0.0), place.line), (place.x_of(1.3), place.line - 60))
+    start, (x, y) = shown.on_line(0.0), shown.on_line(1.3)
+    shown.drag(1, start, (x, y - 60))
     state = shown.until(lambda state: state["day"] > 1.0)
     assert shown.settled()["day"] == pytest.approx(1.3, abs=0.02)
     assert state["at_home"]
-    shown.drag(1, (place.x_of(1.3), place.line), (5, place.line))
+    shown.drag(1, (x, y), (5, y))
     shown.until(lambda state: state["day"] == 0.0)
 
 
@@ -107,8 +106,7 @@ def test_keys_change_the_look_the_speed_and_the_end(shown: Shown) -> None:
 
 
 def test_the_play_button_plays(shown: Shown) -> None:
-    shown.point(*layout().buttons["play"].middle)
-    shown.xdotool("click", 1)
+    shown.click(*shown.middle("play"))
     shown.until(lambda state: state["playing"] and state["day"] > 0.0)
 
 
@@ -125,6 +123,7 @@ def test_a_screenshot_is_saved_where_the_user_stands(shown: Shown, clip_file: Pa
 
     shown.key("s")
     notice = shown.until(lambda state: state["notice"].startswith("Saved"))["notice"]
-    with Image.open(clip_file.parent / notice.removeprefix("Saved ")) as picture:
+    assert notice.endswith(str(clip_file.parent)), "the folder, too"
+    with Image.open(clip_file.parent / notice.split()[1]) as picture:
         assert picture.size == SIZE
         assert len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0)) > 20

@@ -10,8 +10,9 @@ import pytest
 
 from player.errors import PlayerError
 from player.window.app import show
-from player.window.window_size import Measures, home_camera
-from tests.player.shown import DENSE, SIZE, TIMES, Shown, layout, small_clip
+from player.window.glfw_window import Measures
+from player.window.viewports import ABOVE, BELOW, home_camera
+from tests.player.shown import DENSE, SIZE, TIMES, Shown, small_clip
 
 
 def test_a_new_size_brings_a_new_home(shown: Shown) -> None:
@@ -20,9 +21,7 @@ def test_a_new_size_brings_a_new_home(shown: Shown) -> None:
     shown.xdotool("windowsize", window, 400, 700)
     after = shown.until(lambda state: state["home"] != before["home"])
     assert after["at_home"]
-    wide = layout((400.0, 700.0))
-    shown.point(wide.x_of(2.0), wide.line)
-    shown.xdotool("click", 1)
+    shown.click(*shown.on_line(2.0))
     shown.until(lambda state: state["day"] == 2.0)
     shown.xdotool("windowsize", window, *SIZE)
     shown.until(lambda state: state["home"] == before["home"])
@@ -49,8 +48,8 @@ def test_a_dense_display_gets_more_pixels_and_the_mouse_stays_right(
 ) -> None:
     dense = Shown(display, clip_file, SIZE, before=DENSE)
     try:
-        place = layout()
-        dense.point(2 * place.x_of(2.0), 2 * place.line)
+        x, y = dense.on_line(2.0)
+        dense.point(2 * x, 2 * y)
         assert "1280x960" in dense.xdotool("getwindowfocus", "getwindowgeometry")
         dense.key("space")
         dense.xdotool("click", 1)
@@ -92,8 +91,6 @@ def test_a_minimised_window_is_not_visible() -> None:
 
 @pytest.mark.parametrize("size", [(320, 240), (480, 360), (1280, 720), (500, 1400)])
 def test_home_shows_the_plant_between_titles_and_timeline(size: tuple[int, int]) -> None:
-    from player.ui.layout import ABOVE_PLANT, BELOW_PLANT
-
     clip, (width, height) = small_clip(), size
     camera = home_camera(clip, size)
     matrix = camera.projection(width / height) @ camera.view()
@@ -101,5 +98,5 @@ def test_home_shows_the_plant_between_titles_and_timeline(size: tuple[int, int])
         corners = np.c_[clip.at(day).local, np.ones(200)] @ matrix.T
         x, y = (corners[:, :2] / corners[:, 3:]).T
         assert np.abs(x).max() <= 1.0
-        assert ((1 - y) / 2 * height).min() >= min(ABOVE_PLANT, 0.3 * height) - 0.01 * height
-        assert ((1 + y) / 2 * height).min() >= min(BELOW_PLANT, 0.38 * height) - 0.01 * height
+        assert ((1 - y) / 2 * height).min() >= min(ABOVE, 0.3 * height) - 0.01 * height
+        assert ((1 + y) / 2 * height).min() >= min(BELOW, 0.38 * height) - 0.01 * height

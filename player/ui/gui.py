@@ -1,0 +1,116 @@
+"""Dear ImGui over the picture: its context, fonts and events, drawn by its own OpenGL backend.
+
+All lengths are in units of 1/96 inch as the screen reports it: the same size on every display. For
+their sake, and for Wayland's, which imgui-bundle's copy of GLFW knows nothing of, the window hands
+its events on here, in place of ImGui's backend for GLFW.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from player.ui.theme import Theme, dress
+from player.view.fonts import BOLD, ICONS, REGULAR, font_file
+
+if TYPE_CHECKING:
+    import moderngl
+
+STILL = 4.0  # units that the mouse may move between press and release of a click
+NOWHERE = -1e6
+BUTTONS = ("left", "right", "middle")  # in ImGui's order
+
+
+class Gui:
+    """`begin`, ImGui's own calls, `end`: once for every picture, in the OpenGL context in use.
+
+    bold:   the second font; the first is the default, and both have the icons.
+    events: counts what the mouse did.
+    """
+
+    def __init__(self) -> None:
+        self._own = imgui.create_context()
+        imgui.set_current_context(self._own)
+        io = imgui.get_io()
+        io.set_ini_filename("")
+        io.set_log_filename("")
+        io.mouse_drag_threshold = STILL
+        merged = imgui.ImFontConfig()
+        merged.merge_mode = True
+        merged.glyph_offset = imgui.ImVec2(0.0, 1.0)
+        for name in (REGULAR, BOLD):
+            font = io.fonts.add_font_from_file_ttf(font_file(name), 16.0)
+            io.fonts.add_font_from_file_ttf(font_file(ICONS), 14.0, merged)
+        self.bold = font
+        self.events = 0
+        self._then = time.perf_counter()
+        imgui.backends.opengl3_init("#version 330")
+
+    def begin(self, size: tuple[float, float], scale: float, theme: Theme) -> None:
+        """Begin a picture.
+
+        Parameters
+        ----------
+        size : tuple of float
+            (width, height) of the window, in units.
+        scale : float
+            Pixels in a unit.
+        theme : Theme
+            Its colours.
+        """
+        imgui.set_current_context(self._own)
+        io, now = imgui.get_io(), time.perf_counter()
+        io.delta_time = min(max(now - self._then, 1e-4), 1.0)
+        self._then = now
+        io.display_size = imgui.ImVec2(*size)
+        io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
+        dress(imgui.get_style(), theme)
+        imgui.backends.opengl3_new_frame()
+        imgui.new_frame()
+
+    def end(self, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw it over what `framebuffer` holds already."""
+        imgui.render()
+        framebuffer.use()
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+
+    def release(self) -> None:
+        imgui.set_current_context(self._own)
+        imgui.backends.opengl3_shutdown()
+        imgui.destroy_context(self._own)
+
+    def move_mouse(self, x: float, y: float) -> None:
+        """It came to (x, y), in units."""
+        self._heard().add_mouse_pos_event(x, y)
+
+    def lose_mouse(self) -> None:
+        """It left the window; what it holds goes on."""
+        if not any(self._heard().mouse_down[number] for number in range(len(BUTTONS))):
+            self.move_mouse(NOWHERE, NOWHERE)
+
+    def press(self, button: str, down: bool, shift: bool = False) -> None:
+        """One of BUTTONS went down, or up."""
+        io = self._heard()
+        io.add_key_event(imgui.Key.mod_shift, shift)
+        io.add_mouse_button_event(BUTTONS.index(button), down)
+
+    def turn_wheel(self, notches: float) -> None:
+        self._heard().add_mouse_wheel_event(0.0, notches)
+
+    def press_escape(self) -> None:
+        for down in (True, False):
+            self._heard().add_key_event(imgui.Key.escape, down)
+
+    @property
+    def holds_mouse(self) -> bool:
+        """Whether it was on a control in the last picture."""
+        imgui.set_current_context(self._own)
+        return bool(imgui.get_io().want_capture_mouse)
+
+    def _heard(self) -> imgui.IO:
+        """Where an event goes."""
+        self.events += 1
+        imgui.set_current_context(self._own)
+        return imgui.get_io()

@@ -1,0 +1,307 @@
+"""What lies over the plant: title, buttons, timeline, annotations, notices, panel and help."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui
+
+from player.ui import keys
+from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
+from player.ui.gui import BUTTONS, NOWHERE, STILL, Gui
+from player.ui.help import Help
+from player.ui.panel import Exporting, Panel, panel_place, panel_width
+from player.ui.pen import Pen
+from player.ui.theme import Theme, faint, packed, theme_of
+from player.ui.timeline import TimelineView
+from player.ui.widgets import BARE, button, icon_button
+from player.view.choices import Compare
+from player.view.dates import date_at
+from player.view.playback import AtEnd
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import moderngl
+
+    from gclip import Clip
+    from player.view.colors import ValueRange
+    from player.view.split_view import Pane
+    from player.view.state import Scene
+
+TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
+CAPTION = 36.0  # of the one that tells what is compared
+CONTROLS = 84.0  # height of what the mouse can hold in the lower one
+BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
+# Widths below which buttons are left out: of speed, of steps, of what keys do as well.
+ROOMY, NARROW, TINY = 760.0, 600.0, 460.0
+ANNOTATED = (520.0, 420.0)  # smaller windows show the plant and the timeline alone
+WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
+
+TOOLS = (
+    "color", "smaller", "larger", "ground", "turn", "fit", "picture", "fullscreen", "panel", "help",
+)  # fmt: skip
+TINY_TOOLS = ("color", "ground", "fit", "panel", "help")
+# Font Awesome 6, by the name of the action that the button does.
+ICONS = {
+    "previous": "\uf048",
+    "next": "\uf051",
+    "slower": "\uf068",
+    "faster": "\uf067",
+    "color": "\uf53f",
+    "smaller": "\uf056",
+    "larger": "\uf055",
+    "turn": "\uf2f9",
+    "fit": "\uf05b",
+    "picture": "\uf030",
+    "panel": "\uf1de",
+    "help": "\uf128",
+}
+AT_END = {AtEnd.LOOP: "\uf363", AtEnd.PING_PONG: "\uf07e", AtEnd.STOP: "\uf061"}
+SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is to be told beside the scene itself.
+
+    values:    what the colours stand for.
+    organ:     of the picked one, (what, value) pairs.
+    panes:     what is compared, from left to right; none where nothing is.
+    exporting: an export under way.
+    """
+
+    values: ValueRange | None = None
+    organ: tuple[tuple[str, str], ...] = ()
+    panes: Sequence[Pane] = ()
+    exporting: Exporting | None = None
+
+
+class Interface:
+    """Belongs to one clip in one window.
+
+    name:    what the user calls the clip, for the title.
+    clicked: where the plant was clicked in the last picture.
+    popup:   whether a list is open that Esc is to close.
+    """
+
+    def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
+        self._gui, self._clip, self._name = gui, clip, name
+        self._panel, self._help = Panel(clip), Help()
+        self._timeline = TimelineView(clip)
+        self._dragged: tuple[int, keys.Drag] | None = None
+        self.clicked: tuple[float, float] | None = None
+        self.popup = False
+
+    @property
+    def scrubs(self) -> bool:
+        """Whether the mouse holds the timeline."""
+        return self._timeline.held
+
+    @property
+    def drags(self) -> bool:
+        """Whether it turns or shifts the plant."""
+        return self._dragged is not None
+
+    def draw(
+        self,
+        framebuffer: moderngl.Framebuffer,
+        scene: Scene,
+        size: tuple[float, float],
+        scale: float,
+        facts: Facts | None = None,
+    ) -> Scene:
+        """Draw over `framebuffer`, and give the scene as the mouse changed it.
+
+        Parameters
+        ----------
+        framebuffer : moderngl.Framebuffer
+            Holds the plant.
+        scene : Scene
+        size : tuple of float
+            (width, height) of the window in units.
+        scale : float
+            Pixels in a unit.
+        facts : Facts, optional
+        """
+        shown, facts, theme = scene, facts or Facts(), theme_of(scene.style.ground)
+        self._gui.begin(size, scale, theme)
+        area = (size[0] - panel_width(size[0], scene.panel and not scene.kiosk), size[1])
+        back = imgui.get_background_draw_list()
+        margin, below = _margin(area), BOTTOM + (CAPTION if facts.panes else 0.0)
+        pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
+        scene = self._with_mouse(scene, area)
+        if shown.kiosk:
+            self._draw_kiosk(pen, shown)
+        else:
+            self._draw_veils(pen)
+            self._draw_annotations(pen, shown, facts)
+            scene = self._draw_title(pen, scene)
+            scene = self._draw_controls(pen, scene)
+            if shown.compare is Compare.WIPE:
+                scene = _draw_wipe(pen, scene)
+            if shown.panel:
+                place = panel_place(size, (TOP, BOTTOM))
+                scene = self._panel.draw(scene, self._gui, theme, place, facts.exporting)
+        if shown.help:
+            scene = self._help.draw(scene, self._gui, theme, size)
+        if shown.notice:
+            front = Pen(self._gui, theme, imgui.get_foreground_draw_list(), area)
+            front.card(area[0] / 2, TOP - 12.0, shown.notice, 15.0, area[0] - 40.0)
+        either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
+        self.popup = imgui.is_popup_open("", either)
+        self._gui.end(framebuffer)
+        return scene
+
+    def _with_mouse(self, scene: Scene, area: tuple[float, float]) -> Scene:
+        """What drags, clicks and the wheel do where no control takes them."""
+        io, self.clicked = imgui.get_io(), None
+        x, y = io.mouse_pos
+        if self._dragged is not None:
+            number, drag = self._dragged
+            scene = drag.do(scene, io.mouse_delta.x / area[1], io.mouse_delta.y / area[1])
+            if not imgui.is_mouse_down(number):
+                self._dragged = None
+                if number == 0 and io.mouse_drag_max_distance_sqr[0] <= STILL**2:
+                    self.clicked = (x, y)
+        if io.want_capture_mouse or scene.help or x == NOWHERE:
+            return scene
+        for number, name in enumerate(BUTTONS):
+            found = keys.drag_for(name, io.key_shift)
+            if imgui.is_mouse_clicked(number) and found and self._dragged is None:
+                self._dragged = number, found
+        if io.mouse_wheel:
+            middle = area[0] / 2
+            if scene.compare is Compare.BESIDE:
+                middle *= 0.5 if x < middle else 1.5
+            right, up = (x - middle) / area[1], (area[1] / 2 - y) / area[1]
+            scene = keys.wheeled(scene, io.mouse_wheel, right, up)
+        return scene
+
+    def _draw_veils(self, pen: Pen) -> None:
+        """The ground's colour, to calm it behind what is written above and below."""
+        (width, height), veil = pen.size, pen.theme.veil
+        for top, bottom, above, below in (
+            (0.0, TOP, 0.6, 0.0),
+            (height - BOTTOM, height, 0.0, 0.85),
+        ):
+            upper, lower = packed(faint(veil, above)), packed(faint(veil, below))
+            corners = (0.0, top), (width, bottom)
+            pen.sheet.add_rect_filled_multi_color(*corners, upper, upper, lower, lower)
+
+    def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
+        """The clip's name, and the buttons beside it."""
+        theme, margin = pen.theme, _margin(pen.size)
+        tools = TOOLS if pen.size[0] >= TINY else TINY_TOOLS
+        width = len(tools) * (BUTTON + GAP) - GAP
+        room = pen.size[0] - width - 2 * margin - 12.0
+        name = pen.fitted(self._name, 20.0, room, bold=True)
+        pen.write(margin, margin + 9.0, name, 20.0, theme.text, bold=True)
+        scans, organs = len(self._clip.scans), len(self._clip.track_table)
+        text = pen.fitted(f"{scans} scans, {organs} organs", 15.0, room)
+        pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
+        with _window("tools", (pen.size[0] - margin - width, margin), (width, BUTTON)):
+            for place, name in enumerate(tools):
+                imgui.set_cursor_pos((place * (BUTTON + GAP), 0.0))
+                on = (name == "turn" and scene.turning) or (name == "panel" and scene.panel)
+                scene = icon_button(scene, name, _icon(name, scene), theme, on)
+        return scene
+
+    def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
+        """The timeline, and the buttons at both of its ends."""
+        theme, (width, height), margin = pen.theme, pen.size, _margin(pen.size)
+        middle = CONTROLS - 50.0  # of the line, from the window's top
+        with _window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
+            x = margin
+            for name in ("previous", "play", "next") if width >= NARROW else ("play",):
+                side = PLAY if name == "play" else BUTTON
+                imgui.set_cursor_pos((x, middle - side / 2))
+                if name == "play":
+                    scene = _play_button(scene, theme)
+                else:
+                    scene = icon_button(scene, name, _icon(name, scene), theme)
+                x += side + GAP
+            right = width - margin
+            for name in ("at end", "faster", "slower") if width >= ROOMY else ("at end",):
+                right -= BUTTON
+                imgui.set_cursor_pos((right, middle - BUTTON / 2))
+                scene = icon_button(scene, name, _icon(name, scene), theme)
+                if name == "faster":
+                    right -= SPEED
+                    speed = scene.timeline.speed
+                    text, line = SPEEDS.get(speed, f"{speed:.0f}×"), height - 50.0
+                    pen.write(right + SPEED / 2, line, text, 17.0, theme.text, True, 0.5)
+            least = 8.0 if width >= NARROW else x
+            scene = self._timeline.draw(pen, scene, (x - GAP + margin, right - margin), least)
+        if width >= ROOMY:
+            self._timeline.draw_key(pen, right + 8.0, height - 25.0)
+        return scene
+
+    def _draw_annotations(self, pen: Pen, scene: Scene, facts: Facts) -> None:
+        clip, picked = self._clip, scene.style.picked
+        draw_captions(pen, facts.panes, BOTTOM)
+        if pen.size[0] >= ANNOTATED[0] and pen.size[1] >= ANNOTATED[1]:
+            draw_guides(pen, scene, clip, facts.values)
+        if picked is not None and pen.size[1] >= 320.0:
+            draw_organ(pen, clip.track_table[picked], facts.organ)
+        if facts.exporting is not None:
+            draw_progress(pen, facts.exporting, BOTTOM)
+
+    def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
+        """The date, and nothing that could be pressed."""
+        x, y = _margin(pen.size) + 8.0, pen.size[1] - _margin(pen.size) - 16.0
+        date = date_at(self._clip.scans, scene.timeline.day)
+        pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
+        pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
+
+
+def _play_button(scene: Scene, theme: Theme) -> Scene:
+    """A large round one."""
+    imgui.push_style_var(imgui.StyleVar_.frame_rounding, PLAY / 2)
+    scene = button(scene, "play", _icon("play", scene), (PLAY, PLAY), theme.accent, theme.on_accent)
+    imgui.pop_style_var()
+    return scene
+
+
+def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
+    """The line between what is compared, which the mouse moves."""
+    (width, height), x = pen.size, scene.wipe * pen.size[0]
+    size = (2 * WIPE_REACH, height - TOP - BOTTOM)
+    if size[1] <= 0.0:
+        return scene
+    with _window("wipe", (x - WIPE_REACH, TOP), size):
+        imgui.invisible_button("line", size)
+        if imgui.is_item_active() or imgui.is_item_deactivated():
+            scene = keys.wiped_to(scene, imgui.get_mouse_pos().x / width)
+    return scene
+
+
+@contextmanager
+def _window(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
+    """An ImGui window that is only its controls."""
+    imgui.set_next_window_pos(place)
+    imgui.set_next_window_size(size)
+    imgui.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0))
+    imgui.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0))
+    imgui.begin(name, None, BARE)
+    yield
+    imgui.end()
+    imgui.pop_style_var(2)
+
+
+def _icon(name: str, scene: Scene) -> str:
+    timeline = scene.timeline
+    return {
+        **ICONS,
+        "play": "\uf04c" if timeline.playing else "\uf04b",
+        "at end": AT_END[timeline.at_end],
+        "ground": "\uf185" if scene.style.ground == "dark" else "\uf186",
+        "fullscreen": "\uf066" if scene.fullscreen else "\uf065",
+    }[name]
+
+
+def _margin(size: tuple[float, float]) -> float:
+    return 24.0 if size[0] >= NARROW else 14.0

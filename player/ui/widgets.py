@@ -1,0 +1,64 @@
+"""Buttons and other controls for the actions in keys.py: Dear ImGui's own, with the key as a tip.
+
+What clips name is never a label to ImGui: a name can't change what a control is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imgui_bundle import imgui, imgui_ctx
+
+from player.ui import keys
+from player.ui.theme import CLEAR, Color
+
+if TYPE_CHECKING:
+    from player.ui.theme import Theme
+    from player.view.state import Scene
+
+ARROWS = str.maketrans({"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"})
+BARE = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_background
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_focus_on_appearing
+)
+
+
+def key_labels(labels: tuple[str, ...]) -> list[str]:
+    """As the fonts can write them: they have arrows among their icons only."""
+    return [label.translate(ARROWS) for label in labels]
+
+
+def tip(name: str) -> None:
+    """Over the control that was just drawn: what the action does, and the keys that do it too."""
+    if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
+        action = keys.action(name)
+        imgui.set_tooltip(f"{action.help}  ({', '.join(key_labels(action.labels))})")
+
+
+def button(
+    scene: Scene,
+    name: str,
+    label: str,
+    size: tuple[float, float],
+    ground: Color | None = None,
+    text: Color | None = None,
+) -> Scene:
+    """A button that does an action; gives the scene as it changed it."""
+    with imgui_ctx.push_id(name):
+        imgui.push_style_color(
+            imgui.Col_.button, ground or imgui.get_style_color_vec4(imgui.Col_.button)
+        )
+        imgui.push_style_color(imgui.Col_.text, text or imgui.get_style_color_vec4(imgui.Col_.text))
+        pressed = imgui.button(label, size)
+        imgui.pop_style_color(2)
+    tip(name)
+    return keys.action(name).do(scene) if pressed else scene
+
+
+def icon_button(scene: Scene, name: str, icon: str, theme: Theme, on: bool = False) -> Scene:
+    """One without a ground of its own."""
+    return button(scene, name, icon, (32.0, 32.0), CLEAR, theme.accent if on else theme.text)

@@ -1,0 +1,114 @@
+"""Keys change the scene; no window is needed to see it."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from player.ui import keys
+from player.ui.actions import QUIT_NEXT
+from player.view.camera import Camera
+from player.view.choices import Compare
+from player.view.playback import Timeline
+from player.view.state import Scene
+from player.view.style import Style
+
+TIMES = [0.0, 2.0, 3.0]
+
+
+@pytest.fixture
+def scene() -> Scene:
+    camera = Camera()
+    return Scene(Timeline.of(TIMES), camera, camera, Style(), has_colors=True, organs=2)
+
+
+def pressed(scene: Scene, *names: str) -> Scene:
+    for name in names:
+        scene = keys.pressed(scene, name.removeprefix("shift+"), name.startswith("shift+"))
+    return scene
+
+
+@pytest.mark.parametrize("action", keys.ACTIONS, ids=lambda action: action.name)
+def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> None:
+    """From a state in which each of them does something."""
+    scene = pressed(scene, "right", "k", "n", "end")
+    scene = replace(scene, compare=Compare.WIPE, formats=("film.mp4", "plant.glb"), notice="told")
+    scene = replace(scene, timeline=scene.timeline.at(1.5).with_next_end())
+    if action.name in ("first", "front"):
+        scene = scene.seen(lambda camera: camera.orbit(0.3, 0.3))
+    if action.name in ("whole", "fit", "show all"):
+        scene = scene.styled(hidden=frozenset({0})).seen(lambda camera: camera.zoom(2.0))
+        scene = scene.clock(lambda timeline: timeline.begun_here())
+    wanted = action.do(scene)
+    assert wanted != scene
+    for key in action.keys:
+        assert pressed(scene, key) == wanted
+
+
+def test_held_keys_repeat_only_where_that_makes_sense(scene: Scene) -> None:
+    scene = keys.pressed(scene, "g")
+    scene = keys.pressed(scene, "g", repeated=True)
+    assert scene.style.ground == "light"
+    for _ in range(3):
+        scene = keys.pressed(scene, "right", repeated=True)
+    assert scene.timeline.share == pytest.approx(0.03)
+
+
+def test_shifted_keys_fall_back_to_the_bare_key(scene: Scene) -> None:
+    scene = pressed(scene, "shift+right")
+    assert scene.timeline.day == 2.0
+    scene = pressed(scene, "shift+end")
+    assert scene.timeline.day == 3.0
+    assert pressed(scene, "f12") == scene, "in no table: nothing happens"
+
+
+def test_escape_leaves_one_thing_at_a_time(scene: Scene) -> None:
+    scene = pressed(replace(scene, fullscreen=True, help=True), "escape")
+    assert not scene.help
+    scene = pressed(scene, "escape")
+    assert not scene.fullscreen
+    assert not scene.closed
+    scene = pressed(scene, "escape")
+    assert not scene.closed
+    assert scene.notice == QUIT_NEXT
+    assert pressed(scene, "escape").closed
+
+
+def test_escape_once_leaves_a_kiosk(scene: Scene) -> None:
+    assert pressed(replace(scene, kiosk=True), "escape").closed
+
+
+def test_c_goes_through_the_colourings_that_the_clip_has(scene: Scene) -> None:
+    seen = []
+    for _ in range(5):
+        scene = pressed(scene, "c")
+        seen.append(scene.color_mode)
+    assert seen == ["track", "age", "speed", "height", "scan"]
+    scene = replace(scene, has_colors=False)
+    assert scene.color_mode == "track"
+    for _ in range(4):
+        scene = pressed(scene, "c")
+        assert scene.color_mode != "scan"
+    assert scene.color_mode == "track"
+
+
+def test_point_size_comes_back_to_one_and_has_limits(scene: Scene) -> None:
+    scene = pressed(scene, "+", "+", "-", "-")
+    assert scene.style.point_size == 1.0
+    scene = pressed(scene, *["-"] * 100)
+    assert 0.0 < scene.style.point_size < 1.0
+
+
+def test_from_above_the_whole_plant_is_seen_unless_someone_came_nearer(scene: Scene) -> None:
+    home = replace(scene.home, radius=scene.home.distance)
+    scene = replace(scene, home=home, camera=home)
+    for flat in (False, True):
+        near = scene.camera.distance
+        scene = pressed(scene, "4")
+        assert scene.camera.distance * math.tan(scene.camera.field_of_view / 2) > home.radius
+        scene = pressed(scene, "1")
+        assert scene.camera.distance == pytest.approx(near)
+        if not flat:
+            scene = pressed(scene, "5")
+    nearer = scene.seen(lambda camera: camera.zoom(1.5))
+    assert pressed(nearer, "4").camera.distance == nearer.camera.distance
