@@ -9,13 +9,13 @@ uniform float focal_px;       // samples that one unit takes up where clip_w is 
 uniform vec2 point_px_range;  // diameters in samples
 out float out_depth;
 
-const float REACH = 1.3, MAX_RADIUS_PX = 24.0;  // in splat radii, and samples
+const float SMOOTHING = 1.3, MAX_RADIUS_PX = 24.0;  // in splat radii, and samples
 const float MAX_TAPS = 8.0;                     // places looked at on either side
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy), last = textureSize(depths, 0) - 1;
     float depth = texelFetch(depths, texel, 0).r, w = clip_w(view_depth_of(depth));
-    float reach = REACH * clamp(radius * focal_px / w, 0.5 * point_px_range.x, MAX_RADIUS_PX);
+    float reach = SMOOTHING * clamp(radius * focal_px / w, 0.5 * point_px_range.x, MAX_RADIUS_PX);
     float inv_range = scene_radius * focal_px / (reach * w);  // surfaces are as deep as wide
     int taps = depth < NOTHING ? int(clamp(round(reach), 1.0, MAX_TAPS)) : 0;
     float sum = depth, total = 1.0;

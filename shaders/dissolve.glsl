@@ -2,6 +2,7 @@
 // are gone, at any time the same ones. Where many lie upon each other, the last ones still cover
 // all: so each next one takes its time.
 
+#if FADING
 uniform float opacity;    // of the organ, from 0 to 1
 uniform int first_point;  // number, in its interval, of the first point of what is drawn
 
@@ -14,11 +15,14 @@ float hash01(uint point) {
     return float(mixed >> 8) / 16777216.0;
 }
 
+#endif
+
 // What is left of a point's radius, from 0 to 1.
 float presence(int point) {
-    if (opacity >= 1.0) {
-        return 1.0;
-    }
+#if FADING
     float turn = log2(1.0 + (exp2(OVERLAP) - 1.0) * hash01(uint(first_point + point))) / OVERLAP;
     return clamp((opacity * (1.0 + SHRINKING) - turn) / SHRINKING, 0.0, 1.0);
+#else
+    return 1.0;
+#endif
 }

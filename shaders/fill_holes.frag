@@ -1,7 +1,7 @@
 // Closes the surface between points of one sample each: every point is a splat on the samples
 // around it, and of those on the nearest surface the weighted mean is what is seen. So the picture
 // is that of the splats (splat_sum.vert), centres rounded to whole samples, at a cost that the
-// points' number doesn't change.
+// points' number doesn't change. REACH is how many samples aside a splat may cover.
 #include "nearest_point.glsl"
 #include "gbuffer.glsl"
 #include "color.glsl"
@@ -13,7 +13,6 @@ uniform bool by_track;        // the ten bits name the colour
 uniform float radius;         // of a splat, in the clip's unit
 uniform float focal_px;       // samples that one unit takes up where clip_w is 1
 uniform vec2 point_px_range;  // diameters in samples
-uniform int reach;            // samples aside that a splat may cover
 
 uint number_at(ivec2 texel) {
     return texelFetch(nearest, clamp(texel, ivec2(0), samples - 1), 0).r;
@@ -32,22 +31,19 @@ float radius_at(float view_depth) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     float surface = 1e30;  // what lies deeper is hidden
-    bool found = false;
-    for (int y = -reach; y <= reach; ++y) {
-        for (int x = -reach; x <= reach; ++x) {
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
             uint number = number_at(texel + ivec2(x, y));
             float depth = depth_of(number), splat = radius_at(depth), core = CORE * splat;
             float behind = depth + THICKNESS * (splat - 0.5) * clip_w(depth) / focal_px;
             bool hides = number != EMPTY && float(x * x + y * y) <= core * core;
             surface = hides ? min(surface, behind) : surface;
-            found = found || number != EMPTY;
         }
     }
     vec4 color_sum = vec4(0.0);
     float depth_sum = 0.0;
-    int rows = found ? reach : -1;
-    for (int y = -rows; y <= rows; ++y) {
-        for (int x = -rows; x <= rows; ++x) {
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
             uint number = number_at(texel + ivec2(x, y));
             float depth = depth_of(number), splat = radius_at(depth);
             float rise = max(1.0 - float(x * x + y * y) / (splat * splat), 0.0);

@@ -25,7 +25,7 @@ vec3 ground_color(vec2 at) {
         return wall;
     }
     vec2 spot = (start - ray * (start.z / ray.z)).xy;
-    vec2 kept = texture(shadow, 0.5 * spot + 0.5).rg;
+    vec2 kept = textureLod(shadow, 0.5 * spot + 0.5, 0.0).rg;
     kept *= 1.0 - smoothstep(0.8, 1.0, max(abs(spot.x), abs(spot.y)));
     float share = floor_share * smoothstep(0.0, 0.12, -normalize(ray).z);
     vec3 lit = mix(wall, floor_color, exp(-1.3 * dot(spot, spot)) * share);

@@ -1,10 +1,10 @@
-// The finished picture: of each pixel the mean of its samples, over wall and floor.
+// The finished picture: of each pixel the mean of its samples, over wall and floor. SUPERSAMPLE is
+// their number along each side of a pixel.
 #include "color.glsl"
 #include "ground.glsl"
 
 in vec2 v_at;
 uniform sampler2D light;    // times cover, cover
-uniform int supersample;    // samples along each side of a pixel
 uniform bool transparent;   // the plant alone
 out vec4 out_color;         // sRGB, alpha not multiplied in
 
@@ -15,12 +15,12 @@ float dither() {
 }
 
 void main() {
-    ivec2 corner = ivec2(gl_FragCoord.xy) * supersample;
+    ivec2 corner = ivec2(gl_FragCoord.xy) * SUPERSAMPLE;
     vec4 plant = vec4(0.0);
-    for (int i = 0; i < supersample * supersample; ++i) {
-        plant += texelFetch(light, corner + ivec2(i % supersample, i / supersample), 0);
+    for (int i = 0; i < SUPERSAMPLE * SUPERSAMPLE; ++i) {
+        plant += texelFetch(light, corner + ivec2(i % SUPERSAMPLE, i / SUPERSAMPLE), 0);
     }
-    plant /= float(supersample * supersample);
+    plant /= float(SUPERSAMPLE * SUPERSAMPLE);
     vec3 linear = transparent ? plant.rgb / max(plant.a, 1e-4)
                               : plant.rgb + (1.0 - plant.a) * ground_color(v_at);
     out_color = vec4(linear_to_srgb(linear) + dither(), transparent ? plant.a : 1.0);

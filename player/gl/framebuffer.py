@@ -50,8 +50,9 @@ class GBuffer:
 
     def clear(self) -> None:
         """No plant anywhere."""
-        self.framebuffer.clear(depth=1.0)
-        self.lit.clear()
+        self.lit.depth_mask = True
+        self.lit.clear(depth=1.0)
+        self.lit.depth_mask = False
         for depths in self.filtered:
             depths.clear(NOTHING)
 

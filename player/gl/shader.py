@@ -66,21 +66,30 @@ TILE = 16  # side in pixels of the tiles that the empty parts of a picture are s
 
 
 class Passes:
-    """Fragment shaders over the framebuffer in use, each compiled when it is first needed."""
+    """Fragment shaders over the framebuffer in use, each compiled when it is first needed.
 
-    def __init__(self, context: moderngl.Context) -> None:
+    definitions: for all of them.
+    """
+
+    def __init__(self, context: moderngl.Context, **definitions: int) -> None:
         self._context = context
-        self._arrays: dict[str, moderngl.VertexArray] = {}
+        self._definitions = definitions
+        self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
-    def fill(self, name: str, *, tiles: int = 0, **uniforms: Any) -> None:
-        """Run `<name>.frag` for every pixel, or for those of so many tiles (tile.vert)."""
+    def fill(self, name: str, *, tiles: int = 0, reach: int = 0, **uniforms: Any) -> None:
+        """Run `<name>.frag` for every pixel, or for those of so many tiles (tile.vert).
+
+        reach: in pixels, of shaders that look around; they are compiled for it.
+        """
         import moderngl
 
-        if name not in self._arrays:
+        key = (name, reach)
+        if key not in self._arrays:
             vertex = "tile" if tiles else "fullscreen"
-            compiled = program(self._context, vertex, name, TILE=TILE)
-            self._arrays[name] = self._context.vertex_array(compiled, [])
-        array = self._arrays[name]
+            defined = self._definitions | {"TILE": TILE, "REACH": reach}
+            compiled = program(self._context, vertex, name, **defined)
+            self._arrays[key] = self._context.vertex_array(compiled, [])
+        array = self._arrays[key]
         give(array.program, **uniforms)
         array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
 

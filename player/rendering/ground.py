@@ -31,7 +31,7 @@ class Ground:
         self._points = points
         self._passes = passes
         self._clip = points.clip
-        self._textures = [texture(context, (SIDE, SIDE), 2, "f4", linear=True) for _ in range(2)]
+        self._textures = [texture(context, (SIDE, SIDE), 2, "f2", linear=True) for _ in range(2)]
         self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
         self._to_square, self._half_side = floor_square(points.clip)
 

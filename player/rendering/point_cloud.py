@@ -115,6 +115,7 @@ class PointCloud:
         defined = {
             "DEGREE": interval.degree,
             "SCAN_COLORS": int(interval.start_colors is not None),
+            "FADING": int(layer.alpha < 1.0),
             **self._definitions,
             **definitions,
         }

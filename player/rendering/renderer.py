@@ -60,7 +60,7 @@ class Renderer:
         self.clip = clip
         self.supersample = supersample
         self._points = PointCloud(context, clip, memory)
-        self._passes = Passes(context)
+        self._passes = Passes(context, SUPERSAMPLE=supersample)
         self._raster = PointRaster(self._points, self._passes, backend)
         self._splats = Splats(self._points, self._passes)
         self._ground = Ground(self._points, self._passes)
@@ -132,7 +132,6 @@ class Renderer:
             **splats.uniforms(),
             **self._ground.uniforms(camera, style, SHADOW_UNIT),
             light=0,
-            supersample=self.supersample,
             transparent=transparent,
         )
         if not wait:
