@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gclip.morton import morton_order
 
-NEIGHBORS = 16  # enough for a point at the border of a segment to see the next segment
+NEIGHBORS = 10  # enough for a point at the border of a segment to see the next segment
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
 OUTLIER_RATIO = 10.0  # an outlier reaches so many times as far as the median point
 PLANAR_RATIO = 1.5  # squared reach over spread from which on points lie on a thin rod

@@ -6,7 +6,7 @@ at its base and at its tip. Through a series an attachment moves little; tips do
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -95,21 +95,27 @@ def organ_attachments(
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     names = [organ.first for organ in organs] + [organs[-1].second]
-    found = list(map(_contacts, clouds, spacings, hierarchies))
-    appearances: dict[int, list[tuple[int, int]]] = {}
-    for scan, contacts in enumerate(found):
-        for segment in contacts:
-            appearances.setdefault(names[scan][segment], []).append((scan, segment))
+    matched = {
+        tracks.second[b]
+        for match, tracks in zip(matches, organs, strict=True)
+        for _, b in match.pairs
+    }
+    contacts = [
+        _contacts(*scan, matched) for scan in zip(clouds, spacings, hierarchies, names, strict=True)
+    ]
     chosen: list[Attachments] = [{} for _ in clouds]
-    for organ, places in appearances.items():
-        choices = [found[scan][segment] for scan, segment in places]
-        for (scan, _), contact in zip(places, _least_moving(choices), strict=True):
+    for organ in matched:
+        places = [scan for scan, found in enumerate(contacts) if organ in found]
+        choices = [contacts[scan][organ] for scan in places]
+        for scan, contact in zip(places, _least_moving(choices), strict=True):
             chosen[scan][organ] = contact
     return list(pairwise(chosen))
 
 
-def _contacts(cloud: Points, spacing: float, hierarchy: Hierarchy) -> dict[int, list[Points]]:
-    """Of each segment the connected groups of its points that touch its parent."""
+def _contacts(
+    cloud: Points, spacing: float, hierarchy: Hierarchy, names: Mapping[int, int], organs: set[int]
+) -> dict[int, list[Points]]:
+    """Of each of these organs the connected groups of its points that touch its parent."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
@@ -117,8 +123,8 @@ def _contacts(cloud: Points, spacing: float, hierarchy: Hierarchy) -> dict[int, 
     trees: dict[int, KDTree] = {}
     found: dict[int, list[Points]] = {}
     for segment, members in enumerate(hierarchy.segments):
-        parent = hierarchy.parents[segment]
-        if parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
+        organ, parent = names.get(segment), hierarchy.parents[segment]
+        if organ not in organs or parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if not len(hierarchy.segments[parent]):
             continue
@@ -131,7 +137,7 @@ def _contacts(cloud: Points, spacing: float, hierarchy: Hierarchy) -> dict[int, 
         pairs = KDTree(near).query_pairs(MAX_STEP * step, output_type="ndarray")
         graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(near), len(near)))
         count, group = connected_components(graph, directed=False)
-        found[segment] = [near[group == k] for k in range(count)]
+        found[organ] = [near[group == k] for k in range(count)]
     return found
 
 
@@ -139,6 +145,8 @@ def _least_moving(choices: Sequence[Sequence[Points]]) -> list[Points]:
     """One choice a scan, so that the distances between successive ones have the smallest sum."""
     from scipy.spatial.distance import cdist
 
+    if not choices:
+        return []
     cost, steps = np.zeros(len(choices[0])), []
     for before, after in pairwise(choices):
         through = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost

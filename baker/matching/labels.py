@@ -181,8 +181,9 @@ def label_agreement(
     stem = {int(values[np.argmax(counts)])} if 2 * counts.max() > len(labels) else set()
     scans = []
     for cloud, own in zip(clouds, labels, strict=True):
-        centers = (cloud[members].mean(axis=0) for members in split_by_label(own)[1])
-        scans.append(dict(zip(np.unique(own).tolist(), centers, strict=True)))
+        names, organs = split_by_label(own)
+        centers = (cloud.take(members, axis=0).mean(axis=0) for members in organs)
+        scans.append(dict(zip(names, centers, strict=True)))
     given = chance = best = 0.0
     shared = possible = 0
     for first, second in pairwise(scans):

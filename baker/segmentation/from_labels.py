@@ -26,66 +26,60 @@ def hierarchy_from_labels(
     labels: NDArray[np.integer],
     root_label: int,
     neighbors: Neighbors | None = None,
+    gaps: Gaps | None = None,
     agreed: Gaps | None = None,
 ) -> Hierarchy:
     """Hang the labelled segments of a cloud into a tree under the one of `root_label`.
 
-    points, labels: (N, 3) and (N,). neighbors: of the points, where they are known. agreed:
-    `agreed_gaps` of all scans, which decide instead of this scan's which segment grows from which.
+    points, labels: (N, 3) and (N,). neighbors, gaps: of the points and of the labels, where they
+    are known. agreed: `agreed_gaps` of all scans, which decide instead of this scan's which segment
+    grows from which.
     """
     names, segments = split_by_label(labels)
     neighbors = neighbors or nearest_neighbors(points)
-    gaps = segment_adjacency(labels, neighbors)
+    gaps = segment_adjacency(labels, neighbors) if gaps is None else gaps
     first = names.index(root_label)
-    others = set(range(len(segments))) - {first}
-    if len(others) > 1 and not any(root_label in pair for pair in gaps):
-        gap, *_ = _smallest_gap(points, segments, {first}, others)
+    is_reached = np.arange(len(segments)) == first
+    if len(segments) > 2 and not any(root_label in pair for pair in gaps):
+        gap, *_ = _smallest_gap(points, segments, is_reached)
         if gap > MAX_ROOT_GAP * neighbors.spacing:
             return under_virtual_root(labels)
     number = {name: index for index, name in enumerate(names)}
-    numbered_gaps = {
-        (number[a], number[b]): gap
+    edges = sorted(
+        (gap, number[a], number[b])
         for (a, b), gap in (agreed or gaps).items()
         if a in number and b in number
-    }
+    )
+    lower, upper = np.array([edge[1:] for edge in edges], np.intp).reshape(-1, 2).T
     parents, notes = [NO_PARENT] * len(segments), []
-    reached, unreached = {first}, others
-    while unreached:  # Prim's algorithm; whatever stays apart is bridged at its smallest gap
-        touching = [
-            (gap, child, parent)
-            for (child, parent), gap in numbered_gaps.items()
-            if parent in reached and child in unreached
-        ]
-        if touching:
-            _, child, parent = min(touching)
+    while not is_reached.all():  # Prim's algorithm; what stays apart is bridged at its smallest gap
+        touching = np.flatnonzero(is_reached[upper] & ~is_reached[lower])
+        if len(touching):
+            _, child, parent = edges[touching[0]]
         else:
-            gap, child, parent = _smallest_gap(points, segments, reached, unreached)
+            gap, child, parent = _smallest_gap(points, segments, is_reached)
             notes.append(
                 f"segment {names[child]} touches no other one; it was hung on segment "
                 f"{names[parent]} across a gap of {gap:.3g}"
             )
         parents[child] = parent
-        reached.add(child)
-        unreached.remove(child)
+        is_reached[child] = True
     return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
 
 
 def _smallest_gap(
-    points: NDArray[np.floating],
-    segments: Sequence[Indices],
-    reached: set[int],
-    unreached: set[int],
+    points: NDArray[np.floating], segments: Sequence[Indices], is_reached: NDArray[np.bool_]
 ) -> tuple[float, int, int]:
     """The gap, the unreached segment and the reached segment that are nearest to each other."""
     from scipy.spatial import KDTree
 
-    def gather(which: set[int]) -> tuple[Indices, Indices]:
-        ids = sorted(which)
+    def gather(which: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+        ids = np.flatnonzero(which).tolist()
         owner = np.repeat(ids, [len(segments[i]) for i in ids])
         return np.concatenate([segments[i] for i in ids]), owner
 
-    near, near_owner = gather(reached)
-    far, far_owner = gather(unreached)
+    near, near_owner = gather(is_reached)
+    far, far_owner = gather(~is_reached)
     distances, neighbors = KDTree(points[near]).query(points[far])
     best = int(np.argmin(distances))
     return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])

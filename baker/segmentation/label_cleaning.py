@@ -32,8 +32,9 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     size = np.bincount(organ)
     changed = np.bincount(organ[noise], minlength=len(size))
     noise = noise[(changed <= MAX_CHANGED_SHARE * size)[organ[noise]]]
-    is_unlabelled = (labels < 0) & ((names[around] >= 0).mean(axis=1) > MAX_CHANGED_SHARE)
-    noise = np.union1d(noise, np.flatnonzero(is_unlabelled))
+    unlabelled = np.flatnonzero(labels < 0)
+    labelled_around = (names[around[unlabelled]] >= 0).mean(axis=1)
+    noise = np.union1d(noise, unlabelled[labelled_around > MAX_CHANGED_SHARE])
     if not len(noise):
         return labels
     votes = np.where(names[around[noise]] < 0, len(names), around[noise])

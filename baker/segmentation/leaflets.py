@@ -20,7 +20,7 @@ MIN_LENGTH_IN_EDGES = 3.0  # median edges of the graph
 MIN_LENGTH = 0.03  # share of the organ's longest geodesic distance
 MIN_RELATIVE_LENGTH = 1 / 3  # of the leaflet that it meets
 MIN_POINTS = 5
-MAX_POINTS_SEARCHED = 5000  # of more points leaflets are told apart no better
+MAX_POINTS_SEARCHED = 2000  # of more points leaflets are told apart no better
 
 
 def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[np.intp]:

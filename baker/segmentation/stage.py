@@ -69,14 +69,14 @@ def labelled_hierarchies(
     """
     if virtual_root:
         return [under_virtual_root(names) for names in labels]
+    adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
     agreed = None
     if consistent and agreeing:
-        adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
         agreed = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
     at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
     roots = _elected_roots(labels, at_base) if consistent else at_base
     hang = partial(hierarchy_from_labels, agreed=agreed)
-    return list(map(hang, clouds, labels, roots, neighbors))
+    return list(map(hang, clouds, labels, roots, neighbors, adjacency))
 
 
 def coarse_hierarchies(

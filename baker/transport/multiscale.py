@@ -25,12 +25,12 @@ from baker.transport.space_partition import Blocks, bisection_order, cut, refine
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
 BLOCKS_IN_A_BLOCK = 4
-NEIGHBORS, NEIGHBORS_IF_TIGHT = 4, 6  # whose partners are priced; more where there is little slack
-POINTS_OF_CELL, POINTS_OF_CELL_IF_TIGHT = 250, 500  # of both sides together
+NEIGHBORS = 4  # whose partners are priced
+POINTS_OF_CELL = 400  # of both sides together
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both sides, up to which a level has one cell
 MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller side, up to which neighbours are not looked for
 MAX_PAIRS_PRICED = 1_500_000  # of the last level, up to which all pairs of a cell are priced
-SWEEPS_OF_SMALL_CELLS = 3  # in later ones cells double, for mass that has farther to go
+SWEEPS_OF_SMALL_CELLS = 2  # in later ones cells double, for mass that has farther to go
 MAX_SWEEPS = 6  # the time that a point takes grows with the cells
 PARTS_PER_WORKER = 4  # that a worker's cells are solved in
 MIN_GAIN = 3e-3  # share of the cost that a sweep has to gain
@@ -46,15 +46,11 @@ def couple(
     supply: Masses,
     demand: Masses,
     options: TransportOptions,
-    slack: float = 0.0,
 ) -> Coupling:
-    """The plan of least cost between two clouds, (n, 3) and (m, 3), of masses of equal sum.
-
-    slack: mean cost below which an improvement is not worth another sweep.
-    """
+    """The plan of least cost between two clouds, (n, 3) and (m, 3), of masses of equal sum."""
     n, m = len(start), len(end)
     if n < m:
-        edges, mass, solver = couple(end, start, demand, supply, options, slack)
+        edges, mass, solver = couple(end, start, demand, supply, options)
         return (edges[1], edges[0]), mass, solver
     if m == 1:
         return (np.arange(n), np.zeros(n, np.int64)), supply, "only choice"
@@ -75,7 +71,7 @@ def couple(
             rows.blocks_above(), columns.blocks_above(), rows.masses, columns.masses, edges, mass
         )
         last = index == len(row_levels) - 1
-        edges, mass = _improve(rows, columns, edges, mass, options, slack, last)
+        edges, mass = _improve(rows, columns, edges, mass, options, last)
     return (row_order[edges[0]], column_order[edges[1]]), mass, "network simplex"
 
 
@@ -114,12 +110,9 @@ def _improve(
     edges: Edges,
     mass: Masses,
     options: TransportOptions,
-    slack: float,
     last: bool,
 ) -> tuple[Edges, Masses]:
     """Improve a feasible plan in one sweep; on the last level until a sweep gains too little."""
-    from baker.transport.network_simplex import improve_cells
-
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
     few = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
@@ -127,25 +120,19 @@ def _improve(
     one_cell = n + m <= MAX_POINTS_OF_ONE_CELL
 
     def cost() -> float:
-        return float(mass @ costs(start, end, edges, options.power)) / float(mass.sum())
+        return float(mass @ costs(start, end, edges, options.power))
 
-    now = np.inf if one_cell else cost()
-    tight = one_cell or (last and slack < MIN_GAIN * now)
-    k = 0 if few else NEIGHBORS_IF_TIGHT if tight else NEIGHBORS
+    now = cost()
+    k = 0 if few else NEIGHBORS
     near = _neighbors(start, k, options.workers), _neighbors(end, k, options.workers)
-    if one_cell:
-        whole = np.array([0, len(mass)])
-        return improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
-    size = POINTS_OF_CELL_IF_TIGHT if tight else POINTS_OF_CELL
     for sweep in range(MAX_SWEEPS if last else 1):
-        late = sweep + 1 - SWEEPS_OF_SMALL_CELLS
-        cells = round((n + m) / (size * 2 ** max(0, late)))
+        size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
+        cells = 1 if one_cell else round((n + m) / size)
         cell = _cells(start, cells, options.seed, sweep)
         edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, options)
         before, now = now, cost()
         # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        enough = max(slack, MIN_GAIN * now if late > 0 else 0.0)
-        if cells == 1 or (late >= 0 and before - now <= enough):
+        if cells == 1 or before - now <= MIN_GAIN * now:
             break
     return edges, mass
 
