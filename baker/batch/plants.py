@@ -7,7 +7,7 @@ from pathlib import Path
 from baker.errors import InputError, asking
 from baker.scans.find import find_scans, holds_scans, require_there
 from baker.scans.rgbd.camera import find_camera
-from baker.scans.times import natural_key
+from baker.scans.times.schedule import natural_key
 
 
 def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from baker.errors import InputError, asking, excerpt
 from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
-from baker.scans.times import FoundScans, names_without_times, natural_key
+from baker.scans.times.schedule import FoundScans, names_without_times, natural_key
 
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
 """Stems of the text files that often lie beside scans."""

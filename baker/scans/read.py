@@ -22,7 +22,7 @@ from baker.scans.rgbd.camera import find_camera
 from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
-from baker.scans.times import Entry, Schedule, schedule_scans
+from baker.scans.times.schedule import Entry, Schedule, schedule_scans
 from baker.scans.unchanged import read_unchanged
 from gclip.terminal.text import printable
 

@@ -182,7 +182,7 @@ def load_libraries() -> None:
 def _reading(kind: str, path: Path) -> Callable[[], None]:
     """What reads a file of this kind, with what belongs to it already in its folder."""
     if kind in ("times", "days"):
-        from baker.scans.times import FoundScans, schedule_scans
+        from baker.scans.times.schedule import FoundScans, schedule_scans
 
         scans = tuple(path.parent / name for name in ("a.xyz", "b.xyz"))
         return lambda: schedule_scans(FoundScans(scans, False), path) and None

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns
-from baker.scans.times import (
+from baker.scans.times.conventions import Moment
+from baker.scans.times.schedule import (
     FoundScans,
-    Moment,
     Schedule,
     natural_key,
     schedule_in_time,

@@ -19,7 +19,7 @@ from baker.scans.rgbd.images import (
     read_mask,
     schedule_frames,
 )
-from baker.scans.times import Schedule
+from baker.scans.times.schedule import Schedule
 
 
 class ImageSeries:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from baker.errors import InputError
 from baker.scans.find import find_scans
-from baker.scans.times import FoundScans, natural_key, schedule_scans
+from baker.scans.times.schedule import FoundScans, natural_key, schedule_scans
 
 
 def schedule(*names, from_folder=True, times_file=None):
