@@ -17,6 +17,8 @@ from baker.scans.labels import label_rank
 LONGEST_LINE = 1 << 17
 SKIPPED = ("-", "_")  # for columns that are not used
 MIN_COUNTED = 9  # rows, of which a column may seem to be the count by chance
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*;")  # as spreadsheets write 1.5; 2.5 in Europe
+MAX_HEAD = 1_000  # lines by which decimal commas are found
 USUAL_WIDTHS = range(3, 13)  # of rows whose columns need no names
 
 
@@ -27,6 +29,8 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     fewer. Raises FormatError, with the line that doesn't fit.
     """
     lines = read_lines(path, _encoding(path))
+    if any(map(DECIMAL_COMMA.match, lines[:MAX_HEAD])):
+        lines = [line.replace(",", ".") for line in lines]
     named, delimiter, start, count = _read_head(lines, asked)
     values = _split(lines[start], delimiter)
     width = len(values)

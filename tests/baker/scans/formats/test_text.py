@@ -135,6 +135,10 @@ def test_more_columns_without_a_header(tmp_path, row, names):
     assert found == sorted(["x", "y", "z", *names.split()])
 
 
+def test_decimal_commas_between_semicolons(load):
+    assert load("X;Y;Z\n1;2;3\n1,5;-2,25;3\n").points.tolist() == [[1, 2, 3], [1.5, -2.25, 3]]
+
+
 def test_quoted_values(load):
     assert load('"x","y","z"\n"1","2","3"\n').points.tolist() == [[1, 2, 3]]
 
@@ -154,7 +158,7 @@ def test_quoted_values(load):
         (f"{'1 ' * 13}\n", r"line 1: 13 columns .* --columns x,y,z,(-,){9}label"),
         ("leaf 1 2 3\n", r"line 1: 'leaf' is not a number; .* --columns label,x,y,z\."),
         ("1 2 three 4\n1 2 3 4\n", r"line 1: 'three' is not a number"),
-        ("1,5;2,5;3,5\n", r"line 1: '1,5' is not a number; write decimals with a point"),
+        ("1,5\t2,5\t3,5\n", r"line 1: '1,5' is not a number; write decimals with a point"),
         ("1 2 3\n1,5 2,5 3,5\n", r"line 2: '1,5' is not a number; write decimals with a point"),
         ("x y z\n", r"holds no points"),
         ("# only words\n", r"holds no points"),
