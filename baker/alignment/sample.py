@@ -3,8 +3,6 @@
 Scanners see some organs densely and others hardly; an even sample weighs organs by area.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -73,7 +71,7 @@ def touching_pairs(sample: EvenSample, k: int = 0) -> NDArray[np.intp]:
 
 def weighted_graph(
     pairs: NDArray[np.intp], lengths: NDArray[np.floating], count: int
-) -> csr_matrix:
+) -> "csr_matrix":
     """The directed graph of (E, 2) edges with (E,) lengths, each edge once."""
     from scipy.sparse import csr_matrix
 
@@ -82,7 +80,7 @@ def weighted_graph(
     return csr_matrix((positive, tuple(pairs[first].T)), shape=(count, count))
 
 
-def distance_graph(points: NDArray[np.float64], pairs: NDArray[np.intp]) -> csr_matrix:
+def distance_graph(points: NDArray[np.float64], pairs: NDArray[np.intp]) -> "csr_matrix":
     """The graph of (n, 3) points with (E, 2) edges, weighted by their lengths."""
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     return weighted_graph(pairs, lengths, len(points))

@@ -1,7 +1,5 @@
 """Which way is up: a plant stands on a stem and carries its mass above."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

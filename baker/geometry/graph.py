@@ -1,7 +1,5 @@
 """The kNN graph of a point cloud: connected, its spanning tree, geodesic distances along it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import permutations
 from typing import TYPE_CHECKING
@@ -44,7 +42,7 @@ def spanning_tree(
     return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
 
 
-def knn_graph(neighbors: Neighbors) -> csr_matrix:
+def knn_graph(neighbors: Neighbors) -> "csr_matrix":
     """The kNN graph, (N, N): an edge from each point to each neighbor, weighted by its length.
 
     It is not symmetric; ``scipy.sparse.csgraph`` takes it as undirected with ``directed=False``.
@@ -59,7 +57,7 @@ def knn_graph(neighbors: Neighbors) -> csr_matrix:
 
 def connected_knn_graph(
     points: Points, k: int, neighbors: Neighbors | None = None
-) -> tuple[csr_matrix, int, float]:
+) -> tuple["csr_matrix", int, float]:
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
     Parameters
@@ -92,7 +90,7 @@ def connected_knn_graph(
 
 
 def geodesic_distances(
-    graph: csr_matrix, seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
+    graph: "csr_matrix", seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
 ) -> NDArray[np.float64]:
     """Lengths of the shortest paths along an undirected graph from the nearest seed.
 
@@ -132,7 +130,7 @@ def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def _shortest_bridges(
     points: Points, components: int, component: NDArray[np.integer]
-) -> tuple[csr_matrix, NDArray[np.floating]]:
+) -> tuple["csr_matrix", NDArray[np.floating]]:
     """The shortest edge out of each component, and the lengths of these edges.
 
     Any two components' numbers differ in some bit: so the nearest foreign point of each point is

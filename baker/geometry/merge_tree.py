@@ -1,7 +1,5 @@
 """The merge tree of a height on a graph: which branches rise above the points where they meet."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +13,7 @@ if TYPE_CHECKING:
 
 def branches(
     height: NDArray[np.floating],
-    graph: spmatrix,
+    graph: "spmatrix",
     min_length: float,
     min_share: float = 0.0,
     min_points: int = 1,

@@ -4,8 +4,6 @@ One query a scan answers for point spacing, point area, outliers, label cleaning
 and graphs; none of them changes when the scan is moved rigidly.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,7 +43,7 @@ class Neighbors:
         """(N,) bool, whether a point's reach is at most ten times the median."""
         return self.reach <= OUTLIER_RATIO * np.median(self.reach)
 
-    def first(self, k: int) -> Neighbors:
+    def first(self, k: int) -> "Neighbors":
         """The k nearest of these, or all of fewer."""
         return Neighbors(self.indices[:, :k], self.distances[:, :k])
 

@@ -5,8 +5,6 @@ deforms, too, so at mid-interval the organ may come off. It is then shifted, les
 its attachment point, until it is as near to its parent as at the scans.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import TYPE_CHECKING
@@ -49,7 +47,7 @@ def attached(
     }
 
     @cache
-    def tree(index: int, u: float) -> cKDTree:
+    def tree(index: int, u: float) -> "cKDTree":
         return cKDTree(position_at(done[index].movers.curve, u), balanced_tree=False)
 
     for segment in match.second.from_the_root():
@@ -63,7 +61,7 @@ def attached(
 
 
 def _attached(
-    moved: OrganMovers, parent: Callable[[float], cKDTree], gap_at_end: float, spacing: float
+    moved: OrganMovers, parent: Callable[[float], "cKDTree"], gap_at_end: float, spacing: float
 ) -> OrganMovers:
     """An organ shifted at mid-interval; parent: its parent's movers at a share of the interval."""
     middle, start = position_at(moved.movers.curve, 0.5), moved.movers.curve[0]

@@ -1,7 +1,5 @@
 """Descriptors of a scan's organs for matching: attachment point, size, direction, order."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -69,7 +67,7 @@ def describe_organs(
     )
 
 
-def size_from_parent(cloud: NDArray[np.floating], parent: KDTree | None) -> float:
+def size_from_parent(cloud: NDArray[np.floating], parent: "KDTree | None") -> float:
     """Root mean square distance of an organ from its point nearest to its parent.
 
     That is the Wasserstein distance of shrinking it into a bud; of no parent, into its centroid.

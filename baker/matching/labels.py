@@ -4,8 +4,6 @@ Labels that are not consistent are made so by following the organs through the s
 (`baker.matching.tracking`), and so are the organs of scans that have no labels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

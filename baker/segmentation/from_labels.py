@@ -5,8 +5,6 @@ bridged first, a segment never reached joins at its smallest gap, and where the 
 from all others (ten spacings) no label is the stem: all hang under a virtual, empty root.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

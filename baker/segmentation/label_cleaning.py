@@ -1,7 +1,5 @@
 """Label noise: points that have the label of another organ than the one they lie in."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

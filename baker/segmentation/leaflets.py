@@ -6,8 +6,6 @@ its tip. What is left, below the meeting points, is the stalk. A single blade ha
 bumps of its margin are short.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,8 +8,6 @@ was reached through, so that a tree is left. A small loop is no touch of two org
 the scan, and is closed again.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -39,7 +37,7 @@ class PlantSample:
 
     points: NDArray[np.float64]  # (n, 3)
     nearest: NDArray[np.intp]  # (N,) the sample's point nearest to each point of the cloud
-    graph: csr_matrix  # (n, n) the connected kNN graph
+    graph: "csr_matrix"  # (n, n) the connected kNN graph
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
     predecessor: NDArray[np.intp]  # (n,) the point before on the path from there; -1 at the base
     spacing: float  # point spacing of the sample
@@ -174,7 +172,7 @@ def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> Plan
 
 
 def _stem_diameter(
-    points: NDArray[np.float64], graph: csr_matrix, distance: NDArray[np.float64], spacing: float
+    points: NDArray[np.float64], graph: "csr_matrix", distance: NDArray[np.float64], spacing: float
 ) -> float:
     """Median width of the sections up to six diameters above the base: a fixed point, found by
     iteration; 0 where there are none."""
@@ -196,7 +194,7 @@ def _stem_diameter(
 
 def _sections(
     points: NDArray[np.float64],
-    graph: csr_matrix,
+    graph: "csr_matrix",
     distance: NDArray[np.float64],
     levels: NDArray[np.float64],
     thickness: float,

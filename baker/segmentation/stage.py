@@ -1,7 +1,5 @@
 """Every scan of a series split into segments and hung into a hierarchy."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

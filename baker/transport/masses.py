@@ -1,7 +1,5 @@
 """Masses that both clouds have: what only one of them shows draws nothing out of its place."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,7 +39,7 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     return supply, demand
 
 
-def _share(own: KDTree, other: KDTree, k: int) -> NDArray[np.float64]:
+def _share(own: "KDTree", other: "KDTree", k: int) -> NDArray[np.float64]:
     order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
     sample = own.data[order[::step]]
     radius = own.query(sample, k=[k])[0][:, 0] * 1.0001

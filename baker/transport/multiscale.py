@@ -12,8 +12,6 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport (2016).
 M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal transport (2021).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One pair of segments in, one transport plan out (paper, section 3.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from baker.transport.masses import shared_masses
