@@ -48,7 +48,7 @@ from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
 from player.window.app import LOADING
-from player.window.dynamic_resolution import Pace
+from player.window.dynamic_resolution import DynamicResolution
 
 Size = tuple[int, int]
 ROUNDS = 5
@@ -163,7 +163,7 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
         clip, context = gclip.open(path), headless()
         renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
         camera = Camera.home(clip, size[0] / size[1])
-        pace = Pace(max(len(interval) for interval in clip.intervals))
+        pace = DynamicResolution(max(len(interval) for interval in clip.intervals))
         loading, whole = [0.0] * jumps, []
         load = renderer._points.store.load
 
@@ -180,7 +180,7 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
             show = partial(renderer.draw, stride=stride, upload_budget=LOADING)
             picture = partial(show, framebuffer, day, camera, Style(), size)
             whole.append(milliseconds(partial(_finished, context, picture), time.process_time))
-            pace.took(time.perf_counter() - began)
+            pace.frame_took(time.perf_counter() - began)
         for name, times in (("loading", loading), ("whole picture", whole)):
             row(path.stem, name, float(np.median(times)), max(times[1:]))
         renderer.release()

@@ -71,7 +71,7 @@ class Pen:
         """Text on a card, its top at `y`, about `x` but in the window; lines are `room` long."""
         text = one_line(text, 4 * MAX_LINE)
         imgui.push_font(self._plain, size)
-        wide, high = imgui.calc_text_size(text, False, room)
+        wide, high = imgui.calc_text_size(text, wrap_width=room)
         imgui.pop_font()
         across, down = CARD_PADDING
         width, height = wide + 2 * across, high + 2 * down
@@ -97,7 +97,7 @@ class Pen:
     def width(self, text: str, size: float, bold: bool = False) -> float:
         """How wide a line of text is, in units."""
         imgui.push_font(self._bold if bold else self._plain, size)
-        width = imgui.calc_text_size(text, False).x
+        width = imgui.calc_text_size(text).x
         imgui.pop_font()
         return float(width)
 

@@ -1,3 +1,3 @@
-from .app import LaunchOptions, start
+from .launch import LaunchOptions, start
 
 __all__ = ["LaunchOptions", "start"]

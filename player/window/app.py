@@ -6,167 +6,52 @@ it, and a picture is drawn only where it would differ from the last one.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes imgui-bundle's
-    import imgui_bundle  # noqa: F401
-import glfw  # elsewhere before imgui-bundle, whose copy of GLFW knows no Wayland
+import glfw
 
-from gclip import Clip
 from gclip.errors import ClipError
 from player.errors import PlayerError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
-from player.gl.gl_errors import ContextLost, check_context
+from player.gl.gl_errors import check_context
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.interface import Facts, Interface
-from player.ui.panel import panel_width, stands_beside
+from player.ui.panel import panel_width
 from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.dates import date_at
-from player.view.holdout_error import Errors
-from player.view.playback import AtEnd, Timeline
+from player.view.playback import Timeline
 from player.view.split_view import Pair, Pane, panes_of
 from player.view.state import Scene, clamped, reopened
-from player.view.style import GroundChoice, Style
-from player.window.dynamic_resolution import Detail, Pace
+from player.view.style import Style
+from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import (
     Measures,
     hide_cursor,
     listen,
-    opened,
     shortest_frame,
     switch_fullscreen,
 )
 from player.window.opened_clip import FileWatch, OpenClip
 from player.window.organ_info import OrganInfo
 from player.window.picking import organ_under
-from player.window.settings import Settings, load_settings, save_settings
-from player.window.viewports import Stage, home_camera
+from player.window.viewports import Viewports, fitted, home_camera
 
-SIZE = (1280, 720)
 NOTICE_SECONDS = 2.5  # that a notice stays at least
 READING = 0.06  # seconds for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
-RESETS = 3  # of the graphics driver that are put up with
 # Seconds that pictures go on after the mouse did something: tips take a while.
 FRESH, FRESH_ON_CONTROLS = 0.05, 0.45
-
-
-@dataclass(frozen=True)
-class LaunchOptions:
-    """What the command line asks for; None leaves it to the last time's settings.
-
-    path:  file of a camera path to follow.
-    kiosk: full screen, over and over, nothing to press.
-    """
-
-    size: tuple[int, int] | None = None
-    ground: GroundChoice | None = None
-    turning: bool = False
-    path: Path | None = None
-    kiosk: bool = False
-
-
-def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
-    """Play one clip, or two in step, as the command line and the last time left the window.
-
-    Raises ClipError, and PlayerError as `show` does.
-    """
-    clips = [OpenClip.of(file) for file in files]
-    if style.color_by == "error":
-        Errors(clips[0].clip)
-    last = load_settings()
-    path = None if options.path is None else load_path(options.path, clips[0].clip)
-    style = replace(style, ground=options.ground or last.ground or style.ground)
-    size = options.size or last.size or SIZE
-    beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
-
-    def prepare(scene: Scene) -> Scene:
-        scene = replace(
-            scene,
-            turning=options.turning,
-            panel=last.panel is not False and beside,
-            guides=last.guides is not False,
-            legend=last.legend is not False,
-        )
-        if path is not None:
-            scene = replace(scene, path=path, following=True, turning=False)
-        if options.kiosk:
-            endless = replace(scene.timeline, at_end=AtEnd.LOOP)
-            scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
-        return scene
-
-    scene, size = show(clips, style, size=size, prepare=prepare)
-    if not options.kiosk:
-        kept = last.size if options.size or scene.fullscreen else size
-        panel = scene.panel if beside else last.panel
-        ground = GroundChoice(scene.style.ground)
-        save_settings(Settings(kept, panel, ground, scene.guides, scene.legend))
-
-
-def show(
-    clips: Clip | Sequence[OpenClip],
-    style: Style | None = None,
-    *,
-    name: str = "plant",
-    size: tuple[int, int] = SIZE,
-    prepare: Callable[[Scene], Scene] = lambda scene: scene,
-    watch: Callable[[Scene], None] = lambda scene: None,
-) -> tuple[Scene, tuple[int, int]]:
-    """Play a clip, or two in step, in a window until the user closes it.
-
-    Where the graphics driver is reset, a new window goes on where the lost one was.
-
-    Parameters
-    ----------
-    clips : Clip or sequence of OpenClip
-    style : Style, optional
-        How it looks at first.
-    name : str
-        What to call a bare clip in the titles.
-    size : tuple of int
-        (width, height) of the window in units of 1/96 inch.
-    prepare, watch : callable
-        Makes the first scene from the usual one; is called with the scene after each picture.
-
-    Returns
-    -------
-    Scene, tuple of int
-        The last scene, and the window's size.
-
-    Raises
-    ------
-    PlayerError
-        Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
-    """
-    shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
-    for left in reversed(range(RESETS + 1)):
-        with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, style or Style(), prepare, watch)
-            try:
-                return window.run(), window.size
-            except ContextLost:
-                if left == 0:
-                    raise
-                shown, lost = window.clips, window.scene
-
-                def prepare(fresh: Scene, lost: Scene = lost) -> Scene:
-                    return lost
-
-            finally:
-                window.release()
-    raise AssertionError("the last one returns or raises")
 
 
 @dataclass(frozen=True)
@@ -207,13 +92,13 @@ class Window:
         self._dropped: list[str] = []
         self._drawn: Picture | None = None
         self._fresh_until = 0.0
-        self._notice, self._notice_ends = "", 0.0
+        self._title, self._notice, self._notice_ends = "", "", 0.0
         self._show(clips)
         camera = home_camera(clips[0].clip, (16.0, 9.0))
         timeline = Timeline.of(clips[0].clip.times).played()
         formats = tuple(one.example for one in FORMATS)
         scene = Scene(timeline, camera, camera, style, False, formats=formats)
-        self.scene = prepare(clamped(scene, [one.clip for one in clips]))
+        self.scene = prepare(clamped(scene, self._bare))
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
@@ -247,14 +132,17 @@ class Window:
         self._exports.release()
         self._organs.release()
         self._gui.release()
-        self._stage.release()
+        self._viewports.release()
 
     def _show(self, clips: tuple[OpenClip, ...]) -> None:
-        """Take these clips on the stage."""
-        self.clips, bare = clips, [one.clip for one in clips]
-        self._stage = Stage(self._context, bare)
+        """Make what draws these clips."""
+        self.clips = clips
+        self._bare = bare = [one.clip for one in clips]
+        self._viewports = Viewports(self._context, bare)
         self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
-        self._pace = Pace(max(len(interval) for clip in bare for interval in clip.intervals))
+        self._resolution = DynamicResolution(
+            max(len(interval) for clip in bare for interval in clip.intervals)
+        )
         self._colors, self._organs = Colors(bare[0]), OrganInfo(bare[0])
         self._files = FileWatch([one.file for one in clips if one.file is not None])
         self._pair: Pair | None = None
@@ -267,7 +155,7 @@ class Window:
         plays = self.scene.timeline.playing and not self._interface.scrubs
         fresh = glfw.get_time() < self._fresh_until
         told = bool(self.scene.notice)
-        return plays or self.scene.turning or told or fresh or not self._stage.whole
+        return plays or self.scene.turning or told or fresh or not self._viewports.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
@@ -293,7 +181,7 @@ class Window:
         try:
             paths = [name for name in dropped if name.lower().endswith(".json")]
             if paths:
-                path = load_path(Path(paths[0]), self.clips[0].clip)
+                path = load_path(Path(paths[0]), self._bare[0])
                 scene = replace(self.scene, path=path, following=True, turning=False)
                 self.scene = scene.told(f"Camera path of {len(path.keys)} keys")
             elif dropped:
@@ -310,10 +198,10 @@ class Window:
         """Show other clips, or the same ones as they were baked anew."""
         scene = self.scene
         self._organs.release()
-        self._stage.release()
+        self._viewports.release()
         self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(scene, [one.clip for one in clips], fresh).told(told)
+        self.scene = reopened(scene, self._bare, fresh).told(told)
         self._fit()
         if fresh or scene.camera == scene.home:
             self.scene = replace(self.scene, camera=self.scene.home)
@@ -329,33 +217,20 @@ class Window:
         switch_fullscreen(self._handle, self.scene.fullscreen)
         self._measures = Measures.of(self._handle)
         self._fit()
-        date = date_at(self.clips[0].clip.scans, self.scene.timeline.day)
+        date = date_at(self._bare[0].scans, self.scene.timeline.day)
         title = f"{date} · {self.clips[0].name}"
-        if title != glfw.get_window_title(self._handle):
+        if title != self._title:
             glfw.set_window_title(self._handle, title)
+            self._title = title
 
     def _fit(self) -> None:
-        """Fit the home camera to the part of the window that a plant has, and keep the camera's
-        place beside it.
-        """
-        scene, (width, height) = self.scene, self._measures.units
+        """Fit the cameras to the part of the window that a plant has."""
+        width, height = self._measures.units
         width -= self._aside
-        width *= 0.5 if scene.compare is Compare.BESIDE else 1.0
-        if not self._measures.visible or self._fitted == (width, height):
-            return
-        first, self._fitted = self._fitted is None, (width, height)
-        homes = [home_camera(one.clip, (width, height)) for one in self.clips]
-        if len(homes) > 1:
-            self._pair = Pair.of(self.clips[0].clip, self.clips[1].clip, (homes[0], homes[1]))
-            homes = list(self._pair.homes)
-        home = homes[0].with_orthographic(scene.camera.orthographic)
-        before = scene.home.with_orthographic(scene.camera.orthographic)
-        camera = scene.camera
-        if camera == before:
-            camera = home
-        elif not first:
-            camera = replace(camera, distance=camera.distance * home.distance / before.distance)
-        self.scene = replace(scene, camera=camera, home=homes[0])
+        width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
+        if self._measures.visible and self._fitted != (width, height):
+            self._fitted = (width, height)
+            self.scene, self._pair = fitted(self.scene, self._bare, self._fitted)
 
     @property
     def _aside(self) -> float:
@@ -368,55 +243,51 @@ class Window:
         wanted = Picture(self.scene, measures, self._facts(panes), Detail(), self._gui.events)
         moves = self._drawn is None or wanted.view != self._drawn.view
         if moves and self.scene.wish is None:
-            wanted = replace(wanted, detail=self._pace.detail(area))
+            wanted = replace(wanted, detail=self._resolution.detail(area))
         if self._drawn is None or wanted.events != self._drawn.events:
-            fresh = FRESH_ON_CONTROLS if self._gui.holds_mouse else FRESH
-            self._fresh_until = now + fresh
-        same = wanted == self._drawn and self._stage.whole and now > self._fresh_until
+            self._fresh_until = now + (FRESH_ON_CONTROLS if self._gui.holds_mouse else FRESH)
+        same = wanted == self._drawn and self._viewports.whole and now > self._fresh_until
         if not measures.visible or same:
             return
-        at_rest = (not moves and not self._stage.loading) or self.scene.wish is not None
-        patience = None if at_rest else LOADING
+        at_rest = (not moves and not self._viewports.loading) or self.scene.wish is not None
+        budget = None if at_rest else LOADING
         try:
-            self._stage.paint(area, panes, self.scene.style, wanted.detail, patience)
+            self._viewports.paint(area, panes, self.scene.style, wanted.detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.told(str(error))
         screen = self._context.screen
         screen.use()
-        self._stage.show(screen, area)
+        self._viewports.show(screen, area)
         if self.scene.wish is not None:
-            pixels = self._stage.pixels(area)
+            pixels = self._viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
-        facts = wanted.facts
-        self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, facts)
+        size = measures.units, measures.scale
+        self.scene = self._interface.draw(screen, self.scene, *size, wanted.facts)
         check_context(self._context)
         glfw.swap_buffers(self._handle)
         if moves:
-            self._pace.took(glfw.get_time() - now)
+            self._resolution.frame_took(glfw.get_time() - now)
         self._drawn = wanted
         self._pick(panes)
         self._watch(self.scene)
 
     def _pick(self, panes: Sequence[Pane]) -> None:
         """Pick the organ that was clicked."""
-        at, area = (
-            self._interface.clicked,
-            (self._measures.units[0] - self._aside, self._measures.units[1]),
-        )
+        (width, height), at = self._measures.units, self._interface.clicked
         if at is None or self.scene.kiosk:
             return
-        over, track = organ_under(self.clips[0].clip, panes, self.scene.style, at, area)
+        area = (width - self._aside, height)
+        over, track = organ_under(self._bare[0], panes, self.scene.style, at, area)
         if over:
             self.scene = keys.picked(self.scene, track)
 
     def _panes(self) -> tuple[Pane, ...]:
-        clips, names = [one.clip for one in self.clips], [one.name for one in self.clips]
-        return panes_of(self.scene, clips, names, self._pair)
+        names = [one.name for one in self.clips]
+        return panes_of(self.scene, self._bare, names, self._pair)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
-        style, picked = self.scene.style, self.scene.style.picked
-        day = self.scene.timeline.day
-        organ = () if picked is None else tuple(self._organs.lines(picked, day))
+        style, day = self.scene.style, self.scene.timeline.day
+        organ = () if style.picked is None else tuple(self._organs.lines(style.picked, day))
         compared = panes if len(panes) > 1 else ()
         return Facts(self._colors.color_scale(style), organ, compared, self._exports.progress)
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
 
+import moderngl
+
+from gclip import Clip
+from player.gl.framebuffer import texture
 from player.gl.gl_errors import pictures_of
+from player.gl.shader import Passes
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
-from player.view.split_view import Pane
-from player.window.dynamic_resolution import Detail, Enlarger
-
-if TYPE_CHECKING:
-    from gclip import Clip
-    from player.view.style import Style
+from player.view.split_view import Pair, Pane
+from player.view.state import Scene
+from player.view.style import Style
+from player.window.dynamic_resolution import Detail
 
 ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
 
@@ -30,7 +33,36 @@ def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
     return camera.pan(0.0, (BELOW - ABOVE) / 2 / height)
 
 
-class Stage:
+def fitted(
+    scene: Scene, clips: Sequence[Clip], size: tuple[float, float]
+) -> tuple[Scene, Pair | None]:
+    """The scene with the home camera of a window, and its camera as it stood beside the last one.
+
+    Parameters
+    ----------
+    scene : Scene
+    clips : sequence of Clip
+    size : tuple of float
+        (width, height) in units of what a plant has of the window.
+
+    Returns
+    -------
+    Scene
+    Pair or None
+        How two clips are seen alike.
+    """
+    homes = [home_camera(clip, size) for clip in clips]
+    pair = Pair.of(clips[0], clips[1], (homes[0], homes[1])) if len(clips) > 1 else None
+    home = homes[0] if pair is None else pair.homes[0]
+    flat = scene.camera.orthographic
+    before, after = scene.home.with_orthographic(flat), home.with_orthographic(flat)
+    camera = replace(
+        scene.camera, distance=scene.camera.distance * after.distance / before.distance
+    )
+    return replace(scene, camera=after if scene.camera == before else camera, home=home), pair
+
+
+class Viewports:
     """One renderer for each clip, in one context; others, made when first wanted, for its errors
     and for the last scan shown of those left out.
 
@@ -38,15 +70,15 @@ class Stage:
     loading: whether movers came to the GPU for it, or their size is not known yet.
     """
 
-    def __init__(self, context: Any, clips: Sequence[Clip]) -> None:
+    def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
         self._context = context
         self._clips = clips
         self._colors = [Colors(clip) for clip in clips]
         self._renderers: dict[tuple[int, bool, int | None], Renderer] = {
             (number, False, None): Renderer(context, clip) for number, clip in enumerate(clips)
         }
-        self._enlarger = Enlarger(context)
-        self._pictures: dict[str, Any] = {}
+        self._passes = Passes(context)
+        self._pictures: dict[str, tuple[moderngl.Framebuffer, moderngl.Texture]] = {}
         self._painted: object = None
         self.whole = True
         self.loading = True
@@ -57,47 +89,61 @@ class Stage:
         panes: Sequence[Pane],
         style: Style,
         detail: Detail,
-        patience: float | None,
+        upload_budget: float | None,
     ) -> None:
-        """Bring the picture up to date: `size` pixels, the panes from left to right.
+        """Bring the picture up to date.
 
-        patience: seconds that uploading may take; None waits for all of it.
+        Parameters
+        ----------
+        size : tuple of int
+            Its width and height in pixels.
+        panes : sequence of Pane
+            What it shows, from left to right.
+        style : Style
+        detail : Detail
+            How much of it to draw.
+        upload_budget : float or None
+            Seconds that uploading may take; None waits for all of it.
         """
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
             return
         before = self._loaded
         self.whole = True
-        picture = self._sized("all", size)
         for pane in panes:
             left, right = round(pane.left * size[0]), round(pane.right * size[0])
             if right <= left:
                 continue
-            part = (right - left, size[1]) if pane.own else size
-            into = picture if part == size and len(panes) == 1 else self._sized("part", part)
-            self._paint_pane(into, part, pane, style, detail, patience)
-            if into is not picture:
-                where = (left, 0, *part) if pane.own else (0, 0, *size)
+            place = (left, 0, right - left, size[1]) if pane.own else (0, 0, *size)
+            drawn = (round(place[2] * detail.pixels) or 1, round(place[3] * detail.pixels) or 1)
+            whole = len(panes) == 1 and drawn == size
+            into = self._picture("all" if whole else "part", drawn)
+            self.whole &= self._renderer(pane, style).draw(
+                *(into, pane.day, pane.camera, style, drawn),
+                stride=detail.every,
+                upload_budget=upload_budget,
+            )
+            if not whole:
+                picture = self._picture("all", size)
                 picture.scissor = (left, 0, right - left, size[1])
-                self._enlarger.copy(into.color_attachments[0], picture, where)
-                picture.scissor = None
+                self._copy("part", picture, place)
+                picture.scissor = None  # type: ignore[assignment]
         settled = all(self._renderer(pane, style).radius_known(pane.day) for pane in panes)
-        self.loading = patience is not None and (before != self._loaded or not settled)
+        self.loading = upload_budget is not None and (before != self._loaded or not settled)
         self._painted = wanted
 
-    def show(self, screen: Any, size: tuple[int, int]) -> None:
+    def show(self, screen: moderngl.Framebuffer, size: tuple[int, int]) -> None:
         """Put the picture on the screen, at its left; `size` as it was painted."""
-        self._enlarger.copy(self._sized("all", size).color_attachments[0], screen, (0, 0, *size))
+        self._copy("all", screen, (0, 0, *size))
 
-    def pixels(self, size: tuple[int, int]) -> bytes:
+    def pixels(self) -> bytes:
         """The picture as RGB, bottom row first."""
-        return bytes(self._sized("all", size).read(components=3, alignment=1))
+        return bytes(self._pictures["all"][0].read(components=3, alignment=1))
 
     def release(self) -> None:
-        for picture in self._pictures.values():
-            picture.color_attachments[0].release()
-            picture.release()
-        self._enlarger.release()
+        for name in list(self._pictures):
+            self._forget(name)
+        self._passes.release()
         for renderer in self._renderers.values():
             renderer.release()
 
@@ -120,37 +166,28 @@ class Stage:
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
-    def _paint_pane(
-        self,
-        into: Any,
-        size: tuple[int, int],
-        pane: Pane,
-        style: Style,
-        detail: Detail,
-        patience: float | None,
+    def _copy(
+        self, name: str, into: moderngl.Framebuffer, viewport: tuple[int, int, int, int]
     ) -> None:
-        def paint(framebuffer: Any, pixels: tuple[int, int]) -> None:
-            whole = self._renderer(pane, style).draw(
-                *(framebuffer, pane.day, pane.camera, style, pixels),
-                stride=detail.every,
-                upload_budget=patience,
-            )
-            self.whole = self.whole and whole
+        """Spread one of the pictures over a part of a framebuffer."""
+        into.viewport = viewport
+        into.use()
+        self._context.enable_only(moderngl.NOTHING)
+        self._pictures[name][1].use()
+        self._passes.fill("blit", picture=0)
 
-        into.viewport = (0, 0, *size)
-        self._enlarger.draw(into, size, detail.pixels, paint)
-
-    def _sized(self, name: str, size: tuple[int, int]) -> Any:
+    def _picture(self, name: str, size: tuple[int, int]) -> moderngl.Framebuffer:
         """A framebuffer of a size; the last one of that name is given up where it differs."""
-        kept = self._pictures.get(name)
-        if kept is not None and kept.size == size:
-            return kept
-        if kept is not None:
-            kept.color_attachments[0].release()
-            kept.release()
-        self._pictures.pop(name, None)
-        with pictures_of(size):
-            texture = self._context.texture(size, 4)
-            texture.repeat_x = texture.repeat_y = False
-            self._pictures[name] = self._context.framebuffer([texture])
-        return self._pictures[name]
+        if name in self._pictures and self._pictures[name][0].size != size:
+            self._forget(name)
+        if name not in self._pictures:
+            with pictures_of(size):
+                attached = texture(self._context, size, 4, "f1", linear=True)
+                self._pictures[name] = self._context.framebuffer([attached]), attached
+        framebuffer = self._pictures[name][0]
+        framebuffer.viewport = (0, 0, *size)
+        return framebuffer
+
+    def _forget(self, name: str) -> None:
+        for part in self._pictures.pop(name):
+            part.release()

@@ -37,7 +37,7 @@ from player.view.split_view import panes_of
 from player.view.state import Scene, clamped
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail
-from player.window.viewports import Stage, home_camera
+from player.window.viewports import Viewports, home_camera
 from tests.player.drawn import drawn
 
 FOLDER = Path(__file__).parent / "pictures"
@@ -156,7 +156,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         panes = panes_of(shown, [clip], [plant])
         facts = Facts(Colors(clip).color_scale(style), panes=panes if len(panes) > 1 else ())
         with _screen(size) as (context, screen):
-            stage, gui = Stage(context, [clip]), Gui()
+            stage, gui = Viewports(context, [clip]), Gui()
             interface = Interface(gui, clip, plant)
             for _ in range(3):  # a panel learns its sizes as it is drawn
                 stage.paint(size, panes, style, Detail(), None)

@@ -27,7 +27,7 @@ import json, sys, time
 from dataclasses import replace
 from pathlib import Path
 import pytest
-from player.window.app import show
+from player.window.launch import show
 from player.window.opened_clip import OpenClip
 from tests.player.desk import Places
 

@@ -26,7 +26,7 @@ from player.view.split_view import Pane, panes_of
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
-from player.window.viewports import Stage
+from player.window.viewports import Viewports
 
 ERROR = Style(color_by="error")
 DAY = 1.0
@@ -84,12 +84,12 @@ def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) ->
 def test_the_window_s_stage_shows_errors_and_goes_back(
     context: moderngl.Context, clip: Clip
 ) -> None:
-    stage, size = Stage(context, [clip]), (160, 120)
+    stage, size = Viewports(context, [clip]), (160, 120)
     pane = Pane(0, DAY, Camera.home(clip, 4 / 3))
 
     def picture(style: Style) -> np.ndarray:
         stage.paint(size, [pane], style, Detail(), None)
-        return np.frombuffer(stage.pixels(size), np.uint8).reshape(120, 160, 3).astype(int)
+        return np.frombuffer(stage.pixels(), np.uint8).reshape(120, 160, 3).astype(int)
 
     before, errors, after = (picture(style) for style in (Style(), ERROR, Style()))
     stage.release()
@@ -124,12 +124,12 @@ def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip
     assert (painted[missed >= 3.0] == ramp[-1]).all()
     assert np.abs(painted[missed < 0.005].astype(int) - ramp[0]).max() <= 2
 
-    stage, size, camera = Stage(context, [clip]), (160, 120), Camera.home(clip, 4 / 3)
+    stage, size, camera = Viewports(context, [clip]), (160, 120), Camera.home(clip, 4 / 3)
     pictures = []
     for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, left_out=0)):
         for style in (Style(), ERROR):
             stage.paint(size, [pane], style, Detail(), None)
-            pictures.append(stage.pixels(size))
+            pictures.append(stage.pixels())
     stage.release()
     assert len(set(pictures)) == 4
 

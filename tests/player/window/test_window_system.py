@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from player.errors import PlayerError
-from player.window.app import show
+from player.view.playback import Timeline
+from player.view.state import Scene
+from player.view.style import Style
 from player.window.glfw_window import Measures
-from player.window.viewports import ABOVE, BELOW, home_camera
+from player.window.launch import show
+from player.window.viewports import ABOVE, BELOW, fitted, home_camera
 from tests.player.shown import DENSE, SIZE, TIMES, Shown, small_clip
 
 
@@ -59,7 +62,9 @@ def test_a_dense_display_gets_more_pixels_and_the_mouse_stays_right(
 
 
 def test_an_old_opengl_is_refused_in_one_sentence(display: dict[str, str], clip_file: Path) -> None:
-    code = f"import gclip; from player.window.app import show; show(gclip.open({str(clip_file)!r}))"
+    code = (
+        f"import gclip; from player.window.launch import show; show(gclip.open({str(clip_file)!r}))"
+    )
     old = {**os.environ, **display, "MESA_GL_VERSION_OVERRIDE": "3.0"}
     done = subprocess.run([sys.executable, "-c", code], env=old, capture_output=True, text=True)
     assert "PlayerError: this display offers no OpenGL 3.3" in done.stderr
@@ -87,6 +92,18 @@ def test_measures_of_a_dense_display() -> None:
 def test_a_minimised_window_is_not_visible() -> None:
     assert not Measures((0, 0), (0, 0), 1.0).visible
     assert Measures((10, 10), (20, 20), 2.0).visible
+
+
+def test_side_by_side_and_back_keeps_what_is_seen_of_the_plant() -> None:
+    clip = small_clip()
+    camera = home_camera(clip, (1000.0, 700.0))
+    first = Scene(Timeline.of(clip.times), camera.zoom(1.5).orbit(0.3, 0.0), camera, Style(), False)
+    beside, _ = fitted(first, [clip], (150.0, 700.0))
+    assert beside.camera.distance / beside.home.distance == pytest.approx(1 / 1.5)
+    assert beside.camera.distance > first.camera.distance, "farther, to be seen whole"
+    assert beside.camera.yaw == first.camera.yaw
+    back, _ = fitted(beside, [clip], (1000.0, 700.0))
+    assert back.camera.distance == pytest.approx(first.camera.distance)
 
 
 @pytest.mark.parametrize("size", [(320, 240), (480, 360), (1280, 720), (500, 1400)])

@@ -1,0 +1,134 @@
+"""Opens the window as the command line and the last time left it, and remembers how it ends."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes imgui-bundle's
+    import imgui_bundle  # noqa: F401
+import glfw  # noqa: F401  elsewhere before imgui-bundle, whose copy of GLFW knows no Wayland
+
+from gclip import Clip
+from player.gl.gl_errors import ContextLost
+from player.ui.panel import stands_beside
+from player.view.camera_animation import load_path
+from player.view.holdout_error import Errors
+from player.view.playback import AtEnd
+from player.view.state import Scene
+from player.view.style import GroundChoice, Style
+from player.window.app import Window
+from player.window.glfw_window import opened
+from player.window.opened_clip import OpenClip
+from player.window.settings import Settings, load_settings, save_settings
+
+SIZE = (1280, 720)
+RESETS = 3  # of the graphics driver that are put up with
+
+
+@dataclass(frozen=True)
+class LaunchOptions:
+    """What the command line asks for; None leaves it to the last time's settings.
+
+    path:  file of a camera path to follow.
+    kiosk: full screen, over and over, nothing to press.
+    """
+
+    size: tuple[int, int] | None = None
+    ground: GroundChoice | None = None
+    turning: bool = False
+    path: Path | None = None
+    kiosk: bool = False
+
+
+def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
+    """Play one clip, or two in step, as the command line and the last time left the window.
+
+    Raises ClipError, and PlayerError as `show` does.
+    """
+    clips = [OpenClip.of(file) for file in files]
+    if style.color_by == "error":
+        Errors(clips[0].clip)
+    last = load_settings()
+    path = None if options.path is None else load_path(options.path, clips[0].clip)
+    style = replace(style, ground=options.ground or last.ground or style.ground)
+    size = options.size or last.size or SIZE
+    beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
+
+    def prepare(scene: Scene) -> Scene:
+        scene = replace(
+            scene,
+            turning=options.turning,
+            panel=last.panel is not False and beside,
+            guides=last.guides is not False,
+            legend=last.legend is not False,
+        )
+        if path is not None:
+            scene = replace(scene, path=path, following=True, turning=False)
+        if options.kiosk:
+            endless = replace(scene.timeline, at_end=AtEnd.LOOP)
+            scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
+        return scene
+
+    scene, size = show(clips, style, size=size, prepare=prepare)
+    if not options.kiosk:
+        kept = last.size if options.size or scene.fullscreen else size
+        panel = scene.panel if beside else last.panel
+        ground = GroundChoice(scene.style.ground)
+        save_settings(Settings(kept, panel, ground, scene.guides, scene.legend))
+
+
+def show(
+    clips: Clip | Sequence[OpenClip],
+    style: Style | None = None,
+    *,
+    name: str = "plant",
+    size: tuple[int, int] = SIZE,
+    prepare: Callable[[Scene], Scene] = lambda scene: scene,
+    watch: Callable[[Scene], None] = lambda scene: None,
+) -> tuple[Scene, tuple[int, int]]:
+    """Play a clip, or two in step, in a window until the user closes it.
+
+    Where the graphics driver is reset, a new window goes on where the lost one was.
+
+    Parameters
+    ----------
+    clips : Clip or sequence of OpenClip
+    style : Style, optional
+        How it looks at first.
+    name : str
+        What to call a bare clip in the titles.
+    size : tuple of int
+        (width, height) of the window in units of 1/96 inch.
+    prepare, watch : callable
+        Makes the first scene from the usual one; is called with the scene after each picture.
+
+    Returns
+    -------
+    Scene, tuple of int
+        The last scene, and the window's size.
+
+    Raises
+    ------
+    PlayerError
+        Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
+    """
+    shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
+    for left in reversed(range(RESETS + 1)):
+        with opened(size, shown[0].name) as handle:
+            window = Window(handle, shown, style or Style(), prepare, watch)
+            try:
+                return window.run(), window.size
+            except ContextLost:
+                if left == 0:
+                    raise
+                shown, lost = window.clips, window.scene
+
+                def prepare(fresh: Scene, lost: Scene = lost) -> Scene:
+                    return lost
+
+            finally:
+                window.release()
+    raise AssertionError("the last one returns or raises")

@@ -1,0 +1,8 @@
+// A picture, spread over the viewport.
+in vec2 v_at;
+uniform sampler2D picture;
+out vec4 out_color;
+
+void main() {
+    out_color = vec4(texture(picture, v_at).rgb, 1.0);
+}
