@@ -42,7 +42,7 @@ from player.export import Film, export
 from player.export.video import write_mp4
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
-from player.rendering.point_buffers import estimate
+from player.rendering.point_buffers import bytes_per_point
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
@@ -93,7 +93,7 @@ def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
             clip = growing(count, degree) if degree else static(count)
             found = _draw_times(context, clip, size, clock)
             baseline = baseline or found[0]
-            size_each = estimate(clip.intervals[0])
+            size_each = bytes_per_point(clip.intervals[0])
             rate = 1e3 * size_each * count / min(time for time in found[1:] if time)
             ratio, share = f"{found[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
             row(f"{count:,}", path, size_each, found[0], ratio, *found[1:], share)

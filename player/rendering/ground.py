@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from player.gl.framebuffer import texture
-from player.rendering.point_buffers import MAX_CHUNK
 from player.view.camera import Camera, axes, outline
 from player.view.style import GROUNDS, Style
 
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 SIDE = 128  # texels along each side of the floor
 CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
 SHADOW_POINTS = 10_000  # as many as are enough for a shadow
+MAX_CANDIDATES = 1 << 20  # of each range, that they are chosen from
 
 
 class Ground:
@@ -44,10 +44,10 @@ class Ground:
         shadow.clear()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
-        drawn_points = sum(min(drawn.points, MAX_CHUNK) for drawn in ranges)
+        candidates = sum(min(drawn.points, MAX_CANDIDATES) for drawn in ranges)
         texel = (2.0 * self._half_side / SIDE) ** 2
         for drawn in ranges:
-            some = drawn.reduced(min(SHADOW_POINTS / max(drawn_points, 1), 1.0))
+            some = drawn.reduced(MAX_CANDIDATES, min(SHADOW_POINTS / max(candidates, 1), 1.0))
             uniforms = {
                 "from_above": self._to_square,
                 "reach": CONTACT_REACH * self._half_side,

@@ -1,13 +1,14 @@
-"""A clip's movers on the GPU, chunk by chunk: what is seen comes, what no longer fits goes.
+"""A clip's points on the GPU, chunk by chunk: what is seen comes, what no longer fits goes.
 
-Movers of a group lie in an order of which every prefix is a fair sample (docs/format.md). So a
-group is cut into chunks from its beginning, and the chunks that are on the GPU already, or that
-there is time to draw, are the whole plant with fewer points.
+Points of a group lie in an order of which every prefix is a fair sample (docs/format.md). So a
+group is cut into chunks from its beginning, each filled slice by slice, and what is on the GPU
+already, or what there is time to draw, is the whole plant with fewer points.
 """
 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -17,20 +18,21 @@ import numpy as np
 from gclip.evaluate import Layer
 from gclip.file import check_whole
 from player.gl.gl_errors import OutOfGpuMemory, check_context
-from player.rendering.prefetch import Fetcher
+from player.rendering.prefetch import Prefetch, buffers_of
 
 if TYPE_CHECKING:
     import moderngl
 
     from gclip import Clip, Interval
 
-MAX_CHUNK = 1 << 20  # points: within OpenGL's smallest limits (128 MiB, 65,535 workgroups)
-PADDING = 48  # bytes: compute shaders read movers by fours
+MAX_BUFFER = 96 << 20  # bytes of a chunk's positions, within OpenGL's smallest limit: 16 M points
+SLICE = 1 << 20  # points brought to the GPU between looks at the clock
+PADDING = 48  # bytes: compute shaders read points by fours
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A run of an interval's movers, all of one group."""
+    """A run of an interval's points, all of one group."""
 
     interval: int
     first: int
@@ -39,9 +41,9 @@ class Chunk:
 
 @dataclass(frozen=True)
 class DrawRange:
-    """Those of a layer's movers that are to be drawn.
+    """Those of a layer's points that are to be drawn.
 
-    count: only its first ones: a fair sample, but of whole blocks of neighbours.
+    count:  only its first ones: a fair sample, but of whole blocks of neighbours.
     stride: of these, one of so many, or four neighbours of so many fours: the sample has no gaps.
     """
 
@@ -59,90 +61,104 @@ class DrawRange:
         """How many of them are drawn."""
         return -(-self.count // self.stride)
 
-    def reduced(self, share: float) -> DrawRange:
-        """About such a share of its first chunk."""
+    def reduced(self, most: int, share: float) -> DrawRange:
+        """About such a share of the first ones, `most` or fewer."""
         stride = max(round(self.stride / share), 1)
-        return replace(self, count=min(self.count, MAX_CHUNK), stride=stride)
+        return replace(self, count=min(self.count, most), stride=stride)
 
-    def chunks(self) -> Iterator[tuple[Chunk, int]]:
-        """Its chunks, and how many movers of each are drawn."""
-        group = self.layer.group
-        for offset in range(0, self.count, MAX_CHUNK):
-            length = min(MAX_CHUNK, group.count - offset)
-            yield (
-                Chunk(self.layer.interval, group.first + offset, length),
-                min(length, self.count - offset),
-            )
+
+def chunk_length(interval: Interval) -> int:
+    """Points of an interval's chunks."""
+    return MAX_BUFFER // (3 * interval.curve[0].itemsize)
+
+
+def bytes_per_point(interval: Interval) -> int:
+    """Of all buffers together."""
+    buffers = buffers_of(interval)
+    return sum(buffer.itemsize * (buffer.size // max(len(buffer), 1)) for buffer in buffers)
 
 
 class ChunkBuffers:
-    """One chunk's buffers, laid out as they lie in the clip.
+    """One chunk's buffers, laid out as they lie in the clip, filled from the beginning.
 
-    Raises ClipError where the clip's file was cut short after it was opened, OutOfGpuMemory where
-    there is no room for them.
+    Raises OutOfGpuMemory where there is no room for them.
     """
 
     def __init__(self, context: moderngl.Context, interval: Interval, chunk: Chunk) -> None:
-        check_whole(interval.tracks)
-        self.context = context
-        self.count = chunk.count
-        self.degree = interval.degree
-        self.colored = interval.start_colors is not None
-        self.size = 0
-        self._buffers: list[tuple[moderngl.Buffer, str, str]] = []
+        self._context = context
+        self._interval = interval
+        self._chunk = chunk
         self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
-        kind = "3f4" if interval.box is None else "3u2"
-        movers = slice(chunk.first, chunk.first + chunk.count)
-        for i, points in enumerate(interval.curve):
-            self._add(points[movers], kind, f"in_point{i}")
-        self._add(interval.tracks[movers], f"u{interval.tracks.itemsize}", "in_track")
-        if interval.start_colors is not None and interval.end_colors is not None:
-            self._add(interval.start_colors[movers], "4f1", "in_start_color")
-            self._add(interval.end_colors[movers], "4f1", "in_end_color")
+        self.resident = 0  # points that are there
+        self._buffers: list[tuple[moderngl.Buffer, str, str, int]] = []
+        position = "3f4" if interval.box is None else "3u2"
+        kinds = [(position, f"in_point{i}", i) for i in range(len(interval.curve))]
+        kinds.append((f"u{interval.tracks.itemsize}", "in_track", 4))
+        kinds += [("4f1", "in_start_color", 5), ("4f1", "in_end_color", 6)]
+        for values, kind in zip(buffers_of(interval), kinds, strict=False):
+            size = values[:1].nbytes * chunk.count + PADDING
+            self._buffers.append((context.buffer(reserve=size), *kind))
+        self.size = sum(buffer.size for buffer, *_ in self._buffers)
         try:
             check_context(context)
         except OutOfGpuMemory:
             self.release()
             raise
 
-    def _add(self, values: np.ndarray, kind: str, name: str) -> None:
-        buffer = self.context.buffer(reserve=values.nbytes + PADDING)
-        buffer.write(np.ascontiguousarray(values))
-        self._buffers.append((buffer, kind, name))
-        self.size += buffer.size
+    def upload(self, count: int) -> int:
+        """Bring points up to `count`, or a slice of them; gives the bytes that came.
+
+        Raises ClipError where the clip's file was cut short after it was opened.
+        """
+        stop = min(count, self._chunk.count, self.resident + SLICE)
+        if stop <= self.resident:
+            return 0
+        check_whole(self._interval.tracks)
+        some = slice(self._chunk.first + self.resident, self._chunk.first + stop)
+        came = 0
+        for values, (buffer, *_) in zip(buffers_of(self._interval), self._buffers, strict=True):
+            points = np.ascontiguousarray(values[some])
+            buffer.write(points, offset=self.resident * values[:1].nbytes)
+            came += points.nbytes
+        self.resident = stop
+        return came
 
     def array(
-        self, program: moderngl.Program, places: moderngl.Buffer | None = None
+        self, program: moderngl.Program, indices: moderngl.Buffer | None = None
     ) -> moderngl.VertexArray:
         """The buffers bound to a vertex shader's inputs, as far as it has them.
 
-        places: which movers to draw, uint32; all of them if None.
+        indices: which points to draw, uint32; all of them if None.
         """
-        key = (program.glo, places.glo if places else 0)
+        key = (program.glo, indices.glo if indices else 0)
         if key not in self._arrays:
-            content = [entry for entry in self._buffers if entry[2] in program]
-            self._arrays[key] = self.context.vertex_array(program, content, index_buffer=places)
+            content = [(b, kind, name) for b, kind, name, _ in self._buffers if name in program]
+            self._arrays[key] = self._context.vertex_array(program, content, index_buffer=indices)
         return self._arrays[key]
 
     def bind(self) -> None:
-        """Bind them as a compute shader's storage: points from 0 on, track 4, colours 5 and 6."""
-        for place, (buffer, _, name) in enumerate(self._buffers):
-            buffer.bind_to_storage_buffer(BINDINGS.get(name, place))
+        """Bind them as a compute shader's storage (point_storage.glsl)."""
+        for buffer, _, _, binding in self._buffers:
+            buffer.bind_to_storage_buffer(binding)
 
     def release(self) -> None:
         for array in self._arrays.values():
             array.release()
-        for buffer, _, _ in self._buffers:
+        for buffer, *_ in self._buffers:
             buffer.release()
-
-
-BINDINGS = {"in_track": 4, "in_start_color": 5, "in_end_color": 6}
 
 
 class ChunkStore:
     """The chunks on the GPU.
 
     room: bytes that they may take up there together; one chunk is kept whatever its size.
+
+    Attributes
+    ----------
+    size : int
+        Bytes that they take up now.
+    loaded : int
+        Bytes brought there so far.
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, room: int) -> None:
@@ -150,27 +166,111 @@ class ChunkStore:
         self._clip = clip
         self._room = room
         self._kept: dict[Chunk, ChunkBuffers] = {}  # the longest unused first
-        self._fetcher = Fetcher()
-        self.size = 0  # bytes there now
-        self.loaded = 0  # bytes brought there so far
+        self._bytes: Counter[int] = Counter()  # of those of each interval
+        self._prefetch = Prefetch()
+        self._wanted: list[DrawRange] = []
+        self._plan: Iterator[tuple[Chunk, int]] = iter(())  # what of it is still to come
+        self._ahead: tuple[int, Iterator[tuple[Chunk, int]]] = (-1, iter(()))
+        self.size = 0
+        self.loaded = 0
 
-    def __contains__(self, chunk: Chunk) -> bool:
-        return chunk in self._kept
+    def chunks(self, drawn: DrawRange) -> Iterator[tuple[Chunk, int]]:
+        """A range's chunks, and how many points of each are drawn."""
+        group, length = drawn.layer.group, chunk_length(self._clip.intervals[drawn.layer.interval])
+        for offset in range(0, drawn.count, length):
+            count = min(length, group.count - offset)
+            chunk = Chunk(drawn.layer.interval, group.first + offset, count)
+            yield chunk, min(count, drawn.count - offset)
 
-    def __getitem__(self, chunk: Chunk) -> ChunkBuffers:
-        """A chunk's buffers, uploaded if they are not there yet; valid until the next one's."""
+    def resident(self, drawn: DrawRange) -> int:
+        """How many of a range's points are there, from the first on."""
+        there = 0
+        for chunk, count in self.chunks(drawn):
+            found = min(self._kept[chunk].resident, count) if chunk in self._kept else 0
+            there += found
+            if found < count:
+                break
+        return there
+
+    def fetch(self, chunk: Chunk, count: int) -> ChunkBuffers:
+        """A chunk's buffers with `count` points, uploaded if they are not there yet; valid until
+        the next one's.
+        """
+        buffers = self._made(chunk)
+        while buffers.resident < count:
+            self.loaded += buffers.upload(count)
+        return buffers
+
+    def load(self, wanted: list[DrawRange], seconds: float) -> list[int]:
+        """Upload what is wanted for some seconds, fair samples first; then, as far as there is
+        time and room, the interval after. Gives how many points of each range are there: at least
+        those of its first slice. What is there already costs nothing to find.
+        """
+        ends = time.perf_counter() + seconds
+        groups = [(drawn.layer.interval, drawn.layer.group, drawn.count) for drawn in wanted]
+        if groups != [(d.layer.interval, d.layer.group, d.count) for d in self._wanted]:
+            self._wanted, self._plan = wanted, self._slices(wanted)
+        for drawn in wanted:
+            if self.resident(replace(drawn, count=min(drawn.count, SLICE))) == 0:
+                chunk, count = next(self.chunks(drawn))
+                self.loaded += self._made(chunk).upload(count)
+        if self._follow(self._plan, ends):
+            self._load_ahead(max((d.layer.interval for d in wanted), default=-1) + 1, ends)
+        return [self.resident(drawn) for drawn in wanted]
+
+    def _follow(self, plan: Iterator[tuple[Chunk, int]], ends: float, ahead: bool = False) -> bool:
+        """Upload slices until there is no time, or no room; whether the plan is done."""
+        while time.perf_counter() < ends:
+            chunk, count = next(plan, (None, 0))
+            if chunk is None:
+                return True
+            if chunk in self._kept or self._fits(chunk, ahead):
+                self.loaded += self._made(chunk).upload(count)
+        return False
+
+    def _load_ahead(self, index: int, ends: float) -> None:
+        if index >= len(self._clip.intervals):
+            return
+        interval = self._clip.intervals[index]
+        self._prefetch.start(index, interval)
+        if self._ahead[0] != index:
+            layers = [Layer(index, group, 0, 0, 1) for group in interval.groups]
+            ranges = [DrawRange(layer, layer.group.count) for layer in layers]
+            self._ahead = (index, self._slices(ranges))
+        if self._prefetch.done(index):
+            self._follow(self._ahead[1], ends, ahead=True)
+
+    def _slices(self, ranges: list[DrawRange]) -> Iterator[tuple[Chunk, int]]:
+        """Chunks, and up to where each is to be filled, so that each prefix of all this holds about
+        the same share of every range.
+        """
+        placed = [
+            ((offset + upto) / drawn.count, chunk, min(upto, count))
+            for drawn in ranges
+            for offset, (chunk, count) in _with_offsets(self.chunks(drawn))
+            for upto in range(SLICE, count + SLICE, SLICE)
+        ]
+        return iter([(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])])
+
+    def _fits(self, chunk: Chunk, ahead: bool) -> bool:
+        """Whether a chunk finds room: ahead without dropping any, else any of its interval."""
+        needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
+        return needed + (self.size if ahead else self._bytes[chunk.interval]) <= self._room
+
+    def _made(self, chunk: Chunk) -> ChunkBuffers:
+        """A chunk's buffers, the last to be dropped from now on."""
         buffers = self._kept.pop(chunk, None)
         if buffers is None:
-            needed = estimate(self._clip.intervals[chunk.interval]) * chunk.count
+            needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
             while self._kept and self.size + needed > self._room:
                 self._drop(self._least_wanted(chunk.interval))
-            buffers = self._uploaded(chunk)
+            buffers = self._allocated(chunk)
             self.size += buffers.size
-            self.loaded += buffers.size
+            self._bytes[chunk.interval] += buffers.size
         self._kept[chunk] = buffers
         return buffers
 
-    def _uploaded(self, chunk: Chunk) -> ChunkBuffers:
+    def _allocated(self, chunk: Chunk) -> ChunkBuffers:
         """On a GPU that is full sooner than it said, the others make room, and less is kept."""
         while True:
             try:
@@ -182,78 +282,29 @@ class ChunkStore:
                 while self._kept and self.size > self._room:
                     self._drop(self._least_wanted(chunk.interval))
 
-    def load(self, ranges: list[DrawRange], seconds: float) -> list[int]:
-        """Upload what is wanted for some seconds, fair samples first; then, as far as there is
-        time and room, the interval after. Gives how many movers of each drawn are there: at
-        least those of its first chunk.
-        """
-        ends = time.perf_counter() + seconds
-        wanted = _fairly(ranges)
-        for place, chunk in enumerate(wanted):
-            if place < len(ranges) or (time.perf_counter() < ends and self._fits(chunk)):
-                self[chunk]
-        if all(chunk in self for chunk in wanted):
-            self._load_ahead(max((p.layer.interval for p in ranges), default=-1) + 1, ends)
-        return [self._present(drawn) for drawn in ranges]
-
-    def _load_ahead(self, index: int, ends: float) -> None:
-        if index >= len(self._clip.intervals):
-            return
-        interval = self._clip.intervals[index]
-        self._fetcher.fetch(index, interval)
-        for chunk in _fairly(
-            [DrawRange(Layer(index, g, 0, 0, 1), g.count) for g in interval.groups]
-        ):
-            bytes_needed = self.size + estimate(interval) * chunk.count
-            if time.perf_counter() >= ends or bytes_needed > self._room:
-                return
-            if chunk not in self and self._fetcher.done(index):
-                self[chunk]
-
-    def _fits(self, chunk: Chunk) -> bool:
-        """Whether a chunk is there, or finds room without dropping any of its own interval."""
-        kept = sum(b.size for c, b in self._kept.items() if c.interval == chunk.interval)
-        needed = estimate(self._clip.intervals[chunk.interval]) * chunk.count
-        return chunk in self or kept + needed <= self._room
-
-    def _present(self, drawn: DrawRange) -> int:
-        count = 0
-        for chunk, length in drawn.chunks():
-            if chunk not in self:
-                break
-            count += length
-        return count
-
     def _least_wanted(self, shown: int) -> Chunk:
         """Of other intervals the longest unused; of the shown one the last used, so that going
         over a too large interval again and again finds its beginning in place.
         """
-        others = [chunk for chunk in self._kept if chunk.interval != shown]
-        return others[0] if others else next(reversed(self._kept))
+        other = next((chunk for chunk in self._kept if chunk.interval != shown), None)
+        return other or next(reversed(self._kept))
 
     def _drop(self, chunk: Chunk) -> None:
         buffers = self._kept.pop(chunk)
         self.size -= buffers.size
+        self._bytes[chunk.interval] -= buffers.size
+        self._wanted, self._ahead = [], (-1, iter(()))  # they may have to come again
         buffers.release()
 
     def release(self) -> None:
-        self._fetcher.stop()
+        self._prefetch.stop()
         for chunk in list(self._kept):
             self._drop(chunk)
 
 
-def _fairly(ranges: list[DrawRange]) -> list[Chunk]:
-    """The ranges' chunks, so that each prefix holds about the same share of every drawn."""
-    placed = [
-        (number * MAX_CHUNK / max(drawn.count, 1), chunk)
-        for drawn in ranges
-        for number, (chunk, _) in enumerate(drawn.chunks())
-    ]
-    return [chunk for _, chunk in sorted(placed, key=lambda entry: entry[0])]
-
-
-def estimate(interval: Interval) -> int:
-    """Bytes a mover."""
-    buffers = [*interval.curve, interval.tracks]
-    buffers += [c for c in (interval.start_colors, interval.end_colors) if c is not None]
-    return sum(buffer.itemsize * (buffer.size // max(len(buffer), 1)) for buffer in buffers)
+def _with_offsets(chunks: Iterator[tuple[Chunk, int]]) -> Iterator[tuple[int, tuple[Chunk, int]]]:
+    """Each chunk with the number of points before it."""
+    before = 0
+    for chunk, count in chunks:
+        yield before, (chunk, count)
+        before += count

@@ -13,7 +13,7 @@ from gclip.evaluate import Layer, bernstein
 from player.gl.framebuffer import texture
 from player.gl.gpu_memory import room
 from player.gl.shader import compute, give, program
-from player.rendering.point_buffers import MAX_CHUNK, ChunkBuffers, ChunkStore, DrawRange
+from player.rendering.point_buffers import ChunkBuffers, ChunkStore, DrawRange, chunk_length
 from player.view.colors import STEPS, Colors, ScalarField
 
 if TYPE_CHECKING:
@@ -41,8 +41,9 @@ class PointCloud:
         rows = -(-len(clip.track_table) // PALETTE_WIDTH)
         self.palette = texture(context, (PALETTE_WIDTH, rows), 4, "f4")
         self.ramp = texture(context, (STEPS, 1), 4, "f4")
-        groups = [group.count for interval in clip.intervals for group in interval.groups]
-        self._longest_chunk = min(MAX_CHUNK, max(groups, default=0))
+        self._longest_chunk = max(
+            (min(chunk_length(i), g.count) for i in clip.intervals for g in i.groups), default=0
+        )
         self._indices: dict[int, moderngl.Buffer] = {}
         self._colored: object = None
         self._definitions: dict[str, int] = {"SCALAR_FIELD": 0, "HAS_FLAGS": 0}
@@ -90,10 +91,10 @@ class PointCloud:
         """A range's chunks, and how many points of each; the shader is told which points."""
         self.palette.use(PALETTE_UNIT)
         self.ramp.use(RAMP_UNIT)
-        for chunk, count in drawn.chunks():
+        for chunk, count in self.store.chunks(drawn):
             if drawn.layer.alpha < 1.0:
                 give(shader, first_point=chunk.first)
-            yield self.store[chunk], count
+            yield self.store.fetch(chunk, count), count
 
     def _one_in(self, stride: int) -> moderngl.Buffer | None:
         """The indices, in any chunk, of one point in so many.

@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import mmap
-import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gclip.errors import ClipError
+from gclip.file import check_whole
 
 if TYPE_CHECKING:
     from gclip import Interval
 
-STEP = 1 << 24  # bytes between looks at whether the interval is still wanted
+STEP = 4096  # pages between looks at whether the interval is still wanted
 
 
-class Fetcher:
+def buffers_of(interval: Interval) -> list[NDArray]:
+    """An interval's buffers of one entry a point: positions, tracks, colours if there are any."""
+    colors = (interval.start_colors, interval.end_colors)
+    return [*interval.curve, interval.tracks, *(c for c in colors if c is not None)]
+
+
+class Prefetch:
     """Has one interval at a time read into memory.
 
     A clip is memory-mapped: its pages come from the disk when they are first touched. They are
@@ -22,48 +32,36 @@ class Fetcher:
     """
 
     def __init__(self) -> None:
+        self._executor = ThreadPoolExecutor(1)
         self._wanted: int | None = None
-        self._done: set[int] = set()
-        self._thread: threading.Thread | None = None
+        self._reading: dict[int, Future[bool]] = {}
 
-    def fetch(self, index: int, interval: Interval) -> None:
+    def start(self, index: int, interval: Interval) -> None:
         """Begin with an interval, unless it is under way or done; an earlier one is given up."""
-        if index in (self._wanted, *self._done):
-            return
-        self._wanted = index
-        if self._thread is not None:
-            self._thread.join()
-        self._thread = threading.Thread(target=self._read, args=(index, interval), daemon=True)
-        self._thread.start()
+        if index != self._wanted and not self.done(index):
+            self._wanted = index
+            self._reading[index] = self._executor.submit(self._read, index, interval)
 
     def done(self, index: int) -> bool:
-        return index in self._done
+        found = self._reading.get(index)
+        return found is not None and found.done() and found.result()
 
     def stop(self) -> None:
         self._wanted = None
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
+        self._executor.shutdown(cancel_futures=True)
 
-    def _read(self, index: int, interval: Interval) -> None:
-        import numpy as np
-
-        from gclip.file import check_whole
-
-        for buffer in (
-            *(*interval.curve, interval.tracks),
-            *(c for c in (interval.start_colors, interval.end_colors) if c is not None),
-        ):
+    def _read(self, index: int, interval: Interval) -> bool:
+        """Whether all of it was read."""
+        for buffer in buffers_of(interval):
             if not buffer.flags.c_contiguous:
                 continue
             pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
-            for first in range(0, len(pages), STEP // mmap.PAGESIZE):
+            for first in range(0, len(pages), STEP):
                 if self._wanted != index:
-                    return
+                    return False
                 try:
                     check_whole(buffer)
                 except ClipError:  # who uploads it tells
-                    return
-                pages[first : first + STEP // mmap.PAGESIZE].max(initial=0)
-        self._done.add(index)
-        self._wanted = None
+                    return False
+                pages[first : first + STEP].max(initial=0)
+        return True

@@ -55,7 +55,7 @@ def told(clip: Clip, path: Path) -> None:
 
 def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
-    from player.rendering.point_buffers import Portion, estimate
+    from player.rendering.point_buffers import ChunkStore, DrawRange, bytes_per_point
     from player.rendering.splat_radius import ClosingDistances
     from player.ui.timeline import Line, labels_on
     from player.view.camera import Camera
@@ -71,14 +71,14 @@ def loaded(clip: Clip) -> None:
     for camera in (home, Camera.home(clip, 0.5, turning=True), home_camera(clip, (1280.0, 720.0))):
         assert np.isfinite(camera.matrix(ASPECT)).all()
         assert np.isfinite(camera.zoom(1e9).orbit(1.0, 1.0).pan(0.1, 0.1).matrix(ASPECT)).all()
-    closing = ClosingDistances(clip)
+    closing, store = ClosingDistances(clip), ChunkStore(None, clip, room=0)  # type: ignore[arg-type]
     for day in days_of(clip):
         assert np.isfinite(closing.at(*locate(clip, day)))
         assert closing.at(*locate(clip, day), wait=False) >= 0.0
         assert date_at(clip.scans, day) is not None
         elapsed(clip.scans, day, clip.time_unit)
         for layer in layers_at(clip, day):
-            list(Portion(layer, layer.group.count).chunks())
+            list(store.chunks(DrawRange(layer, layer.group.count)))
         CameraPath().with_key(day, home)
     for name in ("scan", "track", "age", "speed", "height"):
         colors, style = Colors(clip), Style(color_by=name)
@@ -86,7 +86,7 @@ def loaded(clip: Clip) -> None:
         assert np.isfinite(colors.ramp(style)).all()
         if colors.scalar_field(style):
             assert np.isfinite(np.hstack(list(colors.uniforms().values()))).all()
-    assert all(estimate(interval) > 0 for interval in clip.intervals)
+    assert all(bytes_per_point(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)
     assert np.isfinite(timeline.day)
     line = Line(50.0, 1100.0, 650.0, tuple(clip.times))

@@ -16,7 +16,7 @@ from player.cli import main
 from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.headless import Offscreen, render
-from player.rendering.point_buffers import ChunkStore, estimate
+from player.rendering.point_buffers import Chunk, ChunkStore, bytes_per_point
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
@@ -200,18 +200,16 @@ def test_movers_make_room_on_a_full_gpu(
 ) -> None:
     clip = make_clip()
     store = ChunkStore(context, clip, room=1 << 30)
-    from player.rendering.point_buffers import Chunk
-
     chunks = [Chunk(0, first, 100) for first in (0, 100, 200)]
     for chunk in chunks[:2]:
-        store[chunk]
+        store.fetch(chunk, 100)
     report(monkeypatch, "GL_OUT_OF_MEMORY")
-    assert store[chunks[2]].count == 100
-    assert store.size < 3 * 100 * estimate(clip.intervals[0]) + 1000
-    assert sum(chunk in store for chunk in chunks) == 2, "one made room for the last one"
+    assert store.fetch(chunks[2], 100).resident == 100
+    assert store.size < 3 * 100 * bytes_per_point(clip.intervals[0]) + 1000
+    assert store.size > 2 * 100 * bytes_per_point(clip.intervals[0]), "one made room for the last"
     report(monkeypatch, *["GL_OUT_OF_MEMORY"] * 9)
     with pytest.raises(OutOfGpuMemory):
-        store[Chunk(1, 0, 100)]
+        store.fetch(Chunk(1, 0, 100), 100)
     monkeypatch.undo()
     store.release()
 

@@ -9,15 +9,14 @@ import moderngl
 import numpy as np
 import pytest
 
-import player.rendering.point_cloud
 from gclip import Clip, Motion
 from gclip.evaluate import layers_at
 from gclip.morton import BLOCK
 from gclip.pack import Movers, pack_interval
 from player.gl.gpu_memory import room
 from player.rendering import point_buffers
-from player.rendering.point_buffers import ChunkStore, DrawRange, estimate
-from player.rendering.prefetch import Fetcher
+from player.rendering.point_buffers import ChunkStore, DrawRange, bytes_per_point
+from player.rendering.prefetch import Prefetch
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -29,8 +28,9 @@ SIZE = (160, 120)
 
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
-    monkeypatch.setattr(point_buffers, "MAX_CHUNK", 333)
-    monkeypatch.setattr(player.rendering.point_cloud, "MAX_CHUNK", 333)
+    """Points of a quantised chunk."""
+    monkeypatch.setattr(point_buffers, "MAX_BUFFER", 6 * 333)
+    monkeypatch.setattr(point_buffers, "SLICE", 100)
     return 333
 
 
@@ -55,7 +55,7 @@ def test_bytes_a_mover(
     context: moderngl.Context, make_clip, degree: int, colors: tuple | None, size: int
 ) -> None:
     clip = series(make_clip(degree=degree, colors=colors), 1)
-    assert estimate(clip.intervals[0]) == size
+    assert bytes_per_point(clip.intervals[0]) == size
     store = ChunkStore(context, clip, 1 << 30)
     store.load(whole(clip, 0.0), 1.0)
     buffers = 2 + degree + (2 if colors else 0)
@@ -87,7 +87,7 @@ def test_positions_do_not_depend_on_the_chunks(
 
 def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks: int) -> None:
     clip = series(make_clip(), 9)
-    limit = 3 * len(clip.intervals[0]) * estimate(clip.intervals[0])
+    limit = 3 * len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
     store = ChunkStore(context, clip, limit)
     for day in np.linspace(0, 9, 30):
         there = store.load(whole(clip, float(day)), 1.0)
@@ -102,7 +102,7 @@ def test_without_time_the_beginning_is_there_and_the_rest_follows(
 ) -> None:
     clip = make_clip()
     store, wanted = ChunkStore(context, clip, 1 << 30), whole(clip, 3.0)
-    assert store.load(wanted, 0.0) == [min(small_chunks, drawn.count) for drawn in wanted]
+    assert store.load(wanted, 0.0) == [min(100, drawn.count) for drawn in wanted]
     assert store.load(wanted, 1.0) == [drawn.count for drawn in wanted]
     store.release()
 
@@ -111,12 +111,11 @@ def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, 
     clip = series(make_clip(), 3)
     store = ChunkStore(context, clip, 1 << 30)
     ends = time.monotonic() + 10.0
-    (chunk, _), *_ = whole(clip, 1.5)[0].chunks()
-    while chunk not in store and time.monotonic() < ends:
+    (following,), (last,) = whole(clip, 1.5), whole(clip, 2.5)
+    while store.resident(following) < following.count and time.monotonic() < ends:
         store.load(whole(clip, 0.5), 0.1)
-    assert chunk in store
-    (last, _), *_ = whole(clip, 2.5)[0].chunks()
-    assert last not in store
+    assert store.resident(following) == following.count
+    assert store.resident(last) == 0
     store.release()
 
 
@@ -147,16 +146,16 @@ def test_one_point_in_many(
     np.testing.assert_array_equal(found, wanted)
 
 
-def test_the_fetcher_reads_one_interval_and_stops(make_clip) -> None:
+def test_an_interval_is_read_before_it_is_needed(make_clip) -> None:
     clip = make_clip()
-    fetcher = Fetcher()
-    fetcher.fetch(0, clip.intervals[0])
-    fetcher.fetch(1, clip.intervals[1])
+    prefetch = Prefetch()
+    prefetch.start(0, clip.intervals[0])
+    prefetch.start(1, clip.intervals[1])
     ends = time.monotonic() + 10.0
-    while not fetcher.done(1) and time.monotonic() < ends:
+    while not prefetch.done(1) and time.monotonic() < ends:
         time.sleep(0.001)
-    assert fetcher.done(1)
-    fetcher.stop()
+    assert prefetch.done(1)
+    prefetch.stop()
 
 
 def test_there_is_room(context: moderngl.Context) -> None:
