@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gclip import Clip
-from gclip.evaluate import layers_at, locate
+from gclip.evaluate import frame_at, layers_at, locate
 
 ASPECT = 16 / 9
 
@@ -25,7 +25,7 @@ def days_of(clip: Clip) -> list[float]:
 def evaluated(clip: Clip) -> None:
     """Positions are numbers, ids are known, at every time."""
     for day in days_of(clip):
-        frame = clip.at(day)
+        frame = frame_at(clip, day)
         for part in (frame, frame.litter):
             if part is not None and len(part):
                 assert np.isfinite(part.positions).all()
