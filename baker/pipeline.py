@@ -131,8 +131,10 @@ def survey_series(
 ) -> Survey:
     """Align scans that have been read, and decide what their labels mean (section 3.1).
 
-    map: maps a function over scans. register: aligns them as `baker.alignment.align` does; a cache
-    may stand in for it.
+    Parameters
+    ----------
+    found, options, progress, map, register
+        As those of `bake_series`.
     """
     options = options.for_series(found.fixed, found.length, found.root)
     choices = options.resolved()
@@ -164,8 +166,15 @@ def bake_series(
 
     Parameters
     ----------
-    found, options, progress, map, register
-        As those of `survey_series`.
+    found : Series
+    options : Options
+        As they were requested.
+    progress : callable
+        Called with a stage's name, the steps done and the steps in all.
+    map : map-like callable
+        Maps a function over scans.
+    register : callable, optional
+        Aligns scans as `baker.alignment.align` does; a cache may stand in for it.
     solve : IntervalSolver, optional
         Solves the intervals: a cache, or the workers of a cluster. By default threads.
     announce : callable, optional
@@ -221,14 +230,7 @@ def bake_series(
     named = labels.consistent and not labels.renamed
     contacts = [job.attachments for job in jobs]
     clip = judged(clip, contacts, None if named else followed, map)
-    record = BakeRecord(
-        found=found,
-        series=series,
-        keyframes=aligned.keyframes,
-        alignment=alignment,
-        held_out=held_out,
-    )
-    return clip, record
+    return clip, BakeRecord(found, series, aligned.keyframes, alignment, held_out)
 
 
 def _measure(

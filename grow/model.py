@@ -196,9 +196,21 @@ class Plant:
 def plant(kind: str, seed: int = 0) -> Plant:
     """Grow a plant from a seed; the same kind and seed give the same plant, at every time.
 
-    kind: one of `KINDS`. tree1 and tree2 are the bare trees of the paper's Table 1 and Figure 11
-    (four scans of 778 to 2,253 points; two scans of 77,448 and 326,032 points).
-    Raises baker.errors.InputError for an unknown kind or a negative seed.
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`. tree1 and tree2 are the bare trees of the paper's Table 1 and Figure 11:
+        four scans of 778 to 2,253 points; two scans of 77,448 and 326,032 points.
+    seed : int
+
+    Returns
+    -------
+    Plant
+
+    Raises
+    ------
+    InputError
+        For an unknown kind or a negative seed.
     """
     if kind not in KINDS:
         raise InputError(f"unknown plant {kind!r}: choose one of {', '.join(KINDS)}.")

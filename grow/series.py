@@ -51,11 +51,21 @@ def write_series(
     force: bool = False,
     wrote: Callable[[str, int], None] = lambda name, points: None,
 ) -> None:
-    """Write the scans to `folder` and what is true of them to `folder`/truth.
+    """Write the scans of a series, and in the folder "truth" beside them what is true of them.
 
-    force:  replace the scans and the truth that are there.
-    wrote:  called with each file's name and points.
-    Raises InputError for a plan that can't be, or a folder that can't be written or holds scans.
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+    force : bool
+        Replace the scans and the truth that are there.
+    wrote : callable, optional
+        Called with each file's name and points.
+
+    Raises
+    ------
+    InputError
+        For a plan that can't be, or a folder that can't be written or holds scans.
     """
     _check(plan)
     subject = plant(plan.kind, plan.seed)

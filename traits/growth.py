@@ -32,9 +32,18 @@ class Curve:
 
 
 def growth_curves(clip: Clip) -> list[Curve]:
-    """Lengths of the organs along their midlines at the scans, the longest organ first.
+    """Lengths of the organs along their midlines at the scans.
 
     They are measured on fewer points than those of `measure`, which says how sure each is.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+
+    Returns
+    -------
+    list of Curve
+        The longest organ first.
     """
     up = up_vector(clip.up)
     born = {track.id: track.born for track in clip.track_table}

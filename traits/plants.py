@@ -25,7 +25,19 @@ def write_traits(
 ) -> None:
     """Measure one plant at the scans and half-way between, and write the table.
 
-    plant: what the table calls it. Raises UserError where the file can't be written.
+    Parameters
+    ----------
+    path : Path
+    clip : gclip.Clip
+    plant : str
+        What the table calls it.
+    progress : callable
+        Called with "traits", the days measured and the days in all.
+
+    Raises
+    ------
+    UserError
+        Where the file can't be written.
     """
     table = io.StringIO()
     write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))

@@ -58,7 +58,18 @@ class AlignedSeries:
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
-    """The scans, each moved by its transform."""
+    """The scans, each moved by its transform.
+
+    Parameters
+    ----------
+    series : Series
+    alignment : Alignment
+        Of the same scans.
+
+    Returns
+    -------
+    list of Keyframe
+    """
     keyframes = []
     found = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
     for scan, transform, base in found:
@@ -77,12 +88,29 @@ def hold_out(
 ) -> tuple[Series, list[Keyframe], tuple[HeldOut, ...]]:
     """Divide an aligned series into the scans to bake and those left out for verification.
 
-    every: of `--holdout N` (section 4 of the paper, Verification); None leaves no scan out.
+    Parameters
+    ----------
+    series : Series
+    keyframes : sequence of Keyframe
+        The series' scans, aligned.
+    every : int or None
+        Every so many scans one is left out (`--holdout`); None leaves none out.
+
+    Returns
+    -------
+    series : Series
+    keyframes : list of Keyframe
+        The scans to bake.
+    held_out : tuple of HeldOut
 
     Raises
     ------
     InputError
         Where that leaves out no scan.
+
+    References
+    ----------
+    Section 4 of the paper, "Verification".
     """
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:

@@ -16,7 +16,18 @@ Gaps = Mapping[tuple[int, int], float]
 def segment_adjacency(labels: NDArray[np.integer], neighbors: Neighbors) -> Gaps:
     """Find the segments that touch, and the smallest distance between points of theirs.
 
-    Returns it by pairs of the (N,) labels, in either order, of all nearer than 3 point spacings.
+    Parameters
+    ----------
+    labels : (N,) int ndarray
+        The segment of each point.
+    neighbors : Neighbors
+        Of the same points.
+
+    Returns
+    -------
+    Gaps
+        The distance, in length units, by pairs of labels in either order, of all nearer than three
+        point spacings.
     """
     names, segment = np.unique(labels, return_inverse=True)
     touching = segment[neighbors.indices] != segment[:, None]
@@ -39,9 +50,21 @@ def agreed_gaps(
     In a dense crown leaves touch branches that they don't grow from, and in a single scan they may
     be nearer to those than a branch is to its parent. An organ's parent touches it in every scan.
 
-    labels, adjacency, spacings: of each scan; an organ has the same label in all. Returns, from
-    (organ, possible parent), the gap in point spacings of all that touch in some scan; where they
-    don't, they are as far apart as what barely touches. Nothing grows from what is younger.
+    Parameters
+    ----------
+    labels : sequence of (N,) int ndarray
+        Of each scan; an organ has the same label in all.
+    adjacency : sequence of Gaps
+        The `segment_adjacency` of each scan.
+    spacings : sequence of float
+        Point spacing of each scan, in length units.
+
+    Returns
+    -------
+    Gaps
+        From (organ, possible parent), the gap in point spacings, of all that touch in some scan.
+        Where they don't touch they count as far apart as what barely does. Nothing grows from what
+        is younger.
     """
     shown = [set(np.unique(names).tolist()) for names in labels]
     first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}

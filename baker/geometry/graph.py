@@ -32,7 +32,19 @@ def spanning_tree(
 ) -> RootedTree:
     """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2).
 
-    Parameters are as of `connected_knn_graph`; root is the index of a point.
+    Parameters
+    ----------
+    points : (N, 3) float ndarray
+    root : int
+        Index of the point at the root.
+    k : int
+        Neighbours of each point in the graph.
+    neighbors : Neighbors, optional
+        Of the points, where they are known.
+
+    Returns
+    -------
+    RootedTree
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 

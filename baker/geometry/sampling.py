@@ -46,7 +46,18 @@ def farthest_point_sample(
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
-    """Indices of the first point in each voxel of that size; of all points where it is 0."""
+    """Indices of the first point in each voxel, ascending.
+
+    Parameters
+    ----------
+    points : (N, 3) float64 ndarray
+    size : float
+        Edge of a voxel, in length units; 0 keeps all points.
+
+    Returns
+    -------
+    (M,) intp ndarray
+    """
     if size <= 0.0:
         return np.arange(len(points))
     return np.sort(np.unique(_voxels(points, size), return_index=True)[1])

@@ -34,11 +34,25 @@ def painted(
     hierarchies: Sequence[Hierarchy],
     colors: str,
 ) -> list[Keyframe]:
-    """The keyframes in the colours to carry: "scan", "segment" or "none".
+    """The keyframes in the colours that the clip is to carry.
 
-    "segment" gives every scan's segments colours by their own numbers in that scan (its labels,
-    where it has some): matched segments blend over time, which shows the matching (the paper's
-    Figure 8).
+    Parameters
+    ----------
+    keyframes : sequence of Keyframe
+    scans : sequence of Scan
+        The same scans as they were read, with their colours.
+    hierarchies : sequence of Hierarchy
+    colors : {"scan", "segment", "none"}
+        "segment" gives every scan's segments colours by their own numbers in that scan (its labels,
+        where it has some): matched segments blend over time, which shows the matching.
+
+    Returns
+    -------
+    list of Keyframe
+
+    References
+    ----------
+    Figure 8 of the paper, for "segment".
     """
     if colors == "scan":
         return list(keyframes)

@@ -172,7 +172,19 @@ def solve_intervals(
     """Solve intervals on threads of this process.
 
     The threads take an interval each; where there are fewer intervals, they share its organs.
-    report_progress: called with the number of organs solved, and of all.
+
+    Parameters
+    ----------
+    jobs : sequence of IntervalJob
+    report_progress : callable
+        Called with the number of organs solved, and of all.
+    workers : int
+        Threads.
+
+    Yields
+    ------
+    gclip.Interval
+        In the jobs' order; the same bytes whatever the number of threads.
     """
     with thread_map(workers) as map:
         if len(jobs) >= workers:
@@ -185,7 +197,20 @@ def solve_intervals(
 def solve_by(
     map: MapLike, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    """Solve intervals by a map, such as that of any executor of `concurrent.futures`."""
+    """Solve intervals by a map, such as that of any executor of `concurrent.futures`.
+
+    Parameters
+    ----------
+    map : map-like callable
+        Over intervals, in their order.
+    jobs : sequence of IntervalJob
+    report_progress : callable
+        Called with the number of organs solved, and of all.
+
+    Yields
+    ------
+    gclip.Interval
+    """
     done, total = 0, sum(len(job.tasks) for job in jobs)
     report_progress(0, total)
     for job, interval in zip(jobs, map(solve_interval, jobs), strict=True):

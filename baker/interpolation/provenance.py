@@ -24,8 +24,20 @@ def describe_tracks(
 ) -> tuple[Track, ...]:
     """The organs as tracks: the stem, and leaves by the scans' labels or by order of appearance.
 
-    Leaves that appear in the same scan are numbered from the lowest on. heights: of the attachments
-    of organs that have one, in the scan in which they appear.
+    Parameters
+    ----------
+    series : Series
+    organs : sequence of Organ
+        The root first.
+    labels : LabelUse
+        Whether labels are the scans' own.
+    heights : mapping of int to float
+        By organ the height of its attachment in the scan in which it appears, where that is known.
+        Leaves that appear in the same scan are numbered from the lowest on.
+
+    Returns
+    -------
+    tuple of gclip.Track
     """
     by_label, scans = labels.consistent and not labels.renamed, series.scans
     times = [*(scan.time for scan in scans), None]
@@ -62,7 +74,26 @@ def describe_provenance(
     hierarchies: Sequence[Hierarchy],
     options: Options,
 ) -> dict[str, Any]:
-    """What made this clip: enough to bake it again and to see that it is the same."""
+    """What made a clip: enough to bake it again and to see that it is the same.
+
+    Parameters
+    ----------
+    found : Series
+        All scans as they were read.
+    series : Series
+        The scans that were baked.
+    alignment : Alignment
+        Of all scans found.
+    labels : LabelUse
+    hierarchies : sequence of Hierarchy
+    options : Options
+        As they were requested.
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
+    """
     notes: list[str] = []
     if len(series.scans) < len(found.scans):
         kept = {scan.time for scan in series.scans}

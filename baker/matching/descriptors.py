@@ -37,8 +37,18 @@ def describe_organs(
 ) -> OrganDescriptors:
     """Describe the organs of a scan: the segments that have points, in their order.
 
-    root_point: index of the point at the plant base; stem: whether the organ there is known to be
-    the stem of all others, whatever the hierarchy says.
+    Parameters
+    ----------
+    cloud : (N, 3) float ndarray
+    hierarchy : Hierarchy
+    root_point : int
+        Index of the point at the plant base.
+    stem : bool
+        The organ there is known to be the stem of all others, whatever the hierarchy says.
+
+    Returns
+    -------
+    OrganDescriptors
     """
     members, root, parents = _organs(hierarchy, root_point)
     samples = [cloud[own[:: -(-len(own) // SAMPLE_SIZE)]].astype(np.float64) for own in members]

@@ -28,9 +28,18 @@ CANDIDATES = 16  # organs of the other scan that each is compared with
 
 
 def match_scores(first: OrganDescriptors, second: OrganDescriptors) -> NDArray[np.float64]:
-    """(n, m) score of each pair of organs of two scans, in units of the plant's size.
+    """Score each pair of organs of two scans.
 
-    Above 0 a match is better than a loss and a birth; -inf where it is out of the question.
+    Parameters
+    ----------
+    first, second : OrganDescriptors
+        Of n and m organs.
+
+    Returns
+    -------
+    (n, m) float64 ndarray
+        In units of the plant's size. Above 0 a match is better than a loss and a birth; it is -inf
+        where a match is out of the question.
     """
     if (first.sizes**2).sum() > (second.sizes**2).sum():
         return _scores(second, first).T

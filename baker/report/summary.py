@@ -16,9 +16,23 @@ def summary_lines(
     cached: str = "",
     verbose: bool = False,
 ) -> list[str]:
-    """What was baked; with `verbose` also what the transport and each stage did.
+    """What was baked, for the terminal.
 
-    seconds: of each stage. cached: how many intervals came from a cache, "" where there is none.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    path : Path
+        Of the clip's file.
+    seconds : dict of str to float
+        What each stage took.
+    cached : str
+        How many intervals came from a cache; empty where there is none.
+    verbose : bool
+        Also what the transport and each stage did.
+
+    Returns
+    -------
+    list of str
     """
     pairs = [pair for interval in clip.intervals for pair in interval.segments]
     events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)

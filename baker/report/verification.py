@@ -54,9 +54,24 @@ def verify(
     record: BakeRecord,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
-    """Compare a clip with the scans that were held out of it (section 4 of the paper, Figure 13).
+    """Compare a clip with the scans that were held out of it.
 
-    report_progress: called with "verification", the scans compared and the scans in all.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    record : BakeRecord
+        Of its bake.
+    report_progress : callable, optional
+        Called with "verification", the scans compared and the scans in all.
+
+    Returns
+    -------
+    list of HoldoutError
+        One for each scan that was held out.
+
+    References
+    ----------
+    Section 4 of the paper, Figure 13.
     """
     from scipy.spatial import KDTree
 

@@ -21,11 +21,26 @@ IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
 def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
-    """The scans among `inputs`: one folder with one series, or files in order; at least two.
+    """Find the files of a series: those of one folder, or a list of files in order.
 
-    In a folder, hidden files, sub-folders, files of unknown suffix, texts such as README.txt and
-    the `times_file` are passed over; beside point clouds, so are meshes and arrays. A `times_file`
-    says what belongs together: names may be any. Raises InputError for anything else.
+    In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
+    passed over; beside point clouds, so are meshes and arrays.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+    times_file : Path, optional
+        Lists the times of the scans and so what belongs together: names may be any.
+
+    Returns
+    -------
+    FoundScans
+        At least two.
+
+    Raises
+    ------
+    InputError
+        For anything else.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")

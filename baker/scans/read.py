@@ -160,7 +160,22 @@ class Listing:
 def list_series(
     inputs: Sequence[Path], options: Options, times: Sequence[object] | None = None
 ) -> Listing:
-    """What `read_series` would read. Raises InputError as that does."""
+    """Find and time the scans that `read_series` would read; nothing of them is read yet.
+
+    Parameters
+    ----------
+    inputs, options, times
+        As those of `read_series`.
+
+    Returns
+    -------
+    Listing
+
+    Raises
+    ------
+    InputError
+        As `read_series` raises it.
+    """
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera and options.label_field is not None:
         raise InputError(

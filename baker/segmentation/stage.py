@@ -34,7 +34,28 @@ def thin_hierarchies(
     threshold: int | None,
     map: MapLike = map,
 ) -> list[Hierarchy]:
-    """Segments without labels, each cloud cut at its bifurcations (section 3.2.2)."""
+    """Segments without labels, each cloud cut at its bifurcations.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+    bases : sequence of int
+        Point of each scan at the plant base.
+    neighbors : sequence of Neighbors
+    k : int
+        Neighbours in the kNN graph.
+    threshold : int or None
+        Edges from which on a branch makes a bifurcation; None takes the paper's.
+    map : map-like callable
+
+    Returns
+    -------
+    list of Hierarchy
+
+    References
+    ----------
+    Section 3.2.2 of the paper.
+    """
     ks, thresholds = repeat(k), repeat(threshold)
     return list(map(hierarchy_from_spanning_tree, clouds, bases, ks, thresholds, neighbors))
 
@@ -82,8 +103,18 @@ def coarse_hierarchies(
 ) -> list[Hierarchy]:
     """Hierarchies for following organs, by few points of each: a dense organ counts as a thin one.
 
-    Labels need not be consistent. The hierarchies are of all points; who grows from whom is found
-    from `COARSE_POINTS` of each organ.
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+    labels : sequence of (N,) int ndarray
+        The organ of each point; they need not be consistent.
+    bases : sequence of int
+        Point of each scan at the plant base.
+
+    Returns
+    -------
+    list of Hierarchy
+        Of all points; who grows from whom is found from `COARSE_POINTS` of each organ.
     """
     found = []
     for cloud, names, base in zip(clouds, labels, bases, strict=True):

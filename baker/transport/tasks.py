@@ -36,7 +36,24 @@ def transport_tasks(
     attachment_points: int | None = None,
     paper: bool = False,
 ) -> list[tuple[Task, ...]]:
-    """The `interval_tasks` of each interval of a series."""
+    """What is transported in each interval of a series: matches, births and losses.
+
+    Parameters
+    ----------
+    clouds : sequence of (N, 3) float ndarray
+    matches : sequence of Match
+    tracks : sequence of IntervalOrgans
+        Of each interval.
+    attachment_points : int, optional
+        Points that a new organ unfolds from; by default 1 % of what it grows on.
+    paper : bool
+        Choose as the paper does.
+
+    Returns
+    -------
+    list of tuple of Task
+        The `interval_tasks` of each interval.
+    """
     intervals = zip(pairwise(clouds), matches, tracks, strict=True)
     return [tuple(interval_tasks(*interval, attachment_points, paper)) for interval in intervals]
 
