@@ -39,7 +39,7 @@ from bench.synthetic import growing, static
 from gclip import Clip
 from gclip.evaluate import layers_at, locate
 from player.export import Film, export
-from player.export.video import write_mp4
+from player.export.video import BT709, X264, encode
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
 from player.rendering.point_buffers import bytes_per_point
@@ -148,7 +148,8 @@ def film(clips: list[Path], size: Size) -> None:
             output = Path(folder) / "film.mp4"
             for _ in range(ROUNDS):
                 pictures = list(part.frames(clip, offscreen))
-                write = partial(write_mp4, film=part, path=output)
+                codec = {"codec": "libx264", "arguments": [*X264, *BT709]}
+                write = partial(encode, film=part, path=output, **codec)
                 encoder.append(milliseconds(partial(write, pictures), process_seconds))
                 frames = part.frames(clip, offscreen)
                 exported.append(milliseconds(partial(write, frames), process_seconds))
@@ -188,15 +189,13 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
 
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
 PAGE_FRAMES = """([count, still, moving]) => {
-    const { renderer, camera, look } = viewer, gl = renderer.gl;
-    const [pixels, every, passes] = moving ? viewer.levels[moving] : [1, 1, 2];
-    const size = [1280 * pixels, 720 * pixels].map(Math.round);
-    Object.assign(renderer.canvas, { width: size[0], height: size[1] });
-    if (still) renderer.buffers.get(0).degree = 0;
+    const { renderer, camera, clip, look } = viewer, gl = renderer.gl;
+    const [share, every] = viewer.levels[moving], [width, height] = [1280 * share, 720 * share];
+    Object.assign(renderer.canvas, { width, height });
+    if (still) clip.intervals[0].degree = 0;
     for (let i = 0; i < count; ++i) {
         camera.orbit(0.01, 0);
-        renderer.shadowDay = null;
-        renderer.draw(still ? 0 : 0.5, camera, look, size, every, passes === 1);
+        renderer.draw(still ? 0 : 0.5, camera, look, { every });
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     }
     return gl.getError();

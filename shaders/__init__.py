@@ -1,4 +1,4 @@
-"""The GLSL sources of the renderer, and in `web` those of the HTML export alone.
+"""The GLSL sources of the renderer, in window, films and the web page.
 
 One family, for OpenGL 3.3 (in compute shaders 4.3) and for WebGL 2: no source says its version.
 A source includes another one with ``#include "name.glsl"``, relative to its own folder as in C, and
@@ -61,9 +61,3 @@ def with_includes(text: str, folder: str = "", included: set[str] | None = None)
         return with_includes(source, posixpath.dirname(path), done)
 
     return _INCLUDE.sub(include, text)
-
-
-def web_sources() -> dict[str, str]:
-    """The shaders of the HTML export by file name, in alphabetical order."""
-    names = sorted(entry.name for entry in files(__name__).joinpath("web").iterdir())
-    return {name: resolved(f"web/{name}") for name in names if not name.endswith(".glsl")}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from player.export.annotations import annotated
+from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.colors import Colors
@@ -18,8 +19,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gclip import Clip
-    from player.rendering.headless import Offscreen
     from player.view.camera_animation import CameraPath
+
+Progress = Callable[[int, int], None]  # steps done, steps in all
 
 SECONDS_AN_INTERVAL = 1.5
 SHORTEST, LONGEST = 4.0, 30.0  # seconds of a film whose length was not asked for
@@ -101,13 +103,31 @@ class Film:
 
     def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
         """Draws the picture of a day, with all that is written into it."""
-        scale = Colors(clip).color_scale(self.style) if self.annotations.legend else None
+        values = Colors(clip).color_scale(self.style) if self.annotations.legend else None
 
         def draw(day: float, camera: Camera) -> NDArray:
             plain = offscreen.picture(day, camera, self.style, self.transparent)
-            return annotated(plain, day, camera, self, clip, scale)
+            return annotated(plain, day, camera, self, clip, values)
 
         return draw
+
+    def pictures(
+        self, clip: Clip, progress: Progress, before: Sequence[float] = ()
+    ) -> Generator[NDArray, None, None]:
+        """The frames, each drawn as it is asked for; first of all pictures of days `before`.
+
+        OpenGL starts with the first one: an encoder is started before, since drivers have threads
+        and locks that a fork may hang on (imageio-ffmpeg, issue 58).
+        """
+        total = self.frame_count(clip)
+        with Offscreen(clip, self.size) as offscreen:
+            draw = self.painter(clip, offscreen)
+            for day in before:
+                yield draw(day, self.camera(clip, day))
+            progress(0, total)
+            for done, picture in enumerate(self.frames(clip, offscreen), start=1):
+                yield picture
+                progress(done, total)
 
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from os import PathLike
 from pathlib import Path
@@ -13,20 +12,16 @@ from player.atomic_write import check_folder
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
-from player.export.film import Film
+from player.export.film import Film, Progress
 from player.export.web import page
-from player.rendering.headless import Offscreen
 from player.view.colors import Colors
 from player.view.style import Style
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from gclip import Clip
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 
-Progress = Callable[[int, int], None]  # steps done, steps in all
 Writer = Callable[["Clip", Film, Path, Progress], None]
 Check = Callable[[Film], None]
 
@@ -137,65 +132,17 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")
 
 
-def _film(write: Callable[[Iterator[NDArray], Film, Path], None]) -> Writer:
-    def draw_and_write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-        with closing(_drawn(clip, film, progress)) as pictures:
-            write(pictures, film, path)
-
-    return draw_and_write
-
-
-def _gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    days = film.days(clip)
-    samples = days[:: max(1, len(days) // video.PALETTE_SAMPLES)]
-    with closing(_drawn(clip, film, progress, samples)) as pictures:
-        video.write_gif(pictures, film, path, len(samples))
-
-
-def _png(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
-    with closing(_drawn(clip, film, progress)) as pictures:
-        image.write_sequence(pictures, path, views)
-
-
-def _drawn(
-    clip: Clip, film: Film, progress: Progress, before: Sequence[float] = ()
-) -> Generator[NDArray, None, None]:
-    """The film's frames, each drawn as it is asked for; first of all pictures of days `before`.
-
-    OpenGL starts with the first one: an encoder is started before, since drivers have threads and
-    locks that a fork may hang on (imageio-ffmpeg, issue 58).
-    """
-    total = film.frame_count(clip)
-    with Offscreen(clip, film.size) as offscreen:
-        draw = film.painter(clip, offscreen)
-        for day in before:
-            yield draw(day, film.camera(clip, day))
-        progress(0, total)
-        for done, picture in enumerate(film.frames(clip, offscreen), start=1):
-            yield picture
-            progress(done, total)
-
-
-def _still(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    day = film.at[0] if film.at else clip.times[-1]
-    camera = film.camera(clip, day)
-    with Offscreen(clip, film.size) as offscreen:
-        picture = film.painter(clip, offscreen)(day, camera)
-        image.write_one(picture, path, camera.matrix(film.aspect))
-    progress(1, 1)
-
-
 FORMATS: tuple[Format, ...] = (
     Format(
-        "film.mp4", "film that plays everywhere (H.264)", _film(video.write_mp4),
+        "film.mp4", "film that plays everywhere (H.264)", video.write_mp4,
         video.check_mp4, picture=True,
     ),
-    Format("film.gif", "film for pages and slides", _gif, video.check_gif, picture=True),
-    Format("film.webm", "film for web pages (VP9)", _film(video.write_webm), picture=True),
-    Format("still.png", "one picture", _still, picture=True, days=1),
+    Format("film.gif", "film for pages and slides", video.write_gif, video.check_gif, picture=True),
+    Format("film.webm", "film for web pages (VP9)", video.write_webm, picture=True),
+    Format("still.png", "one picture", image.write, picture=True, days=1),
     Format(
-        "frames/%04d.png", "pictures, one a frame", _png, sequence=True, picture=True, days=2
+        "frames/%04d.png", "pictures, one a frame", image.write_sequence,
+        sequence=True, picture=True, days=2,
     ),
     Format("plant.html", "one page to turn and play in any browser, offline", page.write),
     Format("cloud.ply", "one point cloud, for any program", ply.write, points=True, days=1),

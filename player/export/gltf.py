@@ -13,7 +13,7 @@ straight paths).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -26,7 +26,7 @@ from gclip import Motion
 from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
 from gclip.file import check_whole
 from player.atomic_write import whole_file
-from player.export.film import Film
+from player.export.film import Film, Progress
 from player.view.camera import axes
 from player.view.dates import date_at
 
@@ -55,7 +55,7 @@ class Part:
     seen: tuple[float, float]
 
 
-def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the plant; the animation takes as long as the film would."""
     document, blob = build(clip, film, progress)
     document.set_binary_blob(blob)
@@ -63,9 +63,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], Non
         document.save_binary(str(part))
 
 
-def build(
-    clip: Clip, film: Film, progress: Callable[[int, int], None]
-) -> tuple[pygltflib.GLTF2, bytes]:
+def build(clip: Clip, film: Film, progress: Progress) -> tuple[pygltflib.GLTF2, bytes]:
     """The document and its one buffer. Positions are local to the clip; the root node turns the
     plant's up axis to glTF's (y) and scales to metres where the unit is known.
     """

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,12 @@ import numpy as np
 
 from player.atomic_write import free_name, whole_file, whole_sequence
 from player.errors import PlayerError
+from player.export.film import Film, Progress
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from gclip import Clip
 
 NUMBER = re.compile(r"%0?\d*d")
 
@@ -27,25 +31,26 @@ def is_sequence(path: Path) -> bool:
     return rest != path.name
 
 
-def write_one(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
-    """A still picture, with the text "view" in its metadata: what it takes to draw on top of it.
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """One picture, of the film's --day or the last scan's.
 
-    view: (4, 4) from the clip's local coordinates to OpenGL's clip coordinates, M @ column; stored
-          as JSON, row by row.
+    The text "view" in its metadata is what it takes to draw on top of it: the (4, 4) matrix from
+    the clip's local coordinates to OpenGL's clip coordinates, M @ column, as JSON row by row.
     """
-    with whole_file(path) as part:
-        _save(picture, part, view)
+    still = replace(film, at=film.at or (clip.times[-1],), every=None)
+    camera = still.camera(clip, still.at[0])
+    with closing(still.pictures(clip, progress)) as pictures, whole_file(path) as part:
+        _save(next(pictures), part, camera.matrix(film.aspect))
+    progress(1, 1)
 
 
-def write_sequence(
-    pictures: Iterable[NDArray[np.uint8]], path: Path, views: Iterable[NDArray[np.floating]]
-) -> None:
-    """Frames are numbered from 0; all appear together once the last one is drawn.
+def write_sequence(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """Frames are numbered from 0, with metadata as above; all appear once the last one is drawn.
 
     The folder they go to is made if only itself is missing.
-    views: of each picture, as in `write_one`.
     """
-    with whole_sequence(path) as file:
+    views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
+    with closing(film.pictures(clip, progress)) as pictures, whole_sequence(path) as file:
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
             _save(picture, file(index), view)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,14 +10,14 @@ from numpy.typing import NDArray
 
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.atomic_write import whole_file, whole_sequence
-from player.export.film import Film
+from player.export.film import Film, Progress
 from player.view.dates import date_at
 
 if TYPE_CHECKING:
     from gclip import Clip
 
 
-def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """One moment: the film's --day, or the last scan."""
     with whole_file(path) as part:
         day = film.at[0] if film.at else clip.times[-1]
@@ -27,9 +26,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], Non
     progress(1, 1)
 
 
-def write_sequence(
-    clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]
-) -> None:
+def write_sequence(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """The film's moments, evenly from the first scan to the last, numbered from 0."""
     days = moments(clip, film)
     with whole_sequence(path) as file:

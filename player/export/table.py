@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import traits
 from player.atomic_write import whole_file
-from player.export.film import Film
+from player.export.film import Film, Progress
 
 if TYPE_CHECKING:
     from gclip import Clip
 
 
-def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Measure on the film's days where it names some, else at the scans and half way between."""
     named = film.at or film.every is not None
     days = sorted(set(film.days(clip))) if named else traits.measure_days(clip)

@@ -7,7 +7,6 @@ samples and curved ones some more.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from gclip.evaluate import positions_on_curve, srgb_to_linear
 from gclip.file import check_whole
 from player.atomic_write import whole_file
 from player.errors import PlayerError
-from player.export.film import Film
+from player.export.film import Film, Progress
 from player.view.camera import axes
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ def check(film: Film) -> None:
         )
 
 
-def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the plant; its time codes are the film's frames, from 0."""
     from pxr import Gf, Sdf, Usd, UsdGeom
 

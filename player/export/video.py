@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,10 +11,12 @@ import numpy as np
 
 from player.atomic_write import whole_file
 from player.errors import PlayerError
-from player.export.film import Film
+from player.export.film import Film, Progress
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from gclip import Clip
 
 PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
@@ -51,53 +53,61 @@ def check_gif(film: Film) -> None:
         raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
 
 
-def write_mp4(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path) -> None:
-    """H.264 plays everywhere. Parameters and errors are those of `write_gif`."""
-    _encode(pictures, film, path, "libx264", "yuv420p", [*X264, *BT709])
+def write_mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """H.264 plays everywhere."""
+    with closing(film.pictures(clip, progress)) as pictures:
+        encode(pictures, film, path, "libx264", [*X264, *BT709])
 
 
-def write_webm(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path) -> None:
-    """VP9 is free of patents and smaller than H.264. Parameters and errors as of `write_gif`."""
-    _encode(pictures, film, path, "libvpx-vp9", "yuv420p", [*VP9, *BT709])
+def write_webm(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """VP9 is free of patents and smaller than H.264."""
+    with closing(film.pictures(clip, progress)) as pictures:
+        encode(pictures, film, path, "libvpx-vp9", [*VP9, *BT709])
 
 
-def write_gif(pictures: Iterable[NDArray[np.uint8]], film: Film, path: Path, samples: int) -> None:
-    """Write a GIF that loops, with one palette for the whole film.
+def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """A film that loops, with one palette for all of it."""
+    days = film.days(clip)
+    samples = days[:: max(1, len(days) // PALETTE_SAMPLES)]
+    palette = (
+        f"split[sampled][all];[sampled]trim=end_frame={len(samples)},palettegen[palette];"
+        f"[all]trim=start_frame={len(samples)},setpts=PTS-STARTPTS[film];"
+        "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
+    )
+    arguments = ("-vf", palette, "-loop", "0")
+    with closing(film.pictures(clip, progress, before=samples)) as pictures:
+        encode(pictures, film, path, "gif", arguments, pixels="pal8", unseen=len(samples))
+
+
+def encode(
+    pictures: Iterable[NDArray[np.uint8]],
+    film: Film,
+    path: Path,
+    codec: str,
+    arguments: Sequence[str],
+    pixels: str = "yuv420p",
+    unseen: int = 0,
+) -> None:
+    """Send pictures to ffmpeg.
 
     Parameters
     ----------
     pictures : iterable of (height, width, 4) uint8
-        In sRGB, taken one at a time: samples for the palette, then the frames.
+        In sRGB, taken one at a time.
     film : Film
         Tells size and frames a second.
     path : Path
         Appears whole or not at all.
-    samples : int
-        How many of the pictures go before the film and are not shown.
+    codec, arguments, pixels
+        As ffmpeg names them: the encoder, its options, the format of its pixels.
+    unseen : int
+        How many of the pictures are no frames of the film.
 
     Raises
     ------
     PlayerError
         If ffmpeg is missing or gives up, or the file can't be written.
     """
-    palette = (
-        f"split[sampled][all];[sampled]trim=end_frame={samples},palettegen[palette];"
-        f"[all]trim=start_frame={samples},setpts=PTS-STARTPTS[film];"
-        "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
-    )
-    _encode(pictures, film, path, "gif", "pal8", ["-vf", palette, "-loop", "0"], unseen=samples)
-
-
-def _encode(
-    pictures: Iterable[NDArray[np.uint8]],
-    film: Film,
-    path: Path,
-    codec: str,
-    pixels: str,
-    arguments: Sequence[str],
-    unseen: int = 0,
-) -> None:
-    """Send pictures to ffmpeg; all of them, less `unseen`, must be frames of the film."""
     from imageio_ffmpeg import write_frames
 
     with whole_file(path) as part:

@@ -69,10 +69,10 @@ class Ground:
             "shadow": unit,
             "to_floor": self._to_square @ np.linalg.inv(camera.view()),
             "floor_share": float(style.show_ground),
-            "top_color": colors.above,
-            "bottom_color": colors.below,
-            "floor_color": colors.floor,
-            "shadow_color": colors.shadow,
+            "top_color": colors.top_color,
+            "bottom_color": colors.bottom_color,
+            "floor_color": colors.floor_color,
+            "shadow_color": colors.shadow_color,
         }
 
     def release(self) -> None:

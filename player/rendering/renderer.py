@@ -68,9 +68,7 @@ class Renderer:
         self._colors = Colors(clip)
         self._gbuffer: GBuffer | None = None
         self._max_point_px = float(context.info["GL_POINT_SIZE_RANGE"][1])
-        points = outline(clip)
-        diagonal = np.linalg.norm(points.max(axis=0) - points.min(axis=0))
-        self._scene_radius = max(float(diagonal) / 2, 1e-9)
+        self._scene_radius = scene_radius(clip)
 
     def draw(
         self,
@@ -211,6 +209,12 @@ class Renderer:
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
         count = max(len(self.clip.intervals[index]), 1)
         return float(4.0 * closing**2 * points / count)
+
+
+def scene_radius(clip: Clip) -> float:
+    """Half the diagonal of the box around all that a clip shows, in its unit."""
+    points = outline(clip)
+    return max(float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) / 2, 1e-9)
 
 
 def _missing(ranges: list[DrawRange]) -> int:

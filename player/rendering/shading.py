@@ -50,10 +50,10 @@ def lights(splats: SplatParams, style: Style) -> dict[str, Any]:
         "depth_cue": 0.45 if style.depth_cue else 0.0,
         "up_dir": tuple(up),
         "key_light_dir": tuple(key_light / np.linalg.norm(key_light)),
-        "ambient_top": colors.sky_light,
-        "ambient_bottom": colors.floor_light,
-        "key_light": colors.lamp_light,
-        "fog_color": colors.haze,
+        "ambient_top": colors.ambient_top,
+        "ambient_bottom": colors.ambient_bottom,
+        "key_light": colors.key_light,
+        "fog_color": colors.fog_color,
     }
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from gclip.evaluate import positions_on_curve
 
@@ -22,6 +23,7 @@ MARGIN = 0.86  # share of the picture that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
 OUTLINE = 60_000  # positions that the home view is fitted to, in all of a long series
 FLAT = math.radians(1.0)  # so narrow a view from so far away is as good as parallel
+TURNS = 32  # yaws that a plant is looked at from to have room for a full turn
 YAW, PITCH = math.radians(-60.0), math.radians(14.0)
 
 
@@ -58,11 +60,8 @@ class Camera:
 
         aspect: width by height of the picture.
         """
-        low, high = (np.asarray(corner, float) for corner in bounds)
-        middle = (low + high) / 2
-        half = np.abs(axes(up) @ (high - low)) / 2
-        around = math.hypot(half[0], half[1])
-        return cls._fit_profile(middle, [(around, -half[2]), (around, half[2])], up, aspect)
+        corners = np.array(list(product(*np.transpose(bounds))), float)
+        return cls._about(corners.mean(axis=0), corners, up)._for_a_turn(corners, aspect)
 
     @classmethod
     def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Camera:
@@ -71,58 +70,49 @@ class Camera:
 
         turning: about the stem, with room for a full turn, so that the plant stays in the picture.
         """
-        points = outline(clip)
+        frame, points = axes(clip.up), outline(clip)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         if turning:
             middle[:2] = stem(clip)
-        target = axes(clip.up).T @ middle
-        reach = np.hypot(*(points[:, :2] - middle[:2]).T)
-        profile = np.column_stack([reach, points[:, 2] - middle[2]])
-        turned = cls._fit_profile(target, profile, clip.up, aspect)
-        camera = replace(turned, yaw=_widest_yaw(points[:, :2]))
-        return camera if turning else camera._closer(points @ axes(clip.up), aspect)
+        local = points @ frame
+        camera = cls._about(middle @ frame, local, clip.up, _widest_yaw(points[:, :2]))
+        return camera._for_a_turn(local, aspect) if turning else camera._centred(local, aspect)
 
     @classmethod
-    def _fit_profile(cls, target: Vector, profile: ArrayLike, up: str, aspect: float) -> Camera:
-        """Fit a solid of revolution, given as (reach, level) about the target, into the picture.
-
-        A point (right, above, towards) of it is inside where |right| and |above| are at most
-        tan × (distance - towards): the farthest distance that any point asks for is the answer.
-        """
-        reach, level = np.asarray(profile, float).T
-        angle = np.linspace(0.0, 2.0 * math.pi, 32, endpoint=False)[:, None]
-        right, near = reach * np.sin(angle), reach * np.cos(angle)
-        above = level * math.cos(PITCH) - near * math.sin(PITCH)
-        towards = near * math.cos(PITCH) + level * math.sin(PITCH)
-        slope = math.tan(FIELD_OF_VIEW / 2) * MARGIN
-        distance = np.max(towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope)
-        radius = float(np.max(np.hypot(reach, level)))
+    def _about(cls, target: Vector, points: Vector, up: str, yaw: float = YAW) -> Camera:
+        """A camera that looks at a target, in a scene of (n, 3) local points."""
+        radius = float(np.linalg.norm(points - target, axis=1).max())
         # A plant may be one point, and far from the origin.
-        least = max(1e-6, 1e-9 * float(np.abs(target).max()))
-        return cls(
-            target=_triple(target),
-            distance=max(float(distance), least),
-            up=up,
-            radius=max(radius, least),
-        )
+        radius = max(radius, 1e-6, 1e-9 * float(np.abs(target).max()))
+        return cls(target=_triple(target), yaw=yaw, up=up, radius=radius)
 
-    def _closer(self, points: Vector, aspect: float) -> Camera:
-        """The same view of (n, 3) local points, centred and as near as the picture allows."""
-        camera = self
-        slope = math.tan(self.field_of_view / 2) * MARGIN
+    def _for_a_turn(self, points: Vector, aspect: float) -> Camera:
+        """As near as all points are in the picture from every yaw."""
+        turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
+        return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
+
+    def _centred(self, points: Vector, aspect: float) -> Camera:
+        """As near as all points are in the picture from this side, and in its middle."""
+        camera = replace(self, distance=self._least(points, aspect))
         for _ in range(4):  # perspective moves the centre a little with every step nearer
             right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
             away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
-            across, along = right / away / aspect, above / away
-            shift = camera.distance * np.array(
-                [aspect * (across.min() + across.max()), along.min() + along.max(), 0.0]
-            )
-            target = np.asarray(camera.target) + camera._frame().T @ (shift / 2)
-            right, above, towards = camera._frame() @ (points - target).T
-            needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
-            distance = max(float(needed.max()), 0.1 * self.radius)
-            camera = replace(camera, target=_triple(target), distance=distance)
+            middles = [(side.min() + side.max()) / 2 for side in (right / away, above / away)]
+            shift = camera.distance * np.array([*middles, 0.0])
+            camera = replace(camera, target=_triple(camera.target + camera._frame().T @ shift))
+            camera = replace(camera, distance=camera._least(points, aspect))
         return camera
+
+    def _least(self, points: Vector, aspect: float) -> float:
+        """The distance from which on all points are in the picture.
+
+        A point (right, above, towards) is where |right| / aspect and |above| are at most
+        slope × (distance - towards).
+        """
+        right, above, towards = self._frame() @ (points - np.asarray(self.target)).T
+        slope = math.tan(self.field_of_view / 2) * MARGIN
+        needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
+        return max(float(needed.max()), 0.1 * self.radius)
 
     def orbit(self, dyaw: float, dpitch: float) -> Camera:
         """Turn about the target, in radians; the pitch stops short of straight up and down."""

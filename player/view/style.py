@@ -92,40 +92,40 @@ class Ground:
     text, muted:  what is written over it, and what of that stays back, as #rrggbb.
     """
 
-    above: Light
-    below: Light
-    floor: Light
-    shadow: Light
-    haze: Light
-    sky_light: Light
-    floor_light: Light
-    lamp_light: Light
+    top_color: Light
+    bottom_color: Light
+    floor_color: Light
+    shadow_color: Light
+    fog_color: Light
+    ambient_top: Light
+    ambient_bottom: Light
+    key_light: Light
     text: str
     muted: str
 
 
 GROUNDS = {
     "dark": Ground(
-        above=(0.0070, 0.0110, 0.0135),
-        below=(0.0180, 0.0235, 0.0240),
-        floor=(0.0560, 0.0660, 0.0620),
-        shadow=(0.0035, 0.0050, 0.0055),
-        haze=(0.0200, 0.0280, 0.0290),
-        sky_light=(0.56, 0.62, 0.70),
-        floor_light=(0.22, 0.22, 0.20),
-        lamp_light=(1.02, 0.96, 0.84),
+        top_color=(0.0070, 0.0110, 0.0135),
+        bottom_color=(0.0180, 0.0235, 0.0240),
+        floor_color=(0.0560, 0.0660, 0.0620),
+        shadow_color=(0.0035, 0.0050, 0.0055),
+        fog_color=(0.0200, 0.0280, 0.0290),
+        ambient_top=(0.56, 0.62, 0.70),
+        ambient_bottom=(0.22, 0.22, 0.20),
+        key_light=(1.02, 0.96, 0.84),
         text="#f2f5f3",
         muted="#a3b0ab",
     ),
     "light": Ground(
-        above=(0.80, 0.84, 0.84),
-        below=(0.72, 0.73, 0.71),
-        floor=(0.93, 0.92, 0.89),
-        shadow=(0.10, 0.12, 0.115),
-        haze=(0.70, 0.73, 0.72),
-        sky_light=(0.56, 0.60, 0.64),
-        floor_light=(0.34, 0.34, 0.32),
-        lamp_light=(0.86, 0.83, 0.76),
+        top_color=(0.80, 0.84, 0.84),
+        bottom_color=(0.72, 0.73, 0.71),
+        floor_color=(0.93, 0.92, 0.89),
+        shadow_color=(0.10, 0.12, 0.115),
+        fog_color=(0.70, 0.73, 0.72),
+        ambient_top=(0.56, 0.60, 0.64),
+        ambient_bottom=(0.34, 0.34, 0.32),
+        key_light=(0.86, 0.83, 0.76),
         text="#15201b",
         muted="#55625c",
     ),

@@ -1,6 +1,7 @@
 // The clip: what is visible when (the same rules as docs/format.md), and its movers' numbers.
 
 const LITTER_FADE = 0.15;  // share of the following interval during which fallen organs fade
+const PIECE = 1 << 19;  // characters unpacked in one go, in fours
 
 class Clip {
     constructor(about) {
@@ -11,138 +12,60 @@ class Clip {
 
     // The interval that a time falls into and the share of it that has passed, 0 to 1.
     locate(day) {
-        let index = 0;
-        while (index + 1 < this.intervals.length && this.intervals[index + 1].start <= day) {
-            index += 1;
-        }
+        const after = this.intervals.findIndex(({ start }) => start > day);
+        const index = Math.max((after < 0 ? this.intervals.length : after) - 1, 0);
         const { start, end } = this.intervals[index];
         return [index, Math.min(Math.max((day - start) / (end - start), 0), 1)];
     }
 
-    // What is visible at a time, the plant first, then the litter.
+    // What is visible at a time: runs of points, where on their paths they are, the share of the
+    // end's colour that they have, and their opacity.
     layersAt(day) {
         const [interval, share] = this.locate(day);
-        const plant = [], litter = [];
-        const layer = (parameter, blend, alpha) => ({ parameter, blend, alpha });
-        for (const group of this.intervals[interval].groups) {
-            const put = (to, look) => to.push({ interval, group, ...look });
-            if (group.motion === "move" || share === 0) {
-                put(plant, layer(share, share, 1));
-            } else if (group.motion === "fall" && share < 1) {
-                put(plant, layer(share * share, share, 1));
-            } else if (group.motion === "fall") {
-                put(litter, layer(1, 1, 1));
-            } else if (group.motion === "fade" && share < 1) {
-                put(plant, layer(share, share, 1 - share));
-            }
-        }
-        if (interval > 0 && share < LITTER_FADE) {
-            for (const group of this.intervals[interval - 1].groups) {
-                if (group.motion === "fall") {
-                    const look = layer(1, 1, 1 - share / LITTER_FADE);
-                    litter.push({ interval: interval - 1, group, ...look });
-                }
-            }
-        }
-        return plant.concat(litter);
+        const opacity = { move: 1, fall: 1, fade: 1 - share, remove: share === 0 ? 1 : 0 };
+        const layers = this.intervals[interval].groups.map((group) => ({
+            interval, group, alpha: opacity[group.motion], blend: share,
+            parameter: group.motion === "fall" ? share * share : share,
+        }));
+        const fallen = interval > 0 && share < LITTER_FADE
+            ? this.intervals[interval - 1].groups.filter(({ motion }) => motion === "fall") : [];
+        const litter = fallen.map((group) => ({
+            interval: interval - 1, group, alpha: 1 - share / LITTER_FADE, blend: 1, parameter: 1,
+        }));
+        return [...layers, ...litter].filter(({ alpha }) => alpha > 0);
     }
 
-    // Radius within which discs on the points close the surface they lie on.
-    closingAt(day) {
+    // A number that stands at each scan, in between.
+    between(values, day) {
         const [index, share] = this.locate(day);
-        return (1 - share) * this.closing[index] + share * this.closing[index + 1];
+        return (1 - share) * values[index] + share * values[index + 1];
     }
 
-    // Points of the scans' surface that one mover stands for, 0 to 1.
-    pointsAMover(day) {
-        const [index, share] = this.locate(day);
-        const points = (1 - share) * this.points[index] + share * this.points[index + 1];
-        return points / Math.max(this.intervals[index].count, 1);
+    // What a moment is called.
+    dateAt(day) {
+        const after = this.moments.findIndex(([time]) => time > day);
+        return this.moments[(after < 0 ? this.moments.length : Math.max(after, 1)) - 1][1];
     }
 
-    // The buffers of one interval: { points: [start, controls..., end], tracks, colors }.
-    // told: called with the share that is done.
-    load(index, told) {
-        const text = document.getElementById(`interval-${index}`).textContent;
-        this.unpacker ||= new Unpacker();
-        return this.unpacker.unpack(text, this.intervals[index], told);
+    // The time since the first scan.
+    elapsed(day) {
+        const passed = day - this.first;
+        return this.timeUnit === "days"
+            ? `+${passed.toFixed(1)} days` : `scan ${(1 + passed).toFixed(1)}`;
     }
-}
 
-// Unpacks in a thread of its own, so that the page answers; where there is none, piece by piece.
-class Unpacker {
-    constructor() {
-        this.asked = new Map();
-        this.last = 0;
-        try {
-            const parts = [PIECE, bytesOf, inflated, unpack, unpacked, answer].map(
-                (part) => (typeof part === "function" ? String(part) : `const PIECE = ${part};`));
-            const text = [...parts, "onmessage = answer;"].join("\n");
-            const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
-            this.worker = new Worker(url);
-            this.worker.onmessage = ({ data }) => this.hear(data);
-            this.worker.onerror = (event) => { event.preventDefault(); this.doWithout(); };
-        } catch {
-            this.worker = null;
+    // The buffers of one interval: { points: [start, controls..., end], tracks, colors }. Unpacked
+    // piece by piece, so that the page answers meanwhile.
+    async load(index) {
+        const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
+        for (let at = 0; at < text.length; at += PIECE) {
+            parts.push(Uint8Array.from(atob(text.slice(at, at + PIECE)), (c) => c.charCodeAt(0)));
+            await nextTurn();
         }
+        const stream = new Blob(parts).stream().pipeThrough(new DecompressionStream("deflate"));
+        const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+        return unpack(bytes, this.intervals[index]);
     }
-
-    unpack(text, about, told) {
-        if (!this.worker) return unpacked(text, about, told, nextTurn);
-        const number = ++this.last;
-        return new Promise((done, failed) => {
-            this.asked.set(number, { done, failed, text, about, told });
-            this.worker.postMessage({ number, text, about });
-        });
-    }
-
-    hear({ number, share, data, trouble }) {
-        const asked = this.asked.get(number);
-        if (share !== undefined) {
-            asked.told(share);
-            return;
-        }
-        this.asked.delete(number);
-        if (data) asked.done(data);
-        else asked.failed(new Error(trouble));
-    }
-
-    // Some browsers start no worker from a page on the disk.
-    doWithout() {
-        this.worker = null;
-        for (const { done, failed, text, about, told } of this.asked.values()) {
-            unpacked(text, about, told, nextTurn).then(done, failed);
-        }
-        this.asked.clear();
-    }
-}
-
-// What the worker does with a message.
-async function answer({ data: { number, text, about } }) {
-    try {
-        const told = (share) => postMessage({ number, share });
-        const data = await unpacked(text, about, told, () => null);
-        const buffers = [...data.points, data.tracks, ...data.colors].map(({ buffer }) => buffer);
-        postMessage({ number, data }, buffers);
-    } catch (error) {
-        postMessage({ number, trouble: error.message });
-    }
-}
-
-// rest: what is waited for between pieces.
-async function unpacked(text, about, told, rest) {
-    let bytes, data;
-    for (const found of bytesOf(text.trim())) {
-        bytes = found;
-        await rest();
-    }
-    bytes = await inflated(bytes);
-    for (const [share, found] of unpack(bytes, about)) {
-        data = found;
-        told(share);
-        await rest();
-    }
-    return data;
 }
 
 // Lets the page answer what has happened meanwhile.
@@ -150,85 +73,40 @@ function nextTurn() {
     return new Promise((done) => setTimeout(done));
 }
 
-// The Bernstein weights of a Bezier curve's points.
-function bernstein(degree, u) {
-    const v = 1 - u;
-    if (degree === 1) return [v, u];
-    if (degree === 2) return [v * v, 2 * u * v, u * u];
-    return [v * v * v, 3 * u * v * v, 3 * u * u * v, u * u * u];
-}
-
-const PIECE = 1 << 19;  // characters, in fours
-
-// Piece by piece; the bytes are whole at the last one.
-function* bytesOf(base64) {
-    const padding = base64.endsWith("==") ? 2 : base64.endsWith("=") ? 1 : 0;
-    const bytes = new Uint8Array((base64.length / 4) * 3 - padding);
-    for (let at = 0, put = 0; at < base64.length; at += PIECE) {
-        const text = atob(base64.slice(at, at + PIECE));
-        for (let i = 0; i < text.length; ++i) bytes[put++] = text.charCodeAt(i);
-        yield bytes;
-    }
-}
-
-async function inflated(bytes) {
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-// Undo what packing.py did: byte planes of differences between neighbouring movers. Piece by piece,
-// with the share that is done; the buffers are whole at the last one.
-function* unpack(bytes, { count, degree, trackBytes, colored }) {
+// Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
+// its sign in the lowest bit, and added to what was foretold.
+async function unpack(bytes, { count, degree, trackBytes, colored }) {
     let at = 0;
-    const done = (data) => [at / Math.max(bytes.length, 1), data];
-    const plane = () => bytes.subarray(at, (at += count));
-
-    // One axis: differences, zigzag, low bytes then high bytes; added to what was foretold.
-    const axis = (points, offset, foretold) => {
-        const low = plane(), high = plane();
-        let sum = 0;
-        for (let i = 0; i < count; ++i) {
-            const zigzag = low[i] | (high[i] << 8);
-            sum += (zigzag >> 1) ^ -(zigzag & 1);
-            points[3 * i + offset] = sum + (foretold ? foretold(3 * i + offset) : 0);
-        }
-    };
-    function* positions(foretold) {
-        const points = new Uint16Array(3 * count);
-        for (let offset = 0; offset < 3; ++offset) {
-            axis(points, offset, foretold);
-            yield done();
-        }
-        return points;
-    }
-    const start = yield* positions(null);
-    const end = yield* positions((i) => start[i]);
-    const curve = [start];
-    for (let j = 1; j < degree; ++j) {
-        curve.push(yield* positions(
-            (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
-    }
-    curve.push(end);
-
-    const tracks = trackBytes === 2 ? new Uint16Array(count) : new Uint32Array(count);
-    for (let shift = 0; shift < 8 * trackBytes; shift += 8) {
-        const part = plane();
-        for (let i = 0; i < count; ++i) tracks[i] |= part[i] << shift;
-        yield done();
-    }
-    const colors = [];
-    for (let end = 0; colored && end < 2; ++end) {
-        const paint = new Uint8Array(3 * count);
-        for (let offset = 0; offset < 3; ++offset) {
-            const part = plane();
-            let sum = 0;
-            for (let i = 0; i < count; ++i) {
-                sum += part[i];
-                paint[3 * i + offset] = sum + (end ? colors[0][3 * i + offset] : 0);
+    async function column(values, sides, foretold = () => 0) {
+        const width = values.BYTES_PER_ELEMENT;
+        for (let side = 0; side < sides; ++side) {
+            for (let i = 0, sum = 0; i < count; ++i) {
+                let zigzag = 0;
+                for (let byte = 0; byte < width; ++byte) {
+                    zigzag |= bytes[at + byte * count + i] << (8 * byte);
+                }
+                sum += (zigzag >>> 1) ^ -(zigzag & 1);
+                values[sides * i + side] = sum + foretold(sides * i + side);
             }
-            yield done();
+            at += width * count;
+            await nextTurn();
         }
-        colors.push(paint);
+        return values;
     }
-    yield done({ points: curve, tracks, colors });
+    const positions = () => new Uint16Array(3 * count), paint = () => new Uint8Array(3 * count);
+    const start = await column(positions(), 3);
+    const end = await column(positions(), 3, (i) => start[i]);
+    const controls = [];
+    for (let j = 1; j < degree; ++j) {
+        controls.push(await column(
+            positions(), 3, (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
+    }
+    const tracks = trackBytes === 2 ? new Uint16Array(count) : new Uint32Array(count);
+    await column(tracks, 1);
+    const colors = [];
+    if (colored) {
+        colors.push(await column(paint(), 3));
+        colors.push(await column(paint(), 3, (i) => colors[0][i]));
+    }
+    return { points: [start, ...controls, end], tracks, colors };
 }

@@ -27,8 +27,8 @@ class Packed:
     """The bytes, deflated, and how to read them: position = low + step × number."""
 
     data: bytes
-    low: tuple[float, float, float]
-    step: tuple[float, float, float]
+    low: list[float]
+    step: list[float]
     track_bytes: int
     colored: bool
 
@@ -36,25 +36,32 @@ class Packed:
 def pack(interval: Interval, spacing: float) -> Packed:
     """Quantise and compress one interval's movers; they keep their order.
 
-    spacing: the clip's point spacing. Positions move by 1/64 of it at most along each axis, or by
-             1/131070 of the interval's side where that is more.
-    Raises ClipError where the clip's file was cut short after it was opened.
+    Parameters
+    ----------
+    interval : Interval
+    spacing : float
+        The clip's point spacing. Positions move by 1/64 of it at most along each axis, or by
+        1/131070 of the interval's side where that is more.
+
+    Raises
+    ------
+    ClipError
+        Where the clip's file was cut short after it was opened.
     """
     check_whole(interval.tracks)
-    points, low, step = _quantised(interval, spacing)
-    start, *controls, end = points
-    planes = [_differences(start), _differences(end - start)]
+    (start, *controls, end), low, step = _quantised(interval, spacing)
+    columns = [start, end - start]
     for j, control in enumerate(controls, start=1):
         straight = (start * (interval.degree - j) + end * j) // interval.degree
-        planes.append(_differences(control - straight))
-    tracks = np.ascontiguousarray(interval.tracks)
-    planes.append(tracks.view(np.uint8).reshape(len(tracks), tracks.itemsize).T)
+        columns.append(control - straight)
+    parts = [_planes(column.astype(np.uint16)) for column in columns]
+    parts.append(_planes(np.asarray(interval.tracks)[:, None]))
     colored = interval.start_colors is not None and interval.end_colors is not None
     if interval.start_colors is not None and interval.end_colors is not None:
         paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]
-        planes += [_steps(paint), _steps(last - paint)]
-    data = b"".join(np.ascontiguousarray(plane).tobytes() for plane in planes)
-    return Packed(zlib.compress(data, 9), _triple(low), _triple(step), tracks.itemsize, colored)
+        parts += [_planes(paint), _planes(last - paint)]
+    data = zlib.compress(b"".join(parts), 9)
+    return Packed(data, low.tolist(), step.tolist(), interval.tracks.itemsize, colored)
 
 
 def _quantised(
@@ -71,20 +78,12 @@ def _quantised(
     return levels, origin + unit * low, step
 
 
-def _differences(values: NDArray[np.int32]) -> NDArray[np.uint8]:
-    """(6, N) of (N, 3): low and high bytes, axis by axis, of what each adds to the one before it.
-
-    Sums of two's complements wrap round, and the sign is kept in the lowest bit (zigzag).
+def _planes(values: NDArray[Any]) -> bytes:
+    """What each row of (N, k) unsigned numbers adds to the one before it: column by column, all
+    low bytes first. Differences wrap round, and their sign is kept in the lowest bit (zigzag).
     """
-    steps = np.diff(values, axis=0, prepend=np.zeros((1, 3), np.int32)).astype(np.int16)
-    zigzag = ((steps << 1) ^ (steps >> 15)).astype(np.uint16)
-    return np.stack([zigzag & 0xFF, zigzag >> 8]).astype(np.uint8).transpose(2, 0, 1).reshape(6, -1)
-
-
-def _steps(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """(3, N) of (N, 3) bytes: what each adds to the one before it, modulo 256."""
-    return np.diff(values, axis=0, prepend=np.zeros((1, 3), np.uint8)).T
-
-
-def _triple(vector: NDArray[np.float64]) -> tuple[float, float, float]:
-    return float(vector[0]), float(vector[1]), float(vector[2])
+    steps = np.diff(values, axis=0, prepend=np.zeros_like(values[:1]))
+    signed = steps.view(f"i{steps.itemsize}")
+    zigzag = np.ascontiguousarray(((signed << 1) ^ (signed >> (8 * steps.itemsize - 1))).T)
+    planes = zigzag.view(np.uint8).reshape(len(zigzag), -1, steps.itemsize)
+    return planes.transpose(0, 2, 1).tobytes()

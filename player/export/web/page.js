@@ -1,36 +1,34 @@
 // The page: puts clip, clock, camera and renderer together and lets people touch them.
 
-// What is drawn while things move: share of the picture's width and height, one of so many movers
-// as long as FEWEST are left, passes over them.
-const LEVELS = [[1, 1, 2], [1, 1, 1], [0.8, 2, 1], [0.62, 4, 1], [0.5, 8, 1], [0.4, 16, 1]];
+// What is drawn while things move: share of the picture's width and height, one of so many points
+// as long as FEWEST are left.
+const LEVELS = [[1, 1], [0.8, 2], [0.62, 4], [0.5, 8], [0.4, 16]];
 const FEWEST = 60000;
-const SLICE = 100000;  // movers drawn in one go at rest, to begin with
-const PATIENCE = 30;  // milliseconds that one go may take: who comes back to the page waits no longer
-const HEAVY = 150000, FIRST = 3;  // movers from which a page begins at that level, not at the best
+const HEAVY = 150000, FIRST = 2;  // points from which a page begins at that level, not at the best
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
+const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
+const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
+const COVERED = 130;  // pixels of the page's foot, that the plant is kept clear of
 
 const byId = (id) => document.getElementById(id);
 
 function start(about, shaders) {
     const clip = new Clip(about), canvas = byId("picture");
     const renderer = new Renderer(canvas, clip, shaders);
-    const clock = new Clock(clip.times);
-    const camera = new Camera({ ...clip.home, target: [...clip.home.target] }, clip.up, clip.radius);
+    const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
     const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1 };
+    const heaviest = Math.max(...clip.intervals.map(({ count }) => count));
     const state = {
         dirty: true, moved: 0, turning: clip.look.turning, fitted: true,
-        level: Math.max(...clip.intervals.map(({ count }) => count)) > HEAVY ? FIRST : 0, pace: 0,
-        steps: null, slice: SLICE, fence: null, sent: 0,
+        level: heaviest > HEAVY ? FIRST : 0, pace: 0,
     };
-    const show = () => { state.dirty = true; };
-    const move = () => { state.dirty = true; state.fitted = false; state.moved = performance.now(); };
+    const move = () => { state.fitted = false; state.moved = performance.now(); };
 
     function fit() {
-        Object.assign(camera, clip.home, { target: [...clip.home.target] });
         const { clientWidth: width, clientHeight: height } = canvas;
-        camera.fit(clip.outline, width / height, Math.max(1 - 130 / height, 0.4));
+        camera.fit(width / height, Math.max(1 - COVERED / height, 0.4));
         state.fitted = true;
-        show();
+        state.dirty = true;
     }
 
     const actions = {
@@ -49,122 +47,90 @@ function start(about, shaders) {
         ground: () => { look.light = !look.light; },
         larger: () => { look.pointSize = Math.min(look.pointSize * 1.15, 20); },
         smaller: () => { look.pointSize = Math.max(look.pointSize / 1.15, 0.05); },
-        organs: () => {
-            if (!byId("organs").childElementCount) listOrgans(clip, choose);
-            byId("organs").toggleAttribute("hidden");
-        },
+        organs: () => byId("organs").toggleAttribute("hidden"),
+        choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
+        go: (day) => clock.go(day),
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
         help: () => byId("help").toggleAttribute("hidden"),
-        picture: () => { draw(LEVELS[0]); savePicture(canvas, `${clip.title} ${dateAt(clip, clock.day)}`); },
+        picture: () => {
+            draw(0);
+            savePicture(canvas, `${document.title} ${clip.dateAt(clock.day)}`);
+        },
         leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
     };
-    const act = (name) => { actions[name](); refresh(); show(); };
-
-    const page = arrange(clip, clock, (day) => { clock.go(day); refresh(); show(); });
-    function choose(track) {
-        look.chosen = look.chosen === track ? -1 : track;
+    const act = (name, value) => {
+        actions[name](value);
         refresh();
-        show();
-    }
+        state.dirty = true;
+    };
 
     function refresh() {
         document.documentElement.dataset.ground = look.light ? "light" : "dark";
-        page.refresh(state.turning, look);
+        document.body.classList.toggle("playing", clock.playing);
+        document.querySelector('[data-do="turn"]').classList.toggle("on", state.turning);
+        document.querySelector('[data-do="color"]')?.classList.toggle("on", look.byTrack);
+        byId("scale")?.toggleAttribute("hidden", look.byTrack);
+        byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
+        document.querySelectorAll("#organs button").forEach((button) =>
+            button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
     }
 
-    function sizeOf(level) {
-        const pixels = Math.min(window.devicePixelRatio || 1, 2) * level[0];
-        return [canvas.clientWidth, canvas.clientHeight].map(
-            (length) => Math.max(Math.round(length * pixels), 1));
+    // Where the clock stands, in words and on the timeline.
+    function tell() {
+        byId("time").value = clock.day;
+        byId("time").setAttribute("aria-valuetext", clip.dateAt(clock.day));
+        byId("date").textContent = clip.dateAt(clock.day);
+        byId("elapsed").textContent = clip.elapsed(clock.day);
     }
 
-    function draw(level) {
-        const every = Math.min(level[1], renderer.thinned(clock.day, FEWEST));
-        state.steps = null;
-        renderer.resize(sizeOf(LEVELS[0]));
-        renderer.draw(clock.day, camera, look, sizeOf(level), every, level[2] === 1);
+    // At a level of LEVELS; at rest everything is drawn, with four samples where that is quick.
+    function draw(level, rest = true) {
+        const [share, wanted] = LEVELS[level], pixels = Math.min(window.devicePixelRatio || 1, 2);
+        const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(
+            (length) => Math.max(Math.round(length * pixels * share), 1));
+        if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+        const samples = rest && state.level === 0 && width * height < SUPERSAMPLED ? 2 : 1;
+        const every = Math.min(wanted, renderer.thinned(clock.day, FEWEST));
+        renderer.draw(clock.day, camera, look, { every, samples });
+        state.dirty = false;
     }
 
-    // The whole picture, at rest: at once where that is quick, else slice by slice, each sent when
-    // the one before is done, so that the next touch is never kept waiting.
-    function settle(fresh) {
-        const quick = 2 * renderer.count(clock.day) <= state.slice;
-        if (quick || state.level === 0) {
-            draw(LEVELS[0]);
-            return;
-        }
-        if (fresh) draw(LEVELS[state.level]);
-        state.steps = renderer.steps(
-            clock.day, camera, look, sizeOf(LEVELS[0]), 1, false, () => Math.round(state.slice));
-    }
-
-    function goOn() {
-        const gl = renderer.gl, now = performance.now();
-        if (state.fence) {
-            if (gl.getSyncParameter(state.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
-            gl.deleteSync(state.fence);
-            state.fence = null;
-            const change = PATIENCE / Math.max(now - state.sent, 1);
-            state.slice = Math.max(state.slice * Math.min(Math.max(change, 0.5), 2), 2000);
-        }
-        if (state.steps.next().done) {
-            state.steps = null;
-            return;
-        }
-        state.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-        state.sent = now;
-        gl.flush();
-    }
-
-    // Fewer pixels and movers while things move on a slow machine; all of them at rest.
-    function paced(milliseconds) {
+    // Fewer pixels and points while things move on a slow machine; all of them at rest.
+    function adapt(milliseconds) {
         state.pace += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
-        if (state.pace > 2 && state.level < LEVELS.length - 1) {
-            const steps = Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1);
-            state.level = Math.min(state.level + steps, LEVELS.length - 1);
-            state.pace = 0;
-        } else if (state.pace < -3) {
-            state.level = Math.max(state.level - 1, 0);
-            state.pace = 0;
-        }
+        if (Math.abs(state.pace - 1) < 1.5) return;
+        const steps = state.pace > 0 ? Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1) : -1;
+        state.level = clamped(state.level + steps, 0, LEVELS.length - 1);
+        state.pace = 0;
     }
 
     let before = performance.now(), lively = false;
     function frame(now) {
         requestAnimationFrame(frame);
-        const passed = Math.min(now - before, 250);
+        const passed = Math.min(now - before, 250), [needed] = clip.locate(clock.day);
         before = now;
-        const needed = clip.locate(clock.day)[0];
-        const there = renderer.ready(needed);
-        if (needed + 1 < clip.intervals.length && there) renderer.ready(needed + 1);
-        if (needed > 0 && there) renderer.ready(needed - 1);
-        const waits = !renderer.compiled(clip.intervals[needed]) || !there;
-        byId("waiting").hidden = !waits;
-        if (waits) {
-            const share = `${Math.round(100 * renderer.share(needed))}`;
-            byId("waiting").style.setProperty("--share", share);
-            byId("waiting").setAttribute("aria-valuenow", share);
-            return;
-        }
+        byId("waiting").hidden = renderer.ready(needed);
+        if (!renderer.ready(needed)) return;
+        if (needed + 1 < clip.intervals.length) renderer.ready(needed + 1);
+        if (needed > 0) renderer.ready(needed - 1);
         const moving = clock.playing || state.turning || now - state.moved < 200;
         if (clock.playing) clock.tick(passed / 1000);
         if (!renderer.ready(clip.locate(clock.day)[0])) return;
         if (state.turning) camera.orbit((0.35 * passed) / 1000, 0);
-        if (moving && lively) paced(passed);
-        if (moving) draw(LEVELS[state.level]);
-        else if (state.dirty || lively) settle(state.dirty);
-        else if (state.steps) goOn();
-        if (moving || state.dirty || lively) page.move();
-        state.dirty = false;
+        if (moving && lively) adapt(passed);
+        if (moving || state.dirty || lively) {
+            draw(moving ? state.level : 0, !moving);
+            tell();
+        }
         lively = moving;
     }
 
-    listen(canvas, camera, { act, move, fit });
-    new ResizeObserver(() => (state.fitted ? fit() : show())).observe(canvas);
+    arrange(clip, act);
+    listen(canvas, camera, act, move);
+    new ResizeObserver(() => (state.fitted ? fit() : act("go", clock.day))).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => location.reload());
     clock.playing = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-    renderer.resize(sizeOf(LEVELS[0]));
     refresh();
     fit();
     requestAnimationFrame(frame);
@@ -174,107 +140,28 @@ function start(about, shaders) {
         clip, clock, camera, look, act, renderer, state, levels: LEVELS,
         async seek(day) {
             clock.playing = false;
-            act("leave");
             clock.go(day);
             const [index] = clip.locate(day);
             for (const k of [index, index - 1]) if (k >= 0) await renderer.wait(k);
-            refresh();
-            draw(LEVELS[0]);
-            page.move();
-            state.dirty = false;
-        },
-        positions: (day) => renderer.positions(day),
-    };
-}
-
-// The timeline and the buttons; gives what keeps them up to date.
-function arrange(clip, clock, go) {
-    const track = byId("track"), span = clip.last - clip.first;
-    byId("title").textContent = clip.title;
-    byId("facts").textContent = `${clip.times.length} scans, ${clip.tracks.length} organs`;
-    document.querySelector('[data-do="color"]').hidden = !clip.colored;
-    if (clip.scale) {
-        const [title, ramp, ends] = byId("scale").children;
-        title.textContent = clip.scale.title;
-        ramp.style.background = `linear-gradient(to right, ${clip.scale.colors.join()})`;
-        ends.textContent = `${clip.scale.low} to ${clip.scale.high}`;
-    }
-    const labels = clip.shortDates, room = Math.max(...labels.map((text) => text.length)) * 7 + 16;
-    clip.times.forEach((time, i) => {
-        const mark = document.createElement("div");
-        mark.className = "mark";
-        mark.style.left = `${(100 * (time - clip.first)) / span}%`;
-        const label = document.createElement("span");
-        label.textContent = labels[i];
-        mark.append(label);
-        track.append(mark);
-    });
-
-    // Leave out labels that would run into the one before, or into the last.
-    const spaced = () => {
-        let free = -Infinity;
-        track.querySelectorAll(".mark span").forEach((label, i) => {
-            const at = (track.clientWidth * (clip.times[i] - clip.first)) / span;
-            const last = i === clip.times.length - 1;
-            label.hidden = !last && (at < free || at > track.clientWidth - room);
-            if (!label.hidden) free = at + room;
-        });
-    };
-    new ResizeObserver(spaced).observe(track);
-
-    const dayAt = (event) => {
-        const { left, width } = track.getBoundingClientRect();
-        const day = clip.first + span * Math.min(Math.max((event.clientX - left) / width, 0), 1);
-        const near = clip.times.find((time) => Math.abs(time - day) < (5 * span) / width);
-        return near === undefined ? day : near;
-    };
-    let resume = false;
-    track.addEventListener("pointerdown", (event) => {
-        track.setPointerCapture(event.pointerId);
-        resume = clock.playing;
-        clock.playing = false;
-        go(dayAt(event));
-    });
-    track.addEventListener("pointermove", (event) => {
-        if (track.hasPointerCapture(event.pointerId)) go(dayAt(event));
-    });
-    track.addEventListener("lostpointercapture", () => { clock.playing = resume; go(clock.day); });
-
-    return {
-        move() {
-            const share = (clock.day - clip.first) / span, date = dateAt(clip, clock.day);
-            byId("passed").style.width = byId("knob").style.left = `${100 * share}%`;
-            if (byId("date").textContent !== date) byId("date").textContent = date;
-            byId("elapsed").textContent = elapsed(clip, clock.day);
-            track.setAttribute("aria-valuenow", share.toFixed(3));
-            track.setAttribute("aria-valuetext", date);
-        },
-        refresh(turning, look) {
-            document.body.classList.toggle("playing", clock.playing);
-            document.querySelector('[data-do="turn"]').classList.toggle("on", turning);
-            document.querySelector('[data-do="color"]').classList.toggle("on", look.byTrack);
-            byId("scale").hidden = !clip.scale || look.byTrack;
-            byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
-            document.querySelectorAll("#organs button").forEach((button) =>
-                button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
+            act("leave");
+            draw(0);
+            tell();
         },
     };
 }
 
-function listOrgans(clip, choose) {
-    const list = byId("organs");
-    clip.tracks.forEach(({ name, color, born, lost }, id) => {
-        const button = document.createElement("button"), swatch = document.createElement("i");
-        const label = document.createElement("span"), life = document.createElement("small");
-        swatch.style.background = `rgb(${color.map(Number).join()})`;
-        label.textContent = name;
-        life.textContent = (born > clip.first ? dateAt(clip, born) : "")
-            + (lost === null ? "" : ` – ${dateAt(clip, lost)}`);
-        button.dataset.track = id;
-        button.append(swatch, label, life);
-        button.addEventListener("click", () => choose(id));
-        list.append(button);
+// The timeline goes to the scan where the pointer is near one's mark; where the marks' labels would
+// run into each other, only the first and the last are left.
+function arrange({ times, first, last }, act) {
+    const time = byId("time"), span = last - first;
+    time.addEventListener("input", () => {
+        const near = times.find((scan) => Math.abs(scan - time.value) < (SNAP * span) / time.clientWidth);
+        act("go", near === undefined ? Number(time.value) : near);
     });
+    const labels = [...byId("marks").children].map((mark) => mark.textContent.length);
+    const closest = Math.min(...times.slice(1).map((scan, i) => scan - times[i])) / span;
+    new ResizeObserver(() => byId("marks").classList.toggle(
+        "crowded", closest * time.clientWidth < 7 * Math.max(...labels) + 16)).observe(time);
 }
 
 function savePicture(canvas, name) {
@@ -295,11 +182,11 @@ const KEYS = {
 };
 
 // One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.
-function listen(canvas, camera, { act, move, fit }) {
+function listen(canvas, camera, act, move) {
     const pointers = new Map();
     const middle = () => {
-        const [a, b] = [...pointers.values()];
-        return b ? [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, Math.hypot(a[0] - b[0], a[1] - b[1])] : null;
+        const [[x, y], [u, v]] = pointers.values();
+        return [(x + u) / 2, (y + v) / 2, Math.hypot(x - u, y - v)];
     };
     const about = (x, y) => {  // picture heights from the middle of the canvas
         const { left, top, width, height } = canvas.getBoundingClientRect();
@@ -313,7 +200,7 @@ function listen(canvas, camera, { act, move, fit }) {
     canvas.addEventListener("pointermove", (event) => {
         const last = pointers.get(event.pointerId);
         if (!last) return;
-        const pinch = middle(), height = canvas.clientHeight;
+        const pinch = pointers.size > 1 && middle(), height = canvas.clientHeight;
         const right = (event.clientX - last[0]) / height, down = (event.clientY - last[1]) / height;
         pointers.set(event.pointerId, [event.clientX, event.clientY]);
         if (pinch) {
@@ -327,15 +214,15 @@ function listen(canvas, camera, { act, move, fit }) {
         }
         move();
     });
-    const forget = (event) => pointers.delete(event.pointerId);
-    canvas.addEventListener("lostpointercapture", forget);
-    canvas.addEventListener("pointercancel", forget);
+    for (const name of ["lostpointercapture", "pointercancel"]) {
+        canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+    }
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener("dblclick", fit);
+    canvas.addEventListener("dblclick", () => act("fit"));
     canvas.addEventListener("wheel", (event) => {
         event.preventDefault();
-        const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
-        camera.zoom(1.12 ** -Math.min(Math.max(notches, -5), 5), ...about(event.clientX, event.clientY));
+        const notches = clamped(event.deltaY / (event.deltaMode === 1 ? 3 : 100), -5, 5);
+        camera.zoom(1.12 ** -notches, ...about(event.clientX, event.clientY));
         move();
     }, { passive: false });
     document.addEventListener("keydown", (event) => {
@@ -347,7 +234,7 @@ function listen(canvas, camera, { act, move, fit }) {
         act(name);
     });
     document.querySelectorAll("[data-do]").forEach((button) =>
-        button.addEventListener("click", () => act(button.dataset.do)));
+        button.addEventListener("click", () => act(button.dataset.do, Number(button.dataset.track))));
 }
 
 function complain(error) {
@@ -356,20 +243,11 @@ function complain(error) {
     byId("trouble").textContent = error.message || String(error);
 }
 
+window.addEventListener("error", (event) => complain(event.error));
 window.addEventListener("unhandledrejection", (event) => complain(event.reason));
-try {
-    if (typeof DecompressionStream === "undefined") {
-        throw new Error("This browser is too old to unpack the plant; one from 2023 or later can.");
-    }
-    const read = (id) => JSON.parse(byId(id).textContent);
-    // The page first: a graphics driver may take a while to begin.
-    requestAnimationFrame(() => setTimeout(() => {
-        try {
-            start(read("clip"), read("shaders"));
-        } catch (error) {
-            complain(error);
-        }
-    }));
-} catch (error) {
-    complain(error);
+if (typeof DecompressionStream === "undefined") {
+    throw new Error("This browser is too old to unpack the plant; one from 2023 or later can.");
 }
+// The page first: a graphics driver may take a while to begin.
+requestAnimationFrame(() => setTimeout(() =>
+    start(...["clip", "shaders"].map((id) => JSON.parse(byId(id).textContent)))));

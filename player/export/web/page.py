@@ -4,36 +4,44 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import shaders
 from player.atomic_write import whole_file
 from player.errors import PlayerError
-from player.export.film import Film
+from player.export.film import Film, Progress
 from player.export.web.encode import Packed, pack
+from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_square
+from player.rendering.renderer import MIN_POINT_PX, NATURAL_RADIUS, scene_radius
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import Camera, axes, outline
+from player.view.camera import Camera, axes
 from player.view.colors import Colors, resolved_color_mode
-from player.view.dates import short_dates
+from player.view.dates import date_at, short_dates
 from player.view.style import GROUNDS, ColorMode
-from shaders import web_sources
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from gclip import Clip
 
-SCRIPTS = ("clip.js", "timeline.js", "camera.js", "renderer.js", "page.js")
-CORNERS = 96  # outermost points that the browser fits its view to
+SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
+SHADERS = (
+    *("splat_depth.vert", "splat_depth.frag", "splat_sum.vert", "splat_sum.frag"),
+    *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
+    *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
+)
+NARROW = 0.5  # aspect of a picture so narrow that its width limits most plants
+MOMENTS = 1000  # at which the page may change what it calls the day
+MAX_ORGANS = 2000  # that are listed
 LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
 
-def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], None]) -> None:
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the page; it opens with the film's look. Raises PlayerError where it can't be."""
     total = len(clip.intervals)
     progress(0, total)
@@ -46,63 +54,63 @@ def write(clip: Clip, film: Film, path: Path, progress: Callable[[int, int], Non
             )
         progress(done, total)
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
-        file.writelines(render(clip, film, film.title or film.name, packed))
+        file.writelines(_render(clip, film, packed))
 
 
-def render(clip: Clip, film: Film, title: str, packed: list[Packed]) -> Iterator[str]:
+def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
     """The page's text, piece by piece."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
+
+    def script(value: Any) -> Markup:
+        """JSON that can stand inside <script>: no character in it can end the element or begin a
+        tag. Names come from files that anyone may have written.
+        """
+        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+        return Markup("".join(f"\\u{ord(c):04x}" if c in "<>&" else c for c in text))
 
     environment = Environment(
         loader=PackageLoader("player.export", "web"), autoescape=True, undefined=StrictUndefined
     )
     environment.trim_blocks = environment.lstrip_blocks = True
+    first, last = clip.times[0], clip.times[-1]
+    dates = short_dates([scan.date for scan in clip.scans])
+    places = [100.0 * (time - first) / (last - first) for time in clip.times]
+    colors, by_error = Colors(clip), resolved_color_mode(clip, film.style) is ColorMode.ERROR
+    scale = colors.color_scale(film.style) if by_error else None
+    ramp = [] if scale is None else scale.colors()[:: len(scale.colors()) // 16].tolist()
     return environment.get_template("page.html").generate(
-        title=title,
+        title=film.title or film.name,
+        facts=f"{len(clip.scans)} scans, {len(clip.track_table)} organs",
         ground=film.style.ground,
+        colored=clip.has_colors,
+        scale=scale,
+        ramp=", ".join(map(_css, ramp)),
+        first=first,
+        last=last,
+        marks=zip(places, dates, strict=True),
+        organs=_organs(clip),
         style=Markup(_read("page.css")),
         script=Markup("\n".join(_read(name) for name in SCRIPTS)),
-        clip=embedded(_about(clip, film, title, packed)),
-        shaders=embedded(web_sources()),
+        clip=script(_about(clip, film, packed)),
+        shaders=script({name: shaders.resolved(name) for name in SHADERS}),
         intervals=(base64.b64encode(one.data).decode("ascii") for one in packed),
     )
 
 
-def embedded(value: Any) -> Any:
-    """JSON that can stand inside <script>: no character in it can end the element or begin a tag.
-
-    Names come from files that anyone may have written.
-    """
-    from markupsafe import Markup
-
-    text = json.dumps(value, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
-    for character in "<>&":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return Markup(text)
-
-
-def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str, Any]:
-    """What the page knows besides the movers; read in web/clip.js."""
-
-    closing, dates = ClosingDistances(clip), [scan.date for scan in clip.scans]
-    home, points = Camera.home(clip, film.aspect), outline(clip)
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle = (low + high) / 2
-    spread = float(np.hypot(*(points[:, :2] - middle[:2]).T).max())
+def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
+    """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
+    closing = ClosingDistances(clip)
+    ends = [(k, 0.0) for k in range(len(clip.intervals))] + [(len(clip.intervals) - 1, 1.0)]
+    to_square, half_side = floor_square(clip)
+    home = Camera.home(clip, film.aspect)
     return {
-        "title": title,
-        "up": clip.up,
         "timeUnit": clip.time_unit,
         "times": clip.times,
-        "dates": dates,
-        "shortDates": short_dates(dates),
+        "moments": _moments(clip),
         "points": [scan.points for scan in clip.scans],
         "colored": clip.has_colors,
-        "tracks": [
-            {"name": t.name, "color": t.color, "born": t.born, "lost": t.lost}
-            for t in clip.track_table
-        ],
+        "tracks": [track.color for track in clip.track_table],
         "intervals": [
             {
                 "start": interval.start,
@@ -110,7 +118,7 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
                 "count": len(interval),
                 "degree": interval.degree,
                 "groups": [
-                    {"first": g.first, "count": g.count, "motion": str(g.motion)}
+                    {"first": g.first, "count": g.count, "motion": g.motion}
                     for g in interval.groups
                 ],
                 "low": one.low,
@@ -120,61 +128,56 @@ def _about(clip: Clip, film: Film, title: str, packed: list[Packed]) -> dict[str
             }
             for interval, one in zip(clip.intervals, packed, strict=True)
         ],
-        "closing": [closing.at(k, 0.0) for k in range(len(clip.intervals))]
-        + [closing.at(len(clip.intervals) - 1, 1.0)],
-        "outline": _corners(points, clip.up),
-        "radius": home.radius,
-        "middle": middle.tolist(),
-        "floor": clip.floor,
-        "floorSide": 1.7 * max(spread, 0.5 * float(high[2] - low[2]), 1e-9),
+        "coverage": [closing.at(k, share) for k, share in ends],
+        "splat": {"radii": NATURAL_RADIUS, "smallest": MIN_POINT_PX},
+        "shadow": {
+            "side": SIDE,
+            "points": SHADOW_POINTS,
+            "reach": CONTACT_REACH * half_side,
+            "texel": 2 * half_side / SIDE,
+            "toSquare": to_square.T.ravel().tolist(),
+        },
+        "sceneRadius": scene_radius(clip),
         "home": {
             "target": home.target,
             "distance": home.distance,
             "yaw": home.yaw,
             "pitch": home.pitch,
             "fieldOfView": home.field_of_view,
+            "radius": home.radius,
+            "aspect": NARROW * Camera.home(clip, NARROW).distance / home.distance,
         },
-        "scale": _scale(clip, film),
+        "axes": axes(clip.up).tolist(),
         "look": {
             "light": film.style.ground == "light",
-            "byTrack": film.style.color_by == "track",
+            "byTrack": film.style.color_by == ColorMode.TRACK,
             "turning": film.turning,
             "pointSize": film.style.point_size,
             "eyeDome": film.style.eye_dome,
             "depthCue": 0.45 if film.style.depth_cue else 0.0,
             "floor": 1.0 if film.style.show_ground else 0.0,
         },
-        "grounds": {name: _ground(asdict(ground)) for name, ground in GROUNDS.items()},
+        "grounds": {name: asdict(ground) for name, ground in GROUNDS.items()},
     }
 
 
-def _scale(clip: Clip, film: Film) -> dict[str, Any] | None:
-    """What the movers' own colours mean, where they are those of a value: errors."""
-    colors, by_error = Colors(clip), resolved_color_mode(clip, film.style) is ColorMode.ERROR
-    scale = colors.color_scale(film.style) if by_error else None
-    if scale is None:
-        return None
-    steps = scale.colors()[:: len(scale.colors()) // 16].tolist()
-    low, high = scale.ends
-    return {
-        "title": scale.title,
-        "low": low,
-        "high": high,
-        "colors": [f"rgb({red},{green},{blue})" for red, green, blue in steps],
-    }
+def _moments(clip: Clip) -> list[tuple[float, str]]:
+    """When the name of the day changes, and to what."""
+    days = np.union1d(np.linspace(clip.times[0], clip.times[-1], MOMENTS), clip.times).tolist()
+    named = [(day, date_at(clip.scans, day)) for day in days]
+    return named[:1] + [after for before, after in pairwise(named) if before[1] != after[1]]
 
 
-def _ground(colors: dict[str, Any]) -> dict[str, Any]:
-    """A background's colours by the names that shaders/web/picture.frag gives them."""
-    plain = ("above", "below", "floor", "shadow")
-    return {f"{name}_color" if name in plain else name: color for name, color in colors.items()}
+def _organs(clip: Clip) -> Iterator[tuple[str, str, str]]:
+    """Colour, name, and where it is not there all the time, from when to when."""
+    for track in clip.track_table[:MAX_ORGANS]:
+        born = date_at(clip.scans, track.born) if track.born > clip.times[0] else ""
+        lost = "" if track.lost is None else f" – {date_at(clip.scans, track.lost)}"
+        yield _css(track.color), track.name, born + lost
 
 
-def _corners(points: np.ndarray, up: str) -> list[list[float]]:
-    """(n, 3) local coordinates of the outermost of points in the axes of `camera.axes`."""
-    directions = np.random.default_rng(0).normal(size=(CORNERS, 3))
-    outermost = np.unique(np.argmax(points @ directions.T, axis=0))
-    return (points[outermost] @ axes(up)).tolist()
+def _css(color: Sequence[int]) -> str:
+    return "rgb({},{},{})".format(*color)
 
 
 def _read(name: str) -> str:

@@ -1,0 +1,137 @@
+// The camera, which turns about a target with the plant's own up axis upright, and the clock.
+
+const STEEPEST = (89 * Math.PI) / 180;
+const REST = 0.8;  // seconds to look at an end before the clock goes on
+
+const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [
+    a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
+];
+const scaled = (a, s) => [s * a[0], s * a[1], s * a[2]];
+const sum = (...vectors) => [0, 1, 2].map((i) => vectors.reduce((t, v) => t + v[i], 0));
+
+class Camera {
+    // home: { target, distance, yaw, pitch, fieldOfView, radius, aspect }, angles in radians, aspect
+    // of the narrowest picture that the plant fits in; axes: two horizontal ones and the upward one.
+    constructor(home, axes) {
+        Object.assign(this, home, { home, axes });
+    }
+
+    // The whole plant in a picture of this shape, of whose height a share is free, from the top.
+    fit(aspect, free) {
+        const farther = Math.max(this.home.aspect / aspect, 1 / free);
+        Object.assign(this, this.home, { distance: this.home.distance * farther });
+        this.pan(0, (1 - free) / 2 - 0.02);
+    }
+
+    // Rows: right, above, and from the target to the eye.
+    frame() {
+        const [first, second, upward] = this.axes;
+        const outward = sum(
+            scaled(first, Math.cos(this.yaw)), scaled(second, Math.sin(this.yaw)));
+        const backward = sum(
+            scaled(outward, Math.cos(this.pitch)), scaled(upward, Math.sin(this.pitch)));
+        const right = cross(upward, outward);
+        return [right, cross(backward, right), backward];
+    }
+
+    orbit(yaw, pitch) {
+        this.yaw += yaw;
+        this.pitch = clamped(this.pitch + pitch, -STEEPEST, STEEPEST);
+    }
+
+    // Shift the picture right and up by shares of its height, at the target's depth.
+    pan(right, up) {
+        const height = 2 * this.distance * Math.tan(this.fieldOfView / 2);
+        const [across, above] = this.frame();
+        this.target = sum(
+            this.target, scaled(across, -height * right), scaled(above, -height * up));
+    }
+
+    // Come nearer by a factor above 1; the place at (x, y), in picture heights from the middle,
+    // stays where it is.
+    zoom(factor, x = 0, y = 0) {
+        const before = this.distance;
+        this.distance = clamped(before / factor, 0.02 * this.radius, 50 * this.radius);
+        const kept = before / this.distance - 1;
+        this.pan(-x * kept, -y * kept);
+    }
+
+    // Column-major matrices, as WebGL takes them: from the eye's coordinates to local ones, back, and
+    // to the picture.
+    pose() {
+        const [right, above, backward] = this.frame();
+        const eye = sum(this.target, scaled(backward, this.distance));
+        return [...right, 0, ...above, 0, ...backward, 0, ...eye, 1];
+    }
+
+    view() {
+        const [r, a, b] = this.frame(), eye = this.pose().slice(12, 15);
+        return [
+            r[0], a[0], b[0], 0, r[1], a[1], b[1], 0, r[2], a[2], b[2], 0,
+            -dot(r, eye), -dot(a, eye), -dot(b, eye), 1,
+        ];
+    }
+
+    projection(aspect) {
+        const near = Math.max(this.distance - 4 * this.radius, 0.02 * this.distance);
+        const far = this.distance + 4 * this.radius;
+        const slope = Math.tan(this.fieldOfView / 2);
+        return [
+            1 / (slope * aspect), 0, 0, 0, 0, 1 / slope, 0, 0,
+            0, 0, (near + far) / (near - far), -1, 0, 0, (2 * near * far) / (near - far), 0,
+        ];
+    }
+}
+
+class Clock {
+    constructor(times) {
+        this.times = times;
+        this.first = this.day = times[0];
+        this.last = times[times.length - 1];
+        this.playing = false;
+        this.speed = 1;
+        this.rest = 0;
+    }
+
+    tick(seconds) {
+        if (!this.playing) return;
+        if (this.rest > 0) {
+            this.rest -= seconds;
+            if (this.rest <= 0) this.day = this.first;
+            return;
+        }
+        const whole = clamped(2 * (this.times.length - 1), 4, 24);  // seconds at speed 1
+        const passed = (seconds * this.speed * (this.last - this.first)) / whole;
+        this.day = Math.min(this.day + passed, this.last);
+        if (this.day === this.last) this.rest = REST;
+    }
+
+    toggle() {
+        this.playing = !this.playing;
+        if (this.playing && this.day === this.last) this.day = this.first;
+        this.rest = 0;
+    }
+
+    go(day) {
+        this.day = clamped(day, this.first, this.last);
+        this.rest = 0;
+    }
+
+    nudge(share) {
+        this.playing = false;
+        this.go(this.day + share * (this.last - this.first));
+    }
+
+    // To the next scan (1) or the one before (-1).
+    step(direction) {
+        this.playing = false;
+        const ahead = this.times.filter((time) => direction * (time - this.day) > 0);
+        if (ahead.length) this.go(direction > 0 ? ahead[0] : ahead[ahead.length - 1]);
+    }
+
+    hasten(direction) {
+        this.speed = clamped(this.speed * 2 ** direction, 1 / 8, 8);
+    }
+}

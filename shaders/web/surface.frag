@@ -1,8 +1,0 @@
-// Only the disc's core hides what lies behind: through its rim surfaces blend into each other.
-
-void main() {
-    vec2 at = 2.0 * gl_PointCoord - 1.0;
-    if (dot(at, at) > 0.49) {
-        discard;
-    }
-}
