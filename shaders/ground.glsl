@@ -19,7 +19,8 @@ vec3 wall_color(vec2 at) {
 vec3 ground_color(vec2 at) {
     vec3 wall = wall_color(at);
     vec2 aside = (2.0 * at - 1.0) * half_extent;
-    vec3 start = (to_floor * vec4(aside * (1.0 - perspective), 0.0, 1.0)).xyz;
+    vec3 eye = vec3(aside, 10.0 * scene_radius) * (1.0 - perspective);  // parallels come from afar
+    vec3 start = (to_floor * vec4(eye, 1.0)).xyz;
     vec3 ray = mat3(to_floor) * vec3(aside * perspective, -1.0);
     if (floor_share == 0.0 || start.z <= 0.0 || ray.z >= 0.0) {
         return wall;

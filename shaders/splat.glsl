@@ -14,7 +14,7 @@ uniform vec2 point_px_range;  // diameters in pixels between which splats stay
 // and its radius there, in the clip's unit.
 vec2 place_splat() {
     vec4 view_pos = view * vec4(point_position(), 1.0);
-    float view_depth = max(-view_pos.z, 1e-6), px_per_unit = focal_px / clip_w(view_depth);
+    float view_depth = -view_pos.z, px_per_unit = focal_px / max(clip_w(view_depth), 1e-6);
     float size = is_hidden(in_track) ? 0.0 : presence(gl_VertexID);
     gl_Position = size == 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : projection * view_pos;
     gl_PointSize = size * clamp(2.0 * radius * px_per_unit, point_px_range.x, point_px_range.y);

@@ -180,7 +180,7 @@ class Renderer:
         if missing:
             # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
             gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
-            fast = MAX_RADIUS_PX * camera.distance / splats.focal_px
+            fast = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
             radius = max(splats.radius, min(gaps * splats.radius, fast))
             return replace(splats, radius=radius)
         return splats

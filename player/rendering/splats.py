@@ -52,10 +52,14 @@ class SplatParams:
         """Samples that one unit takes up where the projection divides by 1."""
         return 0.5 * self.samples[1] * float(self.projection[1, 1])
 
+    def px_per_unit(self, view_depth: float) -> float:
+        """Samples that one unit takes up at a depth before the eye."""
+        return self.focal_px / (1.0 if self.camera.orthographic else view_depth)
+
     @property
     def typical_radius_px(self) -> float:
         """In samples, at the camera's target."""
-        radius_px = self.radius * self.focal_px / self.camera.distance
+        radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
         return max(radius_px, self.point_px_range[0] / 2)
 
     def uniforms(self) -> dict[str, Any]:
@@ -69,9 +73,9 @@ class SplatParams:
             "half_extent": (1.0 / focal[0], 1.0 / focal[1]),
             "samples": self.samples,
             "depth_range": (self.camera.near, self.camera.far),
-            "target_depth": self.camera.distance,
+            "target_depth": self.camera.eye_distance,
             "scene_radius": self.scene_radius,
-            "perspective": 1.0,
+            "perspective": 0.0 if self.camera.orthographic else 1.0,
             "radius": self.radius,
             "focal_px": self.focal_px,
             "point_px_range": self.point_px_range,
@@ -101,7 +105,7 @@ class Splats:
         context.depth_func = "<"
         # OpenGL drops a point whose centre lies outside of the viewport, however far it reaches.
         width, height = splats.samples
-        reach = math.ceil(splats.radius * splats.focal_px / splats.camera.near)
+        reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
         wide, tall = width + 2 * margin, height + 2 * margin
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])

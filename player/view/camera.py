@@ -22,8 +22,9 @@ STEEPEST = math.radians(89.0)  # pitch beyond which the view would tip over
 MARGIN = 0.86  # share of the picture that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
 OUTLINE = 60_000  # positions that the home view is fitted to, in all of a long series
-FLAT = math.radians(1.0)  # so narrow a view from so far away is as good as parallel
 TURNS = 32  # yaws that a plant is looked at from to have room for a full turn
+DEEP = 4.0  # radii of the scene before the target and behind it that are seen
+ORTHOGRAPHIC = math.radians(1.0)  # the field of view of a parallel projection, as files tell it
 YAW, PITCH = math.radians(-60.0), math.radians(14.0)
 
 
@@ -36,12 +37,13 @@ def axes(up: str) -> Vector:
 
 @dataclass(frozen=True)
 class Camera:
-    """A perspective camera on a sphere about its target; every move gives a new one.
+    """A camera on a sphere about its target; every move gives a new one.
 
     target:        the point looked at, in the clip's local coordinates.
     distance:      from the eye to the target, in the clip's length unit.
     yaw, pitch:    the eye's direction seen from the target, in radians; pitch 0 is level.
-    field_of_view: the picture's height as an angle, in radians.
+    field_of_view: the picture's height as an angle, in radians; so narrow a one as ORTHOGRAPHIC is
+                   a parallel projection of what is as high at the target.
     up:            x, y, z, -x, -y or -z.
     radius:        of the scene, from which near and far plane follow.
     """
@@ -149,28 +151,34 @@ class Camera:
     @property
     def orthographic(self) -> bool:
         """Whether parallels stay parallel in the picture."""
-        return self.field_of_view <= FLAT
+        return self.field_of_view <= ORTHOGRAPHIC
 
     def with_orthographic(self, flat: bool) -> Camera:
         """Orthographic, or in perspective; what lies at the target's depth keeps its size."""
-        angle = FLAT if flat else FIELD_OF_VIEW
+        angle = ORTHOGRAPHIC if flat else FIELD_OF_VIEW
         if self.orthographic == flat:
             return self
         distance = self.distance * math.tan(self.field_of_view / 2) / math.tan(angle / 2)
         return replace(self, field_of_view=angle, distance=distance)
 
     @property
+    def eye_distance(self) -> float:
+        """From where depths are counted, to the target: parallels have no eye."""
+        return DEEP * self.radius if self.orthographic else self.distance
+
+    @property
     def near(self) -> float:
-        return max(self.distance - 4.0 * self.radius, 0.02 * self.distance)
+        least = 0.0 if self.orthographic else 0.02 * self.distance
+        return max(self.eye_distance - DEEP * self.radius, least)
 
     @property
     def far(self) -> float:
-        return self.distance + 4.0 * self.radius
+        return self.eye_distance + DEEP * self.radius
 
     @property
     def eye(self) -> Vector:
         """(3,) the eye's position, local coordinates."""
-        return np.asarray(self.target) + self.distance * self._frame()[2]
+        return np.asarray(self.target) + self.eye_distance * self._frame()[2]
 
     def view(self) -> Vector:
         """(4, 4) from local coordinates to the eye's (right, up, backwards): M @ column."""
@@ -182,6 +190,11 @@ class Camera:
     def projection(self, aspect: float) -> Vector:
         """(4, 4) from the eye's coordinates to OpenGL's clip coordinates: M @ column."""
         near, far, slope = self.near, self.far, math.tan(self.field_of_view / 2)
+        if self.orthographic:
+            half = slope * self.distance
+            matrix = np.diag([1.0 / (half * aspect), 1.0 / half, 2.0 / (near - far), 1.0])
+            matrix[2, 3] = (near + far) / (near - far)
+            return matrix
         return np.array(
             [
                 [1.0 / (slope * aspect), 0.0, 0.0, 0.0],

@@ -119,4 +119,4 @@ def test_parallels_stay_parallel_in_the_flat_view() -> None:
             widths.append(ends[1][0] / ends[1][3] - ends[0][0] / ends[0][3])
         shares.append(widths[1] / widths[0])
     assert shares[0] > 1.05
-    assert shares[1] == pytest.approx(1.0, abs=0.02)
+    assert shares[1] == pytest.approx(1.0, abs=1e-12)
