@@ -19,6 +19,7 @@ from player.gl.framebuffer import GBuffer
 from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
+from player.rendering.picking import Picking
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
@@ -64,6 +65,7 @@ class Renderer:
         self._raster = PointRaster(self._points, self._passes, backend)
         self._splats = Splats(self._points, self._passes)
         self._ground = Ground(self._points, self._passes)
+        self._picking = Picking(self._points, self._passes)
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
         self._gbuffer: GBuffer | None = None
@@ -136,6 +138,36 @@ class Renderer:
             self._closing.measure(locate(self.clip, day)[0])
         return _missing(ranges) == 0 and stride == 1 and (wait or self.radius_known(day))
 
+    def organ_at(
+        self,
+        day: float,
+        camera: Camera,
+        style: Style,
+        at: tuple[float, float],
+        size: tuple[float, float],
+    ) -> int | None:
+        """The track of the organ that is seen at a place of the picture; None beside the plant.
+
+        Only points that are on the GPU already count, and nothing that lies on the ground.
+
+        Parameters
+        ----------
+        day : float
+        camera : Camera
+        style : Style
+        at : (float, float)
+            The place, from the top left corner.
+        size : (float, float)
+            The picture's width and height, in the same unit.
+        """
+        layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
+        ranges = self._ranges(layers, 1, 0.0)
+        closing = self._closing.at(*locate(self.clip, day), False)
+        samples = (max(round(size[0]), 1), max(round(size[1]), 1))
+        splats = self._splat_params(camera, style, samples, ranges, closing)
+        self._points.set_colors(self._colors, day, style)
+        return self._picking.track_at(ranges, splats, at)
+
     def radius_known(self, day: float) -> bool:
         """Whether the splats' size on a day is measured, and not guessed."""
         return self._closing.settled(locate(self.clip, day)[0])
@@ -148,8 +180,8 @@ class Renderer:
     def release(self) -> None:
         """Give the GPU's memory back."""
         self._closing.release()
-        parts = (self._points, self._raster, self._splats, self._ground, self._passes)
-        for part in (*parts, self._gbuffer):
+        drawing = (self._raster, self._splats, self._ground, self._picking, self._gbuffer)
+        for part in (*drawing, self._points, self._passes):
             if part is not None:
                 part.release()
 

@@ -41,7 +41,6 @@ from player.window.glfw_window import (
 )
 from player.window.opened_clip import FileWatch, OpenClip
 from player.window.organ_info import OrganInfo
-from player.window.picking import organ_under
 from player.window.viewports import Viewports, fitted, home_camera
 
 NOTICE_SECONDS = 2.5  # that a notice stays at least
@@ -277,7 +276,7 @@ class Window:
         if at is None or self.scene.kiosk:
             return
         area = (width - self._aside, height)
-        over, track = organ_under(self._bare[0], panes, self.scene.style, at, area)
+        over, track = self._viewports.organ_under(panes, self.scene.style, at, area)
         if over:
             self.scene = keys.picked(self.scene, track)
 

@@ -132,6 +132,34 @@ class Viewports:
         self.loading = upload_budget is not None and (before != self._loaded or not settled)
         self._painted = wanted
 
+    def organ_under(
+        self,
+        panes: Sequence[Pane],
+        style: Style,
+        at: tuple[float, float],
+        size: tuple[float, float],
+    ) -> tuple[bool, int | None]:
+        """Whether a place is over a pane of the first clip, and the organ seen there.
+
+        Parameters
+        ----------
+        panes : sequence of Pane
+        style : Style
+        at : tuple of float
+            The place, from the top left corner.
+        size : tuple of float
+            Width and height of the window, in the same unit.
+        """
+        width, height = size
+        for pane in panes:
+            left, right = pane.left * width, pane.right * width
+            if pane.clip == 0 and left <= at[0] < right:
+                whole = (right - left, height) if pane.own else size
+                inside = (at[0] - (left if pane.own else 0.0), at[1])
+                renderer = self._renderer(pane, style)
+                return True, renderer.organ_at(pane.day, pane.camera, style, inside, whole)
+        return False, None
+
     def show(self, screen: moderngl.Framebuffer, size: tuple[int, int]) -> None:
         """Put the picture on the screen, at its left; `size` as it was painted."""
         self._copy("all", screen, (0, 0, *size))

@@ -11,10 +11,7 @@ from player.view.playback import Timeline
 from player.view.split_view import Pair, matched_day, panes_of
 from player.view.state import Scene
 from player.view.style import Style
-from player.window.picking import organ_at
 from tests.player.conftest import ClipMaker
-
-SIZE = (800.0, 600.0)
 
 
 def scene_of(clip: object, day: float, compare: Compare) -> Scene:
@@ -64,29 +61,3 @@ def test_another_plant_is_seen_from_its_own_side_at_the_same_scale(make_clip: Cl
     assert seen.distance == pair.homes[0].distance
     assert np.allclose(seen.target, pair.homes[1].target)
     assert seen.yaw == pytest.approx(pair.homes[1].yaw)
-
-
-def test_a_click_finds_the_organ_that_is_seen(make_clip: ClipMaker) -> None:
-    clip = make_clip()
-    camera = replace(Camera.home(clip, 4 / 3), yaw=-np.pi / 2, pitch=0.0)
-
-    def at(x: float, y: float, **style: object) -> int | None:
-        return organ_at(clip, 0.0, camera, Style(**style), (x, y), SIZE)  # type: ignore[arg-type]
-
-    assert at(330.0, 300.0) == 0
-    assert at(470.0, 300.0) == 1
-    assert at(10.0, 10.0) is None
-    assert at(470.0, 300.0, hidden=frozenset((1,))) is None
-    assert at(470.0, 300.0, alone=0) is None
-    # From behind, right is left.
-    camera = camera.orbit(np.pi, 0.0)
-    assert at(330.0, 300.0) == 1
-
-
-def test_what_lies_in_front_is_picked(make_clip: ClipMaker) -> None:
-    """From the side, the sheet's two halves lie one behind the other."""
-    clip = make_clip()
-    for yaw, front in ((0.0, 1), (np.pi, 0)):
-        home = Camera.home(clip, 4 / 3)
-        camera = replace(home, target=(0.0, 0.0, 20.0), yaw=yaw, pitch=0.0)
-        assert organ_at(clip, 0.0, camera, Style(), (400.0, 300.0), SIZE) == front

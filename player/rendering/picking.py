@@ -1,0 +1,75 @@
+"""Which organ is seen at a place of the picture: read from the GPU."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from player.gl.framebuffer import texture
+
+if TYPE_CHECKING:
+    from player.gl.shader import Passes
+    from player.rendering.point_buffers import DrawRange
+    from player.rendering.point_cloud import PointCloud
+    from player.rendering.splats import SplatParams
+
+REACH = 10  # pixels from the place within which an organ counts as hit
+SIDE = 2 * REACH + 1
+NO_TRACK = 0xFFFFFFFF
+
+
+class Picking:
+    """Draws the tracks about a place, and nothing else of the picture."""
+
+    def __init__(self, points: PointCloud, passes: Passes) -> None:
+        context = points.context
+        self._points = points
+        self._passes = passes
+        self._tracks = texture(context, (SIDE, SIDE), 1, "u4")
+        self._depth = context.depth_renderbuffer((SIDE, SIDE))
+        self._framebuffer = context.framebuffer([self._tracks], self._depth)
+
+    def track_at(
+        self, ranges: list[DrawRange], splats: SplatParams, at: tuple[float, float]
+    ) -> int | None:
+        """The track of the nearest organ, in the picture and then before the eye.
+
+        Parameters
+        ----------
+        ranges : list of DrawRange
+            What is seen.
+        splats : SplatParams
+            `samples` is the size of the whole picture.
+        at : (float, float)
+            The place in pixels, from the picture's top left corner.
+
+        Returns
+        -------
+        int or None
+            None beside the plant.
+        """
+        import moderngl
+
+        context, (width, height) = self._points.context, splats.samples
+        self._framebuffer.viewport = (0, 0, SIDE, SIDE)
+        self._framebuffer.use()
+        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        context.depth_func = "1"
+        self._passes.fill("clear_points")
+        context.depth_func = "<"
+        left, bottom = REACH - int(at[0]), REACH - (height - 1 - int(at[1]))
+        self._framebuffer.viewport = (left, bottom, width, height)
+        self._points.draw("pick", ranges, splats.uniforms())
+        context.enable_only(moderngl.NOTHING)
+        tracks = np.frombuffer(self._tracks.read(), np.uint32).reshape(SIDE, SIDE)
+        rows, columns = np.nonzero(tracks != NO_TRACK)
+        distances = np.hypot(rows - REACH, columns - REACH)
+        if not len(distances) or distances.min() > REACH:
+            return None
+        nearest = int(distances.argmin())
+        return int(tracks[rows[nearest], columns[nearest]])
+
+    def release(self) -> None:
+        for part in (self._framebuffer, self._tracks, self._depth):
+            part.release()
