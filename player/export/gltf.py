@@ -44,15 +44,15 @@ VERTICES = 34962  # and its ARRAY_BUFFER
 
 @dataclass(frozen=True)
 class Part:
-    """Movers that appear together, move by the same weights and vanish together.
+    """Movers that move by the same weights and vanish together.
 
-    seen: shares of the interval from which, and until which, they are there.
+    until: share of the interval until which they are there; infinite for those that stay.
     """
 
     interval: int
     movers: slice
     group: Group
-    seen: tuple[float, float]
+    until: float
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -106,15 +106,14 @@ def _parts(clip: Clip) -> Iterator[Part]:
                 cuts = np.linspace(group.first, group.stop, DISSOLVE + 1).astype(int).tolist()
                 for i, (first, stop) in enumerate(pairwise(cuts)):
                     if stop > first:
-                        yield Part(index, slice(first, stop), group, (0.0, (i + 0.5) / DISSOLVE))
+                        yield Part(index, slice(first, stop), group, (i + 0.5) / DISSOLVE)
             elif group.motion is not Motion.REMOVE and group.count:
                 until = np.inf if last and group.motion is Motion.MOVE else 1.0
-                yield Part(index, slice(group.first, group.stop), group, (0.0, until))
+                yield Part(index, slice(group.first, group.stop), group, until)
 
 
 def weights_at(interval: Interval, group: Group, share: float) -> list[float]:
     """The morph targets' weights when `share` of the interval has passed."""
-
     parameter = share**2 if group.motion is Motion.FALL else share
     return bernstein(interval.degree, parameter)[1:].tolist()
 
@@ -140,7 +139,7 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
         material=0,
         mode=gltf.POINTS,
     )
-    shown = part.seen[1] > 1.0  # without animation a viewer shows the last scan
+    shown = part.until > 1.0  # without animation a viewer shows the last scan
     end = bernstein(interval.degree, 1.0)[1:].tolist()
     dates = [date_at(clip.scans, time) for time in (interval.start, interval.end)]
     document.meshes.append(gltf.Mesh(primitives=[primitive], weights=end))
@@ -166,7 +165,7 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
     )
     changes = [(begin, 1.0)] if begin == 0.0 else [(0.0, 0.0), (begin, 1.0)]
     if not shown:
-        changes.append((begin + length * part.seen[1], 0.0))
+        changes.append((begin + length * part.until, 0.0))
     times, scales = np.array(changes).T
     store.channel("scale", times, np.repeat(scales[:, None], 3, axis=1), gltf.ANIM_STEP)
 
@@ -175,7 +174,6 @@ def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.
     """(n, 4) linear light and alpha in 16 bits, half way through the interval: points have one
     colour each.
     """
-
     if interval.start_colors is not None and interval.end_colors is not None:
         srgb = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], 0.5)
     else:
@@ -187,7 +185,6 @@ def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) from local coordinates to glTF's: y up, metres where the unit is known."""
-
     first, second, up = axes(clip.up)
     matrix = np.eye(4)
     matrix[:3, :3] = METERS.get(clip.unit, 1.0) * np.array([first, up, -second])

@@ -116,7 +116,6 @@ def _linear_colors(
     clip: Clip, interval: Interval, movers: slice
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """(n, 3) linear light at the interval's start, and at its end where that differs."""
-
     def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)
 
@@ -127,7 +126,6 @@ def _linear_colors(
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) from local coordinates to the stage's: y or z up as it is, else turned to z up."""
-
     matrix = np.eye(4)
     if clip.up != "y":
         matrix[:3, :3] = axes(clip.up)
