@@ -102,6 +102,7 @@ def bake_recorded(
     register: Register = align,
     solve: IntervalSolver | None = None,
     times: Sequence[object] | None = None,
+    announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, BakeRecord]:
     """Bake scans into a growth clip, and return what the stages found as well.
 
@@ -111,7 +112,7 @@ def bake_recorded(
         A folder of scans, or the scans' files.
     times : sequence, optional
         Of each scan the day or the date, instead of what the names say.
-    options, progress, register, solve
+    options, progress, register, solve, announce
         As those of `bake_series`.
 
     Raises
@@ -123,7 +124,7 @@ def bake_recorded(
     with thread_map(worker_count(chosen.workers)) as map:
         files = [Path(path) for path in paths]
         series = read_series(files, chosen, partial(progress, "reading"), map, times)
-        return bake_series(series, chosen, progress, map, register, solve)
+        return bake_series(series, chosen, progress, map, register, solve, announce)
 
 
 def survey_series(

@@ -15,14 +15,13 @@ import gclip
 from baker.alignment import align
 from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
-from baker.geometry.parallel import thread_map
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
 from baker.options import Options, worker_count
-from baker.pipeline import Progress, Register, bake_series
+from baker.pipeline import Progress, Register, bake_recorded
 from baker.report import write_report
 from baker.report.verification import HoldoutError, verify
-from baker.scans import Finding, read_series
+from baker.scans import Finding
 from baker.scans.read import list_series
 from baker.scans.unchanged import digest
 from gclip.clip import Clip
@@ -116,22 +115,19 @@ def bake_into(
     progress: Progress = lambda stage, done, total: None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
-    """Bake a plant and write its clip, and its report; see `baker.pipeline.bake_series`."""
-    workers = worker_count(options.workers)
+    """Bake a plant and write its clip, and its report; see `baker.pipeline.bake_recorded`."""
     register: Register = align
-    solve = solve or partial(solve_intervals, workers=workers)
     if cache is not None:
+        solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         register, solve = cache.kept(register), cache.kept_intervals(solve)
-    with thread_map(workers) as map:
-        scans = read_series(inputs, options, partial(progress, "reading"), map)
-        clip, record = bake_series(scans, options, progress, map, register, solve, announce)
-        progress("writing", 0, 1)
-        clip.save(outputs.clip)
-        progress("writing", 1, 1)
-        errors = verify(clip, record, progress)
-        if outputs.report is not None:
-            write = partial(write_report, title=outputs.clip.name, report_progress=progress)
-            write(outputs.report, clip, record, errors)
+    clip, record = bake_recorded(inputs, options, progress, register, solve, announce=announce)
+    progress("writing", 0, 1)
+    clip.save(outputs.clip)
+    progress("writing", 1, 1)
+    errors = verify(clip, record, progress)
+    if outputs.report is not None:
+        write = partial(write_report, title=outputs.clip.name, report_progress=progress)
+        write(outputs.report, clip, record, errors)
     return clip, errors
 
 
