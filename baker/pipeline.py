@@ -84,17 +84,6 @@ class Survey:
         return (points, *(finding for stage in stages for finding in stage.findings))
 
 
-@dataclass(frozen=True)
-class BakeRecord:
-    """What the stages found, for the report and for verification."""
-
-    found: Series  # all scans as they were read, those left out too
-    series: Series  # the scans that were baked
-    keyframes: tuple[Keyframe, ...]  # the same, aligned
-    alignment: Alignment  # of all scans found
-    held_out: tuple[HeldOut, ...] = ()  # left out for verification
-
-
 def bake_recorded(
     paths: Sequence[str | Path],
     options: Options | None = None,
@@ -103,17 +92,24 @@ def bake_recorded(
     solve: IntervalSolver | None = None,
     times: Sequence[object] | None = None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
-) -> tuple[Clip, BakeRecord]:
-    """Bake scans into a growth clip, and return what the stages found as well.
+) -> tuple[Clip, Survey]:
+    """Bake scans into a growth clip, and return what was found before its segmentation as well.
 
     Parameters
     ----------
     paths : sequence of str or Path
         A folder of scans, or the scans' files.
+    options : Options, optional
+    progress : callable, optional
+        Called with a stage's name, the steps done and the steps in all.
+    register : callable, optional
+        Aligns scans as `baker.alignment.align` does; a cache may stand in for it.
+    solve : IntervalSolver, optional
+        Solves the intervals: a cache, or the workers of a cluster. By default threads.
     times : sequence, optional
         Of each scan the day or the date, instead of what the names say.
-    options, progress, register, solve, announce
-        As those of `bake_series`.
+    announce : callable, optional
+        Called with what was decided about the series, before the long stages begin.
 
     Raises
     ------
@@ -122,21 +118,79 @@ def bake_recorded(
     """
     chosen, progress = options or Options(), progress or _silent
     with thread_map(worker_count(chosen.workers)) as map:
-        files = [Path(path) for path in paths]
-        series = read_series(files, chosen, partial(progress, "reading"), map, times)
-        return bake_series(series, chosen, progress, map, register, solve, announce)
+        # Reading and alignment (section 3.1)
+        survey = survey_series(paths, chosen, progress, map, register, times)
+        if announce:
+            announce(survey.findings)
+        series, aligned, options = survey.series, survey.aligned, survey.options
+        choices = options.resolved()
+
+        # Segmentation (3.2); organs that labels do not name are tracked through the series (3.3)
+        labels, hierarchies = _segment(survey.labels, aligned, choices, progress, map)
+        keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
+        aligned = replace(aligned, keyframes=tuple(keyframes))
+
+        # Matching (3.3)
+        matches = match_series(
+            aligned.clouds,
+            hierarchies,
+            by_label=labels.consistent or choices.whole,
+            distance=wasserstein,
+            rules=PAPER if choices.paper else GreedyRules(),
+            report_progress=partial(progress, "matching"),
+        )
+        organs, tracks = follow_organs(matches, labels.consistent)
+
+        # Transport (3.4) and interpolation, interval by interval
+        tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
+        jobs = interval_jobs(aligned, matches, tracks, tasks, choices, found_organs=labels.found)
+        solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
+        intervals = tuple(solve(jobs, partial(progress, "transport")))
+
+        clip = Clip(
+            scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
+            intervals=intervals,
+            track_table=describe_tracks(series, organs, labels, attachment_heights(jobs)),
+            origin=tuple(survey.found.scans[0].origin.tolist()),
+            up=survey.alignment.up,
+            unit=options.unit,
+            time_unit=series.unit,
+            floor=aligned.floor,
+            spacing=aligned.spacing,
+            held_out=tuple(
+                HeldOutScan(held.scan.name, held.scan.time, held.scan.date, held.keyframe.positions)
+                for held in survey.held_out
+            ),
+            provenance=describe_provenance(
+                survey.found, series, survey.alignment, labels, hierarchies, options
+            ),
+        )
+        followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, tracks, labels.found)
+        named = labels.consistent and not labels.renamed
+        contacts = [job.attachments for job in jobs]
+        clip = judged(clip, contacts, None if named else followed, map)
+        return clip, survey
 
 
 def survey_series(
-    found: Series, options: Options, progress: Progress, map: MapLike, register: Register = align
+    paths: Sequence[str | Path],
+    options: Options,
+    progress: Progress,
+    map: MapLike,
+    register: Register = align,
+    times: Sequence[object] | None = None,
 ) -> Survey:
-    """Align scans that have been read, and decide what their labels mean (section 3.1).
+    """Read scans, align them and decide what their labels mean (section 3.1).
 
     Parameters
     ----------
-    found, options, progress, map, register
-        As those of `bake_series`.
+    paths, options, progress, register, times
+        As those of `bake_recorded`.
+    map : map-like callable
+        Maps a function over scans.
     """
+    files = [Path(path) for path in paths]
+    found = read_series(files, options, partial(progress, "reading"), map, times)
     options = options.for_series(found.fixed, found.length, found.root)
     choices = options.resolved()
     root = _local_root(found, options)
@@ -152,86 +206,6 @@ def survey_series(
     where = (aligned.clouds, aligned.bases)
     labels = label_policy(read, names, *where, choices.labels, found.label_field)
     return Survey(found, series, options, alignment, aligned, tuple(held_out), labels)
-
-
-def bake_series(
-    found: Series,
-    options: Options,
-    progress: Progress,
-    map: MapLike = map,
-    register: Register = align,
-    solve: IntervalSolver | None = None,
-    announce: Callable[[Sequence[Finding]], None] | None = None,
-) -> tuple[Clip, BakeRecord]:
-    """Bake scans that have been read.
-
-    Parameters
-    ----------
-    found : Series
-    options : Options
-        As they were requested.
-    progress : callable
-        Called with a stage's name, the steps done and the steps in all.
-    map : map-like callable
-        Maps a function over scans.
-    register : callable, optional
-        Aligns scans as `baker.alignment.align` does; a cache may stand in for it.
-    solve : IntervalSolver, optional
-        Solves the intervals: a cache, or the workers of a cluster. By default threads.
-    announce : callable, optional
-        Called with what was decided about the series, before the long stages begin.
-    """
-    # Alignment (section 3.1)
-    survey = survey_series(found, options, progress, map, register)
-    series, alignment, aligned = survey.series, survey.alignment, survey.aligned
-    options, held_out = survey.options, survey.held_out
-    choices = options.resolved()
-    if announce:
-        announce(survey.findings)
-
-    # Segmentation (3.2), with organs tracked through the series where labels do not name them (3.3)
-    labels, hierarchies = _segment(survey.labels, aligned, choices, progress, map)
-    keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
-    aligned = replace(aligned, keyframes=tuple(keyframes))
-
-    # Matching (3.3)
-    matches = match_series(
-        aligned.clouds,
-        hierarchies,
-        by_label=labels.consistent or choices.whole,
-        distance=wasserstein,
-        rules=PAPER if choices.paper else GreedyRules(),
-        report_progress=partial(progress, "matching"),
-    )
-    organs, tracks = follow_organs(matches, labels.consistent)
-
-    # Transport (3.4) and interpolation, interval by interval
-    tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
-    jobs = interval_jobs(aligned, matches, tracks, tasks, choices, found_organs=labels.found)
-    solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-    intervals = tuple(solve(jobs, partial(progress, "transport")))
-
-    clip = Clip(
-        scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
-        intervals=intervals,
-        track_table=describe_tracks(series, organs, labels, attachment_heights(jobs)),
-        origin=tuple(found.scans[0].origin.tolist()),
-        up=alignment.up,
-        unit=options.unit,
-        time_unit=series.unit,
-        floor=aligned.floor,
-        spacing=aligned.spacing,
-        held_out=tuple(
-            HeldOutScan(held.scan.name, held.scan.time, held.scan.date, held.keyframe.positions)
-            for held in held_out
-        ),
-        provenance=describe_provenance(found, series, alignment, labels, hierarchies, options),
-    )
-    followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, tracks, labels.found)
-    named = labels.consistent and not labels.renamed
-    contacts = [job.attachments for job in jobs]
-    clip = judged(clip, contacts, None if named else followed, map)
-    return clip, BakeRecord(found, series, aligned.keyframes, alignment, held_out)
 
 
 def _measure(

@@ -3,7 +3,6 @@
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from shutil import get_terminal_size
 
@@ -12,7 +11,7 @@ from baker.errors import InputError
 from baker.geometry.parallel import thread_map
 from baker.options import Options, worker_count
 from baker.pipeline import survey_series
-from baker.scans import Finding, Scan, read_series
+from baker.scans import Finding, Scan
 from baker.scans.finding import TOPICS
 from gclip.terminal.text import Lossy, printable
 
@@ -52,8 +51,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
 def _survey_lines(inputs: Sequence[Path], options: Options, quiet: bool) -> list[str]:
     with StageProgress(quiet) as progress, thread_map(worker_count(options.workers)) as map:
-        scans = read_series(inputs, options, partial(progress, "reading"), map)
-        survey = survey_series(scans, options, progress, map)
+        survey = survey_series(inputs, options, progress, map)
     return [*_scan_lines(survey.series.scans), "", *finding_lines(survey.findings)]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from baker.errors import writing
 from baker.options import Options
-from baker.pipeline import BakeRecord
+from baker.pipeline import Survey
 from baker.report.pictures import NoPicture, Pictures, scans_pictured, take_pictures
 from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
@@ -23,7 +23,7 @@ MAX_TICKS = 5  # of the growth curves' axis, above 0
 def write_report(
     path: str | os.PathLike[str],
     clip: Clip,
-    record: BakeRecord,
+    record: Survey,
     errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import point_spacing
-from baker.pipeline import BakeRecord
+from baker.pipeline import Survey
 from gclip import Clip
 
 
@@ -51,7 +51,7 @@ class HoldoutError:
 
 def verify(
     clip: Clip,
-    record: BakeRecord,
+    record: Survey,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
     """Compare a clip with the scans that were held out of it.
@@ -59,7 +59,7 @@ def verify(
     Parameters
     ----------
     clip : gclip.Clip
-    record : BakeRecord
+    record : Survey
         Of its bake.
     report_progress : callable, optional
         Called with "verification", the scans compared and the scans in all.
@@ -86,9 +86,9 @@ def verify(
     return errors
 
 
-def unit_length(record: BakeRecord) -> float:
+def unit_length(record: Survey) -> float:
     """The longest side of the box around all aligned scans, in their own unit; 1 if that is 0."""
-    frames = [*record.keyframes, *(held.keyframe for held in record.held_out)]
+    frames = [*record.aligned.keyframes, *(held.keyframe for held in record.held_out)]
     points = np.concatenate([[f.positions.min(axis=0), f.positions.max(axis=0)] for f in frames])
     return float(np.ptp(points, axis=0).max()) or 1.0
 

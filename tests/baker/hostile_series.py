@@ -200,9 +200,10 @@ def _check_sentence(sentence: str, paths: list[Path]) -> None:
 
 
 def _check_clip(clip: Any, record: Any, series: Series) -> None:
-    assert [scan.points for scan in clip.scans] == [len(f.positions) for f in record.keyframes]
+    frames = record.aligned.keyframes
+    assert [scan.points for scan in clip.scans] == [len(frame.positions) for frame in frames]
     exact = not series.options.get("smooth")
-    whole = np.concatenate([frame.positions for frame in record.keyframes]).astype(float)
+    whole = np.concatenate([frame.positions for frame in frames]).astype(float)
     size = np.ptp(whole, axis=0).max()
     middle = (whole.max(axis=0) + whole.min(axis=0)) / 2
     for k, interval in enumerate(clip.intervals):
@@ -214,9 +215,9 @@ def _check_clip(clip: Any, record: Any, series: Series) -> None:
                 assert size == 0 or beyond < 3, f"{beyond} sizes away from the scans"
         if exact:
             step = 0.0 if interval.box is None else float(interval.box.step.max())
-            _check_same_set(clip.at(interval.start).local, record.keyframes[k].positions, step)
+            _check_same_set(clip.at(interval.start).local, frames[k].positions, step)
     if exact:
-        _check_same_set(clip.at(clip.times[-1]).local, record.keyframes[-1].positions, step)
+        _check_same_set(clip.at(clip.times[-1]).local, frames[-1].positions, step)
 
 
 def _check_same_set(shown: NDArray[Any], scan: NDArray[Any], step: float) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from baker.pipeline import BakeRecord
+from baker.pipeline import Survey
 from gclip import Clip
 
 
 @pytest.fixture
-def baked(write_scans) -> tuple[Clip, BakeRecord]:
+def baked(write_scans) -> tuple[Clip, Survey]:
     """Five scans of a plant, two of them left out."""
     from baker import Options
     from baker.pipeline import bake_recorded
