@@ -12,12 +12,11 @@ from player.view.annotations import draw_organs, draw_ramp, draw_scale_bar
 
 if TYPE_CHECKING:
     from gclip import Clip, Track
-    from player.ui.panel import Exporting
     from player.ui.pen import Pen
     from player.view.camera import Camera
     from player.view.colors import ValueRange
     from player.view.split_view import Pane
-    from player.view.state import Scene
+    from player.view.state import Exporting, Scene
 
 SIZE, ROW = 14.0, 22.0
 AXIS = 24.0  # length of an axis

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
+FEWER_COLUMNS = (("Time", "Organs", "Look"), ("View", "Compare", "Window"))
+WIDE = 1.5  # of a window, times its height: from there on all columns make larger letters
 TITLE, TEXT, CAP = 21.0, 15.5, 13.0  # sizes of letters
 PADDING, BETWEEN, GAP = 26.0, 40.0, 12.0  # of the card, of its columns, of keys and their meaning
 CAP_PADDING, CAP_GAP = 7.0, 4.0
@@ -53,8 +55,8 @@ class Help:
             wide, high = imgui.get_item_rect_size()
         imgui.pop_style_color()
         imgui.pop_style_var(4)
-        edges = 2 * (EDGE + PADDING * self._scale)
-        beyond = max(wide / (size[0] - edges), high / (size[1] - edges))
+        edge, around = 2 * EDGE, 2 * PADDING * self._scale
+        beyond = max((wide + around) / (size[0] - edge), (high + around) / (size[1] - edge))
         self._scale *= SLACK / beyond if beyond > 1.0 else 1.0
         pressed = any(imgui.is_mouse_clicked(button) for button in range(3))
         return replace(scene, help=False) if pressed else scene
@@ -66,7 +68,8 @@ class Help:
             imgui.same_line(0.0, 16.0 * self._scale)
             imgui.text_colored(theme.muted, "Esc, or a click, closes this")
             imgui.new_line()
-            for number, sections in enumerate(COLUMNS):
+            wide = self._size[0] >= WIDE * self._size[1]
+            for number, sections in enumerate(COLUMNS if wide else FEWER_COLUMNS):
                 if number:
                     imgui.same_line(0.0, BETWEEN * self._scale)
                 with imgui_ctx.begin_group():

@@ -13,7 +13,7 @@ from player.ui import keys
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
 from player.ui.gui import BUTTONS, NOWHERE, STILL, Gui
 from player.ui.help import Help
-from player.ui.panel import Exporting, Panel, panel_place, panel_width
+from player.ui.panel import Panel, panel_place, panel_width
 from player.ui.pen import Pen
 from player.ui.theme import Theme, faint, packed, theme_of
 from player.ui.timeline import TimelineView
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from gclip import Clip
     from player.view.colors import ValueRange
     from player.view.split_view import Pane
-    from player.view.state import Scene
+    from player.view.state import Exporting, Scene
 
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui, imgui_ctx
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gclip import Clip, Track
     from player.ui.gui import Gui
     from player.ui.theme import Theme
-    from player.view.state import Scene
+    from player.view.state import Exporting, Scene
 
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
@@ -29,15 +29,6 @@ SMALL = 13.0  # size of the keys
 LABEL, VALUE, KEY, ROW = 74.0, 46.0, 26.0, 25.0
 LARGEST_SIZE, STRONGEST = 5.0, 2.0  # of points and of the shading, at the sliders' ends
 EYE, EYE_CLOSED = "\uf06e", "\uf070"
-
-
-@dataclass(frozen=True)
-class Exporting:
-    """An export under way: its file's name, and steps done of all."""
-
-    name: str
-    done: int
-    total: int
 
 
 def panel_width(width: float, wanted: bool) -> float:
@@ -238,7 +229,7 @@ def _slider(
     _label(pen, label)
     imgui.set_next_item_width(_room(pen, action) - VALUE)
     changed, new = imgui.slider_float(f"##{label}", value, *limits, "", flags)
-    tip(action)
+    tip(action, row=True)
     imgui.same_line()
     imgui.text_unformatted(text)
     _key(pen, action)

@@ -32,11 +32,17 @@ def key_labels(labels: tuple[str, ...]) -> list[str]:
     return [label.translate(ARROWS) for label in labels]
 
 
-def tip(name: str) -> None:
-    """Over the control that was just drawn: what the action does, and the keys that do it too."""
+def tip(name: str, row: bool = False) -> None:
+    """Over the control that was just drawn: what the action does, and the keys that do it too.
+
+    row: what it does together with its neighbour, as a slider.
+    """
     if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
         action = keys.action(name)
-        imgui.set_tooltip(f"{action.help}  ({', '.join(key_labels(action.labels))})")
+        text = action.row if row and action.row else action.help
+        imgui.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0))
+        imgui.set_tooltip(f"{text}  ({', '.join(key_labels(action.labels))})")
+        imgui.pop_style_var()
 
 
 def button(

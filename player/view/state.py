@@ -90,6 +90,15 @@ class Scene:
         return replace(self, notice=notice)
 
 
+@dataclass(frozen=True)
+class Exporting:
+    """An export under way: its file's name, and steps done of all."""
+
+    name: str
+    done: int
+    total: int
+
+
 def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
     """What these clips don't have is no longer shown, picked or compared with."""
     clip, style = clips[0], scene.style

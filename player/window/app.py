@@ -49,8 +49,8 @@ TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
-# Seconds that pictures go on after the mouse did something: tips take a while.
-FRESH, FRESH_ON_CONTROLS = 0.05, 0.45
+SETTLING = 4  # pictures until ImGui has seen to queued events, and its windows know their sizes
+TIP = 0.45  # seconds that a tip takes to come
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Window:
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
         self._drawn: Picture | None = None
-        self._fresh_until = 0.0
+        self._unsettled, self._moved_at = 0, 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
         self._show(clips)
         camera = home_camera(clips[0].clip, (16.0, 9.0))
@@ -152,9 +152,14 @@ class Window:
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         plays = self.scene.timeline.playing and not self._interface.scrubs
-        fresh = glfw.get_time() < self._fresh_until
         told = bool(self.scene.notice)
-        return plays or self.scene.turning or told or fresh or not self._viewports.whole
+        return plays or self.scene.turning or told or self._settles or not self._viewports.whole
+
+    @property
+    def _settles(self) -> bool:
+        """Whether the interface is not yet as it stays."""
+        tip = self._gui.holds_mouse and glfw.get_time() < self._moved_at + TIP
+        return tip or self._unsettled > 0
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
@@ -244,10 +249,11 @@ class Window:
         if moves and self.scene.wish is None:
             wanted = replace(wanted, detail=self._resolution.detail(area))
         if self._drawn is None or wanted.events != self._drawn.events:
-            self._fresh_until = now + (FRESH_ON_CONTROLS if self._gui.holds_mouse else FRESH)
-        same = wanted == self._drawn and self._viewports.whole and now > self._fresh_until
-        if not measures.visible or same:
+            self._moved_at = now
+        same = wanted == self._drawn
+        if not measures.visible or (same and self._viewports.whole and not self._settles):
             return
+        self._unsettled = self._unsettled - 1 if same else SETTLING
         at_rest = (not moves and not self._viewports.loading) or self.scene.wish is not None
         budget = None if at_rest else LOADING
         try:

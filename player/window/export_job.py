@@ -16,11 +16,10 @@ from player.errors import PlayerError
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
 from player.export.image import save_screenshot
-from player.ui.panel import Exporting
 from player.view.camera_animation import CameraPath, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at
-from player.view.state import Scene
+from player.view.state import Exporting, Scene
 from player.window.opened_clip import OpenClip
 
 PATIENCE = 5.0  # seconds that a stopped export has for tidying up

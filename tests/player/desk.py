@@ -39,9 +39,9 @@ class Places:
         self.found: dict[str, Place] = {}
         tip = widgets.tip
 
-        def placed(name: str) -> None:
+        def placed(name: str, row: bool = False) -> None:
             self.note(name)
-            tip(name)
+            tip(name, row)
 
         for module in (widgets, panel):
             patch.setattr(module, "tip", placed)
@@ -130,7 +130,7 @@ class Desk:
         self.point(at)
         for down in (True, False):
             self.gui.press(button, down)
-        return self.draw(4)
+        return self.draw(3)
 
     def drag(
         self, start: str | tuple[float, float], end: tuple[float, float],

@@ -16,12 +16,11 @@ from imgui_bundle import imgui
 
 from gclip import Clip
 from player.ui.interface import Facts
-from player.ui.panel import Exporting
 from player.ui.pen import Pen
 from player.ui.theme import DARK, LIGHT
 from player.ui.timeline import Line, labels_on
 from player.view.colors import Colors
-from player.view.state import Scene
+from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
 from tests.player.desk import SIZE, Desk, scene_of
 from tests.player.shown import small_clip

@@ -25,7 +25,7 @@ CHOICES = {"color", "compare", "format", "size"}  # lists, where the key goes th
 
 @pytest.fixture
 def desk(context: moderngl.Context) -> Iterator[Desk]:
-    desk = Desk(context, small_clip())
+    desk = Desk(context, small_clip(), scale=0.5)
     yield desk
     desk.release()
 
@@ -132,7 +132,7 @@ def opened(desk: Desk) -> None:
 
 @pytest.mark.parametrize("panel", [False, True])
 def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -> None:
-    desk = Desk(context, small_clip(), size=(1280.0, 900.0))
+    desk = Desk(context, small_clip(), size=(1280.0, 900.0), scale=0.25)
     if panel:
         opened(desk)
         assert {action.name for action in keys.ACTIONS} - set(desk.places) == KEYS_ALONE
@@ -143,7 +143,7 @@ def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -
             desk.click(action.name)
             assert desk.scene == action.do(before), action.name
             desk.scene = before
-            desk.leave()
+            desk.draw()
     desk.release()
 
 

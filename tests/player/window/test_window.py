@@ -61,7 +61,7 @@ def test_keys_step_through_the_scans(shown: Shown) -> None:
 
 
 def test_left_drag_orbits(shown: Shown) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     shown.drag(1, (320, 200), (400, 240))
     after = shown.until(lambda state: state["pitch"] > before["pitch"] + 0.1)
     assert shown.settled()["yaw"] != before["yaw"]
@@ -72,7 +72,7 @@ def test_left_drag_orbits(shown: Shown) -> None:
 
 @pytest.mark.parametrize("button", [2, 3, "shift"])
 def test_right_middle_and_shift_drag_pan(shown: Shown, button: int | str) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     if button == "shift":
         shown.xdotool("keydown", "shift")
     shown.drag(1 if button == "shift" else int(button), (320, 200), (360, 160))
@@ -84,7 +84,7 @@ def test_right_middle_and_shift_drag_pan(shown: Shown, button: int | str) -> Non
 
 
 def test_the_wheel_zooms(shown: Shown) -> None:
-    before = shown.settled()["distance"]
+    before = shown.states[-1]["distance"]
     shown.xdotool("click", "--repeat", 3, 4)
     shown.until(lambda state: state["distance"] < 0.8 * before)
     shown.xdotool("click", "--repeat", 3, 5)
@@ -92,7 +92,7 @@ def test_the_wheel_zooms(shown: Shown) -> None:
 
 
 def test_keys_change_the_look_the_speed_and_the_end(shown: Shown) -> None:
-    was = shown.settled()
+    was = shown.states[-1]
     shown.key("g", "c", "plus", "bracketright", "l")
     now = shown.until(lambda state: state["at_end"] != was["at_end"])
     assert (was["ground"], now["ground"]) == ("dark", "light")

@@ -29,16 +29,16 @@ def opened(display: dict[str, str], clip_file: Path) -> Iterator[Shown]:
 def shown(opened: Shown) -> Shown:
     """Paused at the first scan, seen from home, nothing picked, the mouse on the background."""
     opened.point(20, 200)
-    state = opened.settled()
-    if state["playing"]:
+    if opened.states[-1]["playing"]:
         opened.key("space")
+        opened.until(lambda state: not state["playing"])
     opened.key("Home", "f", "u")
     opened.until(lambda state: state["day"] == 0.0 and state["at_home"])
     return opened
 
 
 def test_tab_opens_and_closes_the_panel_and_the_plant_has_the_rest(shown: Shown) -> None:
-    narrow = shown.settled()
+    narrow = shown.states[-1]
     shown.key("Tab")
     wide = shown.until(lambda state: not state["panel"])
     assert wide["at_home"]
@@ -49,7 +49,7 @@ def test_tab_opens_and_closes_the_panel_and_the_plant_has_the_rest(shown: Shown)
 
 
 def test_the_panel_s_controls_work_and_leave_the_plant_alone(shown: Shown) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     shown.click(*shown.middle("floor"))
     after = shown.until(lambda state: state["floor"] != before["floor"])
     assert (after["yaw"], after["target"]) == (before["yaw"], before["target"])
@@ -75,7 +75,7 @@ def test_organs_are_picked_hidden_and_shown(shown: Shown) -> None:
 
 
 def test_the_wheel_goes_to_the_cursor(shown: Shown) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     shown.point(480, 200)
     shown.xdotool("click", "--repeat", 3, 4)
     after = shown.until(lambda state: state["distance"] < 0.8 * before["distance"])
@@ -86,7 +86,7 @@ def test_the_wheel_goes_to_the_cursor(shown: Shown) -> None:
 
 
 def test_views_and_projections(shown: Shown) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     shown.key("4")
     assert shown.until(lambda state: state["pitch"] > 1.5)
     shown.key("1", "5")
@@ -107,7 +107,7 @@ def test_the_wipe_is_dragged(shown: Shown) -> None:
     shown.key("v")
     shown.until(lambda state: state["compare"] == "wipe")
     width = SIZE[0] - WIDTH
-    before = shown.settled()
+    before = shown.states[-1]
     shown.drag(1, (width / 2, 300), (width / 4, 310))
     state = shown.until(lambda state: abs(state["wipe"] - 0.25) <= 0.02)
     assert state["yaw"] == before["yaw"]

@@ -19,7 +19,7 @@ from tests.player.shown import DENSE, SIZE, TIMES, Shown, small_clip
 
 
 def test_a_new_size_brings_a_new_home(shown: Shown) -> None:
-    before = shown.settled()
+    before = shown.states[-1]
     window = shown.xdotool("getwindowfocus")
     shown.xdotool("windowsize", window, 400, 700)
     after = shown.until(lambda state: state["home"] != before["home"])
@@ -31,7 +31,7 @@ def test_a_new_size_brings_a_new_home(shown: Shown) -> None:
 
 
 def test_full_screen_and_back(shown: Shown) -> None:
-    before = shown.settled()["home"]
+    before = shown.states[-1]["home"]
     shown.key("F11")
     shown.until(lambda state: state["fullscreen"] and state["home"] != before)
     assert "1280x960" in shown.xdotool("getwindowfocus", "getwindowgeometry")
