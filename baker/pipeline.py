@@ -116,7 +116,7 @@ def bake_recorded(
     InputError
         With one sentence for the user, where the scans or options can't be baked.
     """
-    chosen, progress = options or Options(), progress or _silent
+    chosen, progress = options or Options(), progress or (lambda stage, done, total: None)
     with thread_map(worker_count(chosen.workers)) as map:
         # Reading and alignment (section 3.1)
         survey = survey_series(paths, chosen, progress, map, register, times)
@@ -269,7 +269,3 @@ def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
     if options.root is None or options.root == "virtual":
         return None
     return np.asarray(options.root, float) - series.scans[0].origin
-
-
-def _silent(stage: str, done: int, total: int) -> None:
-    """Progress that nobody watches."""
