@@ -14,7 +14,16 @@ from baker.options import Options
 from gclip.terminal.command import run_app
 from gclip.version import VersionOption
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
+app = typer.Typer(add_completion=False, rich_markup_mode="rich")
+
+PANELS = {
+    "Scans": "times label_field drop_label columns scale unit ground voxel outliers resample every",
+    "Alignment": "align up root",
+    "Organs": "labels segment graph_neighbors bifurcation",
+    "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",
+    "Output": "report traits colors precision holdout cache cluster workers force quiet verbose",
+}
+"""The options by what they are about, in the order of `bake --help`."""
 
 
 def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
@@ -22,10 +31,14 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     own = signature(command, eval_str=True).parameters
     parameters = [own[name].replace(kind=Parameter.KEYWORD_ONLY) for name in own if name != "flags"]
     hints = get_type_hints(Options) | get_type_hints(Outputs) | {"root": str | None}
-    for one in (*fields(Options), *fields(Outputs)):
+    panels = {name: panel for panel, names in PANELS.items() for name in names.split()}
+    by_name = {one.name: one for one in (*fields(Options), *fields(Outputs))}
+    for one in (by_name[name] for name in panels):
         settings = {name: one.metadata[name] for name in one.metadata if name != "positive"}
         names = [f"--{one.name}", *settings.pop("short", [])] if hints[one.name] is bool else []
+        settings |= {"metavar": " "} if names else {}
         if settings:
+            settings |= {"rich_help_panel": panels[one.name], "case_sensitive": False}  # --up Z
             parameters.append(
                 Parameter(
                     one.name,
@@ -62,12 +75,17 @@ def bake_command(
     ] = "",
     list_only: Annotated[
         bool,
-        typer.Option("--list", help="Only say what would be baked, and what is not sure of it."),
+        typer.Option(
+            "--list", metavar=" ", help="Only say what would be baked, and what is not sure of it."
+        ),
     ] = False,
     version: VersionOption = False,
     **flags: Any,
 ) -> int:
-    """Bake 3D scans of a growing plant into a growth clip; or of many plants, a clip each."""
+    """Bake 3D scans of a growing plant into a growth clip; or of many plants, a clip each.
+
+    bake scans/ -o plant.gclip        then: play plant.gclip
+    """
     options = Options(**{f.name: flags[f.name] for f in fields(Options)})
     written = {f.name: flags[f.name] for f in fields(Outputs) if f.name in flags}
     from baker.batch.command import run  # and with it numpy: not for --help

@@ -88,7 +88,7 @@ class Options:
     )
     every: int = option(1, "Use only each N-th scan.", metavar="N", min=1)
     transport: Transport = option("auto", "How transport is solved; whole: without any segments.")
-    neighbors: int = option(15, "Neighbours in the transport's support (k).", min=1)
+    neighbors: int = option(15, "Neighbours in the transport's support (k).", metavar="K", min=1)
     gamma: float = option(
         0.3, "Sinkhorn's regularisation, in median costs.", metavar="SHARE", positive=True
     )
@@ -96,7 +96,9 @@ class Options:
         1e-3, "Sinkhorn stops at this error of the marginals.", metavar="ERROR", positive=True
     )
     iterations: int = option(2000, "Sinkhorn's, at most.", metavar="N", min=1)
-    graph_neighbors: int = option(15, "Neighbours in the graph of segment thin (k).", min=1)
+    graph_neighbors: int = option(
+        15, "Neighbours in the graph of segment thin (k).", metavar="K", min=1
+    )
     bifurcation: int | None = option(
         None, "A branch longer than N edges makes a fork (segment thin).", metavar="N", min=0
     )
@@ -120,7 +122,7 @@ class Options:
         "auto", "auto stores 16 bits a coordinate where that is fine enough."
     )
     unit: str = option("", "The scans' length unit, e.g. mm.")
-    workers: int = option(0, "Cores to use; 0 takes all.", min=0)
+    workers: int = option(0, "Cores to use; 0 takes all.", metavar="N", min=0)
 
     def __post_init__(self) -> None:
         """Raises InputError naming the field, what was found and what is allowed."""

@@ -6,8 +6,10 @@ import errno
 import gc
 import io
 import os
+import re
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
@@ -20,6 +22,13 @@ if TYPE_CHECKING:
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by SIGHUP
 # What no program can help, whatever file it is about.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
+# What pydantic says of a value, and what the value has to be instead.
+REASONS = (
+    ("Input should be a valid integer,.*", "a whole number is needed"),
+    ("Input should be a valid number,.*", "a number is needed"),
+    ("Input should be greater than or equal to (.*)", r"at least \1 is needed"),
+    ("Input should be less than or equal to (.*)", r"at most \1 is possible"),
+)
 
 
 def run(command: str, work: Callable[[], int | None]) -> int:
@@ -62,6 +71,20 @@ def verdict(error: Exception) -> tuple[int, str]:
     return OUR_FAULT, f"{what}, please report it (set GCLIP_TRACEBACK=1 to see where)."
 
 
+def _reworded(message: str, words: list[str]) -> str:
+    """What the library says of a value, in the words of this program's own messages."""
+    option = re.match("Invalid value for '(.+?)': (?:Value error, )?", message)
+    if option is None:
+        return message
+    reason, name, given = message[option.end() :], option[1], dict(pairwise(words))
+    if choice := re.fullmatch("'(.*?)' is not one of (.*)", reason):
+        allowed = choice[2].replace("'", "")
+        return f"{name} is {choice[1]}; one of {allowed} is needed"
+    for pattern, said in REASONS:
+        reason = re.sub(pattern, said, reason)
+    return f"{name} is {given[name]}; {reason}" if name in given else f"{name}: {reason}"
+
+
 def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     """Run a typer app with `argv` (the process's own by default); returns the exit code."""
     from typer import Abort, Exit
@@ -70,16 +93,16 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
 
     def work() -> int | None:
         parser = get_command(app)
+        words = sys.argv[1:] if argv is None else argv
         try:
-            words = sys.argv[1:] if argv is None else list(argv)
-            with parser.make_context(command, words) as context:
+            with parser.make_context(command, [*words]) as context:
                 code = parser.invoke(context)
             return code if isinstance(code, int) else None
         except Exit as ended:
             return ended.exit_code
         except TyperException as error:
-            message = getattr(error, "format_message", error.__str__)()
-            raise UserError(f"{message.rstrip('.')}; see `{command} --help`.") from None
+            message = getattr(error, "format_message", error.__str__)().rstrip(".")
+            raise UserError(f"{_reworded(message, words)}; see `{command} --help`.") from None
         except Abort:
             raise KeyboardInterrupt from None
 
