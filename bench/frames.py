@@ -7,7 +7,8 @@
 
 draw  A frame of a synthetic plant on paths of degree 0 (a static cloud) to 3: the whole picture,
       and the pass over the movers alone, as OpenGL points and by a compute shader. `of copy` is
-      the rate at which the pass reads movers against the rate at which the card copies.
+      the rate at which the pass reads movers against the rate at which the card copies. Then the
+      passes of a frame one by one, by the card's own clock (timer queries).
 film  A frame of a film: the encoder alone, fed with pictures drawn before, and the whole export.
 seek  A picture after a jump to another day, and how much of it is loading movers.
 page  A frame of the page in headless Chromium on its software renderer: at rest, while things
@@ -41,6 +42,7 @@ from gclip.evaluate import layers_at, locate
 from player.export import Film, export
 from player.export.video import BT709, X264, encode
 from player.gl.context import headless
+from player.gl.timers import profile_table
 from player.rendering.headless import Offscreen
 from player.rendering.point_buffers import bytes_per_point
 from player.rendering.points import RasterBackend
@@ -87,22 +89,28 @@ def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
     copied = 2e3 * COPIED / min(milliseconds(copy, time.perf_counter) for _ in range(6))
     print(f"{context.info['GL_RENDERER']}, {size[0]}x{size[1]}, copies {copied / 1e9:.1f} GB/s\n")
     head("movers", "paths", "B a mover", "frame", "to static", "points", "compute", "of copy")
+    profiles = []
     for count in movers:
         baseline = 0.0
         for degree, path in enumerate(PATHS):
             clip = growing(count, degree) if degree else static(count)
-            found = _draw_times(context, clip, size, clock)
+            found, profile = _draw_times(context, clip, size, clock)
             baseline = baseline or found[0]
             size_each = bytes_per_point(clip.intervals[0])
             rate = 1e3 * size_each * count / min(time for time in found[1:] if time)
             ratio, share = f"{found[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
             row(f"{count:,}", path, size_each, found[0], ratio, *found[1:], share)
+            profiles.append((f"{count:,}, {path}", profile))
+    for title, profile in profiles:
+        print(f"\n{title}\n{profile}")
 
 
 def _draw_times(
     context: moderngl.Context, clip: Clip, size: Size, clock: Callable[[], float]
-) -> list[float]:
-    """Of a frame, and of the pass over the movers either way; 0 where there is no such way."""
+) -> tuple[list[float], str]:
+    """Of a frame, and of the pass over the movers either way; 0 where there is no such way. And a
+    frame's passes, one by one.
+    """
     renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
     camera = Camera.fit(clip.bounds, aspect=size[0] / size[1])
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
@@ -120,14 +128,18 @@ def _draw_times(
         partial(rasterise, RasterBackend.POINTS),
     ]
     works += [partial(rasterise, RasterBackend.COMPUTE)] * (context.version_code >= 430)
-    best = [0.0, 0.0, 0.0]
+    best, profile = [0.0, 0.0, 0.0], ""
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers
+        renderer.timers.reset()
         times = [milliseconds(partial(_finished, context, work), clock) for _ in range(ROUNDS)]
         best[k] = min(times)
+        if k == 0:
+            renderer.timers.finish_frame()
+            profile = profile_table([renderer.timers])
     framebuffer.use()  # what is bound must outlive what is released
     renderer.release()
-    return best
+    return best, profile
 
 
 def _finished(context: moderngl.Context, work: Callable[[], object]) -> None:

@@ -142,6 +142,9 @@ def play_command(
     kiosk: Annotated[
         bool, typer.Option("--kiosk", help="Full screen, over and over, nothing to press.")
     ] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Tell at the window's end what its frames cost.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     version: VersionOption = False,
 ) -> None:
@@ -187,9 +190,8 @@ def play_command(
     else:
         files = [clip] if second is None else [clip, second]
         chosen = None if size is None else _size(size)
-        player.window.start(
-            files, style, player.window.LaunchOptions(chosen, ground, turning, path, kiosk)
-        )
+        options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)
+        player.window.start(files, style, options)
 
 
 def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from player.errors import PlayerError
@@ -11,6 +11,8 @@ from shaders import source
 
 if TYPE_CHECKING:
     import moderngl
+
+    from player.gl.timers import PassTimers
 
 
 def program(
@@ -68,11 +70,15 @@ TILE = 16  # side in pixels of the tiles that the empty parts of a picture are s
 class Passes:
     """Fragment shaders over the framebuffer in use, each compiled when it is first needed.
 
+    timers:      what times them, if something does.
     definitions: for all of them.
     """
 
-    def __init__(self, context: moderngl.Context, **definitions: int) -> None:
+    def __init__(
+        self, context: moderngl.Context, timers: PassTimers | None = None, **definitions: int
+    ) -> None:
         self._context = context
+        self._timers = timers
         self._definitions = definitions
         self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
@@ -91,7 +97,8 @@ class Passes:
             self._arrays[key] = self._context.vertex_array(compiled, [])
         array = self._arrays[key]
         give(array.program, **uniforms)
-        array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
+        with nullcontext() if self._timers is None else self._timers.timed(name):
+            array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
 
     def release(self) -> None:
         for array in self._arrays.values():

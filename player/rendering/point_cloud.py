@@ -13,6 +13,7 @@ from gclip.evaluate import Layer, bernstein
 from player.gl.framebuffer import texture
 from player.gl.gpu_memory import room
 from player.gl.shader import compute, give, program
+from player.gl.timers import PassTimers
 from player.rendering.point_buffers import ChunkBuffers, ChunkStore, DrawRange, chunk_length
 from player.view.colors import STEPS, Colors, ScalarField
 
@@ -36,6 +37,7 @@ class PointCloud:
 
     def __init__(self, context: moderngl.Context, clip: Clip, memory: int | None = None) -> None:
         self.context = context
+        self.timers = PassTimers(context)
         self.clip = clip
         self.store = ChunkStore(context, clip, room(context) if memory is None else memory)
         rows = -(-len(clip.track_table) // PALETTE_WIDTH)
@@ -70,9 +72,10 @@ class PointCloud:
 
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms)
-            for buffers, count in self._chunks(shader, drawn):
-                array = buffers.array(shader, self._one_in(drawn.stride))
-                array.render(moderngl.POINTS, vertices=-(-count // drawn.stride))
+            with self.timers.timed(name):
+                for buffers, count in self._chunks(shader, drawn):
+                    array = buffers.array(shader, self._one_in(drawn.stride))
+                    array.render(moderngl.POINTS, vertices=-(-count // drawn.stride))
 
     def compute(
         self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any], **definitions: int
@@ -81,10 +84,11 @@ class PointCloud:
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms, **definitions)
             give(shader, stride=drawn.stride)
-            for buffers, count in self._chunks(shader, drawn):
-                give(shader, count=count)
-                buffers.bind()
-                shader.run(-(-count // (POINTS_EACH * WORKGROUP * drawn.stride)))
+            with self.timers.timed(name):
+                for buffers, count in self._chunks(shader, drawn):
+                    give(shader, count=count)
+                    buffers.bind()
+                    shader.run(-(-count // (POINTS_EACH * WORKGROUP * drawn.stride)))
         self.context.memory_barrier()
 
     def _chunks(self, shader: Any, drawn: DrawRange) -> Iterator[tuple[ChunkBuffers, int]]:

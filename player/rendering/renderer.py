@@ -46,6 +46,12 @@ class Renderer:
     supersample: samples along each side of a pixel; 1 in a window, 2 for export.
     backend:     what draws small points; None takes compute shaders where there are any.
     memory:      bytes of the GPU that points may take up; None asks the driver.
+
+    Attributes
+    ----------
+    timers : PassTimers
+    gpu_seconds : float
+        What the picture before the last one took on the GPU: it is done, asking waits for nothing.
     """
 
     def __init__(
@@ -61,7 +67,8 @@ class Renderer:
         self.clip = clip
         self.supersample = supersample
         self._points = PointCloud(context, clip, memory)
-        self._passes = Passes(context, SUPERSAMPLE=supersample)
+        self.timers = self._points.timers
+        self._passes = Passes(context, self.timers, SUPERSAMPLE=supersample)
         self._raster = PointRaster(self._points, self._passes, backend)
         self._splats = Splats(self._points, self._passes)
         self._ground = Ground(self._points, self._passes)
@@ -69,6 +76,7 @@ class Renderer:
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
         self._gbuffer: GBuffer | None = None
+        self.gpu_seconds = 0.0
         self._max_point_px = float(context.info["GL_POINT_SIZE_RANGE"][1])
         self._scene_radius = scene_radius(clip)
 
@@ -110,6 +118,7 @@ class Renderer:
             Whether every point was drawn, as large as it has to be.
         """
         wait = upload_budget is None
+        self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
         gbuffer = self._gbuffer_of(samples)
         ranges = self._ranges(layers_at(self.clip, day), stride, upload_budget)

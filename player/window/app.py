@@ -18,6 +18,7 @@ from player.errors import PlayerError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
+from player.gl.timers import PassTimers
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.interface import Facts, Interface
@@ -102,6 +103,11 @@ class Window:
         self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
         hide_cursor(handle, self.scene.kiosk)
+
+    @property
+    def timers(self) -> list[PassTimers]:
+        """Of the passes of all pictures so far."""
+        return self._viewports.timers
 
     @property
     def size(self) -> tuple[int, int]:
@@ -269,9 +275,9 @@ class Window:
         size = measures.units, measures.scale
         self.scene = self._interface.draw(screen, self.scene, *size, wanted.facts)
         check_context(self._context)
+        if moves:  # swapping waits for the display
+            self._resolution.frame_took(max(glfw.get_time() - now, self._viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
-        if moves:
-            self._resolution.frame_took(glfw.get_time() - now)
         self._drawn = wanted
         self._pick(panes)
         self._watch(self.scene)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-BUDGET = 1 / 15  # seconds that a picture may take while things move
+BUDGET = 1 / 60  # seconds that a picture may take while things move
 ROOMY = 0.4  # share of the budget below which more detail is tried
 LEVELS = (1.0, 0.8, 0.62, 0.48)  # shares of the window's width and height
 PLENTY = 400_000  # pixels that are always drawn: below them it is the points that take the time

@@ -13,6 +13,7 @@ import glfw  # noqa: F401  elsewhere before imgui-bundle, whose copy of GLFW kno
 
 from gclip import Clip
 from player.gl.gl_errors import ContextLost
+from player.gl.timers import profile_table
 from player.ui.panel import stands_beside
 from player.view.camera_animation import load_path
 from player.view.holdout_error import Errors
@@ -34,6 +35,7 @@ class LaunchOptions:
 
     path:  file of a camera path to follow.
     kiosk: full screen, over and over, nothing to press.
+    profile: the time of each pass of a frame is printed at the end.
     """
 
     size: tuple[int, int] | None = None
@@ -41,6 +43,7 @@ class LaunchOptions:
     turning: bool = False
     path: Path | None = None
     kiosk: bool = False
+    profile: bool = False
 
 
 def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
@@ -72,7 +75,7 @@ def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
             scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
         return scene
 
-    scene, size = show(clips, style, size=size, prepare=prepare)
+    scene, size = show(clips, style, size=size, prepare=prepare, profile=options.profile)
     if not options.kiosk:
         kept = last.size if options.size or scene.fullscreen else size
         panel = scene.panel if beside else last.panel
@@ -88,6 +91,7 @@ def show(
     size: tuple[int, int] = SIZE,
     prepare: Callable[[Scene], Scene] = lambda scene: scene,
     watch: Callable[[Scene], None] = lambda scene: None,
+    profile: bool = False,
 ) -> tuple[Scene, tuple[int, int]]:
     """Play a clip, or two in step, in a window until the user closes it.
 
@@ -104,6 +108,8 @@ def show(
         (width, height) of the window in units of 1/96 inch.
     prepare, watch : callable
         Makes the first scene from the usual one; is called with the scene after each picture.
+    profile : bool
+        Whether to print at the end what each pass of a frame took on the GPU.
 
     Returns
     -------
@@ -120,7 +126,10 @@ def show(
         with opened(size, shown[0].name) as handle:
             window = Window(handle, shown, style or Style(), prepare, watch)
             try:
-                return window.run(), window.size
+                scene = window.run()
+                if profile:
+                    print(profile_table(window.timers), file=sys.stderr)
+                return scene, window.size
             except ContextLost:
                 if left == 0:
                     raise

@@ -11,6 +11,7 @@ from gclip import Clip
 from player.gl.framebuffer import texture
 from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
+from player.gl.timers import PassTimers
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
@@ -68,6 +69,7 @@ class Viewports:
 
     whole:   whether the last picture showed every mover.
     loading: whether movers came to the GPU for it, or their size is not known yet.
+    gpu_seconds: what the picture before it took on the GPU.
     """
 
     def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
@@ -82,6 +84,7 @@ class Viewports:
         self._painted: object = None
         self.whole = True
         self.loading = True
+        self.gpu_seconds = 0.0
 
     def paint(
         self,
@@ -110,6 +113,7 @@ class Viewports:
             return
         before = self._loaded
         self.whole = True
+        self.gpu_seconds = 0.0
         for pane in panes:
             left, right = round(pane.left * size[0]), round(pane.right * size[0])
             if right <= left:
@@ -118,11 +122,13 @@ class Viewports:
             drawn = (round(place[2] * detail.pixels) or 1, round(place[3] * detail.pixels) or 1)
             whole = len(panes) == 1 and drawn == size
             into = self._picture("all" if whole else "part", drawn)
-            self.whole &= self._renderer(pane, style).draw(
+            renderer = self._renderer(pane, style)
+            self.whole &= renderer.draw(
                 *(into, pane.day, pane.camera, style, drawn),
                 stride=detail.every,
                 upload_budget=upload_budget,
             )
+            self.gpu_seconds += renderer.gpu_seconds
             if not whole:
                 picture = self._picture("all", size)
                 picture.scissor = (left, 0, right - left, size[1])
@@ -159,6 +165,11 @@ class Viewports:
                 renderer = self._renderer(pane, style)
                 return True, renderer.organ_at(pane.day, pane.camera, style, inside, whole)
         return False, None
+
+    @property
+    def timers(self) -> list[PassTimers]:
+        """Of the passes of all pictures so far."""
+        return [renderer.timers for renderer in self._renderers.values()]
 
     def show(self, screen: moderngl.Framebuffer, size: tuple[int, int]) -> None:
         """Put the picture on the screen, at its left; `size` as it was painted."""

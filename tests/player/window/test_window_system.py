@@ -1,8 +1,10 @@
 """The window and the system: sizes, displays, closing, and what can be refused."""
 
 import os
+import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +71,23 @@ def test_an_old_opengl_is_refused_in_one_sentence(display: dict[str, str], clip_
     done = subprocess.run([sys.executable, "-c", code], env=old, capture_output=True, text=True)
     assert "PlayerError: this display offers no OpenGL 3.3" in done.stderr
     assert "--export" in done.stderr
+
+
+def test_the_time_of_each_pass_is_told_at_the_end(
+    display: dict[str, str], clip_file: Path, tmp_path: Path
+) -> None:
+    environment = {**os.environ, **display, "XDG_CONFIG_HOME": str(tmp_path)}
+    command = [sys.executable, "-m", "player", clip_file, "--profile", "--size", "320x240"]
+    played = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    ends = time.monotonic() + 40.0
+    while played.poll() is None and time.monotonic() < ends:
+        quits = ["xdotool", "mousemove", "160", "100", "sleep", "2", "key", "q"]
+        subprocess.run(quits, env=environment, check=True, timeout=20)
+    played.kill()
+    _, told = played.communicate()
+    assert played.returncode == 0
+    assert "picture" in told
+    assert re.search(r"all of a frame \(\d+ timed\) +[\d.]+ ms", told)
 
 
 def test_no_display_is_refused_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
