@@ -16,70 +16,62 @@ if TYPE_CHECKING:
 
 Move = Callable[["Scene"], "Scene"]
 
-NUDGE = 0.01  # share of the series that an arrow key goes on
 STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
 SHADINGS = (0.0, 1.0, 2.0)
 FREE = 0.7  # share of a window's height that a plant has for itself
+WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
+NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
 QUIT_NEXT = "Press Esc again to quit."
 
 
-def switched(name: str) -> Move:
+def switch(name: str) -> Move:
     """Turn one of the scene's own switches."""
-    return lambda scene: scene.switched(name)
+    return lambda scene: replace(scene, **{name: not getattr(scene, name)})  # type: ignore[arg-type]
 
 
-def styled(name: str) -> Move:
+def switch_style(name: str) -> Move:
     """Turn one of the style's switches."""
-    return lambda scene: scene.styled("", **{name: not getattr(scene.style, name)})
+    return lambda scene: scene.with_style("", **{name: not getattr(scene.style, name)})
 
 
-def nudged(step: int) -> Move:
-    return lambda scene: scene.clock(lambda t: t.nudged(step * NUDGE))
+def move_time(move: str, *given: float, notice: str = "") -> Move:
+    """A move of the timeline, by its name."""
+
+    def do(scene: Scene) -> Scene:
+        scene = scene.with_timeline(lambda timeline: getattr(timeline, move)(*given))
+        return scene.with_notice(notice) if notice else scene
+
+    return do
 
 
-def to_first(scene: Scene) -> Scene:
-    return scene.clock(lambda t: t.at(t.first))
+def go_to(day: str) -> Move:
+    """To a day that the timeline names."""
+    return lambda scene: scene.with_timeline(lambda timeline: timeline.at(getattr(timeline, day)))
 
 
-def to_last(scene: Scene) -> Scene:
-    return scene.clock(lambda t: t.at(t.last))
+def next_end(scene: Scene) -> Scene:
+    scene = scene.with_timeline(lambda timeline: timeline.with_next_end())
+    return scene.with_notice(f"At the end: {scene.timeline.at_end.value}")
 
 
-def looped(scene: Scene) -> Scene:
-    scene = scene.clock(lambda t: t.with_next_end())
-    return scene.told(f"At the end: {scene.timeline.at_end.value}")
-
-
-def begun(scene: Scene) -> Scene:
-    return scene.clock(lambda t: t.begun_here()).told("Plays from here")
-
-
-def ended(scene: Scene) -> Scene:
-    return scene.clock(lambda t: t.ended_here()).told("Plays up to here")
-
-
-def unbounded(scene: Scene) -> Scene:
-    return scene.clock(lambda t: t.unbounded()).told("Plays the whole series")
-
-
-def fitted(scene: Scene) -> Scene:
+def go_home(scene: Scene) -> Scene:
     home = scene.home.with_orthographic(scene.camera.orthographic)
     return replace(scene, camera=home, turning=False, following=False)
 
 
-def looked(yaw: float, pitch: float = 0.0) -> Move:
-    """Look from a side, in degrees: yaw from where the plant looks widest, pitch from level."""
+def look_from(yaw: float, pitch: float = 0.0) -> Move:
+    """From a side, in degrees: yaw from where the plant looks widest, pitch from level."""
 
     def look(scene: Scene) -> Scene:
         home = scene.home.with_orthographic(scene.camera.orthographic)
         turned = scene.home.yaw + math.radians(yaw)
-        scene = scene.seen(lambda c: c.looking(turned, math.radians(pitch)))
+        scene = scene.with_camera(lambda c: c.looking(turned, math.radians(pitch)))
         near, far = home.distance, _roomy(home)
         if any(math.isclose(scene.camera.distance, whole) for whole in (near, far)):
             distance = far if pitch else near
-            scene = scene.seen(lambda c: replace(c, distance=distance))
+            scene = scene.with_camera(lambda c: replace(c, distance=distance))
         return replace(scene, turning=False)
 
     return look
@@ -92,170 +84,173 @@ def _roomy(home: Camera) -> float:
     return max(home.distance, home.radius / (FREE * math.tan(home.field_of_view / 2)))
 
 
-def flattened(scene: Scene) -> Scene:
-    scene = scene.seen(lambda c: c.with_orthographic(not c.orthographic))
-    return scene.told("Parallel projection" if scene.camera.orthographic else "Perspective")
+def switch_projection(scene: Scene) -> Scene:
+    scene = scene.with_camera(lambda c: c.with_orthographic(not c.orthographic))
+    return scene.with_notice("Parallel projection" if scene.camera.orthographic else "Perspective")
 
 
-def turned(scene: Scene) -> Scene:
+def switch_turning(scene: Scene) -> Scene:
     return replace(scene, turning=not scene.turning, following=False)
 
 
-def keyed(scene: Scene) -> Scene:
+def add_key(scene: Scene) -> Scene:
     path = scene.path.with_key(scene.timeline.day, scene.camera)
-    return replace(scene, path=path).told(f"Camera key {len(path.keys)} added")
+    return replace(scene, path=path).with_notice(f"Camera key {len(path.keys)} added")
 
 
-def unkeyed(scene: Scene) -> Scene:
+def remove_key(scene: Scene) -> Scene:
     if not scene.path:
-        return scene.told("There is no camera key.")
+        return scene.with_notice("There is no camera key.")
     path = scene.path.without_key(scene.timeline.day)
     following = scene.following and bool(path)
-    return replace(scene, path=path, following=following).told("Camera key removed")
+    return replace(scene, path=path, following=following).with_notice("Camera key removed")
 
 
-def followed(scene: Scene) -> Scene:
+def follow_path(scene: Scene) -> Scene:
     if not scene.path:
-        return scene.told("Add camera keys first: K, on two days or more.")
+        return scene.with_notice(NO_KEYS)
     return replace(scene, following=not scene.following, turning=False)
 
 
-def recolored(scene: Scene) -> Scene:
+def next_color(scene: Scene) -> Scene:
     modes = scene.color_modes
-    return colored(modes[(modes.index(scene.color_mode) + 1) % len(modes)])(scene)
+    return color_by(modes[(modes.index(scene.color_mode) + 1) % len(modes)])(scene)
 
 
-def colored(mode: ColorMode) -> Move:
+def color_by(mode: ColorMode) -> Move:
     """Colour by a mode."""
 
     def color(scene: Scene) -> Scene:
         if mode is ColorMode.ERROR and not scene.has_errors:
-            return scene.told(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
-        return scene.styled(f"Coloured by {mode.label}", color_by=mode)
+            return scene.with_notice(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
+        return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
 
     return color
 
 
-def larger(scene: Scene) -> Scene:
-    return _resized(scene, STEP)
+def resize_points(factor: float) -> Move:
+    def resize(scene: Scene) -> Scene:
+        style = scene.style
+        if style.pixels is not None:
+            pixels = min(max(style.pixels * factor, FEWEST), MOST)
+            return scene.with_style(f"Points of {pixels:.1f} pixels", pixels=pixels)
+        size = min(max(style.point_size * factor, SMALLEST), LARGEST)
+        size = 1.0 if abs(size - 1.0) < 0.01 else size
+        return scene.with_style(f"Point size {size:.0%}", point_size=size)
+
+    return resize
 
 
-def smaller(scene: Scene) -> Scene:
-    return _resized(scene, 1 / STEP)
-
-
-def _resized(scene: Scene, factor: float) -> Scene:
-    style = scene.style
-    if style.pixels is not None:
-        pixels = min(max(style.pixels * factor, FEWEST), MOST)
-        return scene.styled(f"Points of {pixels:.1f} pixels", pixels=pixels)
-    size = min(max(style.point_size * factor, SMALLEST), LARGEST)
-    size = 1.0 if abs(size - 1.0) < 0.01 else size
-    return scene.styled(f"Point size {size:.0%}", point_size=size)
-
-
-def pixeled(scene: Scene) -> Scene:
+def switch_pixels(scene: Scene) -> Scene:
     if scene.style.pixels is None:
-        return scene.styled("Points sized in pixels", pixels=PIXELS)
-    return scene.styled("Points sized in the world", pixels=None)
+        return scene.with_style("Points sized in pixels", pixels=PIXELS)
+    return scene.with_style("Points sized in the world", pixels=None)
 
 
-def grounded(scene: Scene) -> Scene:
-    return scene.styled(ground="dark" if scene.style.ground == "light" else "light")
+def switch_ground(scene: Scene) -> Scene:
+    return scene.with_style(ground="dark" if scene.style.ground == "light" else "light")
 
 
-def shaded(scene: Scene) -> Scene:
+def next_shading(scene: Scene) -> Scene:
     stronger = [shading for shading in SHADINGS if shading > scene.style.eye_dome]
-    return scene.styled(eye_dome=stronger[0] if stronger else SHADINGS[0])
+    return scene.with_style(eye_dome=stronger[0] if stronger else SHADINGS[0])
 
 
-def picked_next(step: int) -> Move:
+def pick(track: int | None) -> Move:
+    """A click on an organ, or beside the plant; a second one lets it go."""
+    return lambda scene: scene.with_style(picked=None if track == scene.style.picked else track)
+
+
+def pick_next(step: int) -> Move:
     """Pick the organ that comes after, or before, the picked one."""
 
-    def pick(scene: Scene) -> Scene:
+    def pick_it(scene: Scene) -> Scene:
         if not scene.organs:
             return scene
         now = scene.style.picked
         start = (-1 if step > 0 else scene.organs) if now is None else now
-        return scene.styled(picked=(start + step) % scene.organs)
+        return scene.with_style(picked=(start + step) % scene.organs)
 
-    return pick
+    return pick_it
 
 
-def hidden(scene: Scene) -> Scene:
+def hide_picked(scene: Scene) -> Scene:
     picked = scene.style.picked
     if picked is None:
-        return scene.told(NO_ORGAN)
-    return scene.styled(hidden=scene.style.hidden | {picked}, picked=None, alone=None)
+        return scene.with_notice(NO_ORGAN)
+    return scene.with_style(hidden=scene.style.hidden | {picked}, picked=None, alone=None)
 
 
-def hidden_or_shown(track: int) -> Move:
+def switch_organ(track: int) -> Move:
     """Turn an organ's visibility."""
-    return lambda scene: scene.styled(hidden=scene.style.hidden ^ {track})
+    return lambda scene: scene.with_style(hidden=scene.style.hidden ^ {track}, alone=None)
 
 
-def isolated(scene: Scene) -> Scene:
+def isolate_picked(scene: Scene) -> Scene:
     picked = scene.style.picked
     if picked is None and scene.style.alone is None:
-        return scene.told(NO_ORGAN)
-    return scene.styled(alone=picked if scene.style.alone is None else None)
+        return scene.with_notice(NO_ORGAN)
+    return scene.with_style(alone=picked if scene.style.alone is None else None)
 
 
-def all_shown(scene: Scene) -> Scene:
-    return scene.styled(hidden=frozenset(), alone=None)
+def show_all(scene: Scene) -> Scene:
+    return scene.with_style(hidden=frozenset(), alone=None)
 
 
-def compared(scene: Scene) -> Scene:
+def next_compare(scene: Scene) -> Scene:
     choices = list(Compare)
-    return compared_by(choices[(choices.index(scene.compare) + 1) % len(choices)])(scene)
+    return compare_by(choices[(choices.index(scene.compare) + 1) % len(choices)])(scene)
 
 
-def compared_by(how: Compare) -> Move:
-    return lambda scene: replace(scene, compare=how).told(f"Compare: {how.value}")
+def compare_by(how: Compare) -> Move:
+    return lambda scene: replace(scene, compare=how).with_notice(f"Compare: {how.value}")
 
 
-def wiped(step: float) -> Move:
-    """Move the wipe's line by a share of the width."""
-    return lambda scene: replace(scene, wipe=min(max(scene.wipe + step, 0.02), 0.98))
+def wipe_to(share: float) -> Move:
+    """The wipe's line, to a share of the width."""
+    low, high = WIPE_ENDS
+    return lambda scene: replace(scene, wipe=min(max(share, low), high))
 
 
-def pictured(scene: Scene) -> Scene:
-    return replace(scene, wish=Wish.PICTURE)
+def move_wipe(step: float) -> Move:
+    return lambda scene: wipe_to(scene.wipe + step)(scene)
 
 
-def exported(scene: Scene) -> Scene:
-    return replace(scene, wish=Wish.EXPORT)
+def wish(what: Wish) -> Move:
+    """Something that the window does when it draws the next picture."""
+    return lambda scene: replace(scene, wish=what)
 
 
-def reformatted(scene: Scene) -> Scene:
+def next_format(scene: Scene) -> Scene:
     chosen = scene.formats[(scene.formats.index(scene.output.example) + 1) % len(scene.formats)]
     output = replace(scene.output, example=chosen)
-    return replace(scene, output=output).told(f"Export: {chosen}")
+    return replace(scene, output=output).with_notice(f"Export: {chosen}")
 
 
-def picture_resized(scene: Scene) -> Scene:
+def next_size(scene: Scene) -> Scene:
     known = SIZES.index(scene.output.size) if scene.output.size in SIZES else 0
     size = SIZES[(known + 1) % len(SIZES)]
     text = f"{size[0]} × {size[1]} pixels" if size else "as large as the window"
-    return replace(scene, output=replace(scene.output, size=size)).told(f"Pictures: {text}")
+    output = replace(scene.output, size=size)
+    return replace(scene, output=output).with_notice(f"Pictures: {text}")
 
 
-def cut_out(scene: Scene) -> Scene:
+def switch_transparent(scene: Scene) -> Scene:
     output = replace(scene.output, transparent=not scene.output.transparent)
     text = "transparent" if output.transparent else "opaque"
-    return replace(scene, output=output).told(f"Pictures: {text}")
+    return replace(scene, output=output).with_notice(f"Pictures: {text}")
 
 
-def left(scene: Scene) -> Scene:
+def escape(scene: Scene) -> Scene:
     """Esc leaves the help first, then what is picked, then the full screen, then the window: but
     there it asks, for who pressed it once too often would lose a view and a camera path.
     """
     if scene.help:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:
-        return scene.styled(picked=None, alone=None)
+        return scene.with_style(picked=None, alone=None)
     if scene.fullscreen and not scene.kiosk:
         return replace(scene, fullscreen=False)
     if scene.kiosk or scene.notice == QUIT_NEXT:
         return replace(scene, closed=True)
-    return scene.told(QUIT_NEXT)
+    return scene.with_notice(QUIT_NEXT)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from player.ui import keys
+from player.ui import actions, keys
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
 from player.ui.gui import BUTTONS, NOWHERE, STILL, Gui
 from player.ui.help import Help
@@ -275,7 +275,7 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
     with _window("wipe", (x - WIPE_REACH, TOP), size):
         imgui.invisible_button("line", size)
         if imgui.is_item_active() or imgui.is_item_deactivated():
-            scene = keys.wiped_to(scene, imgui.get_mouse_pos().x / width)
+            scene = actions.wipe_to(imgui.get_mouse_pos().x / width)(scene)
     return scene
 
 

@@ -12,12 +12,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from player.ui import actions
+from player.ui.actions import STEP
 from player.view.choices import Wish
 
 if TYPE_CHECKING:
     from player.view.state import Scene
 
+NUDGE = 0.01  # share of the series that an arrow key goes on
 NUDGED, FRAMED = "back, on a little", "one frame back, on"
+BOUNDS, STEPPED = "play from, up to here", "previous, next scan"
 SIDES = "front, side, back, top"
 KEYED = "add, remove a camera key"
 SIZED = "smaller, larger points"
@@ -87,84 +90,102 @@ def label(key: str) -> str:
     return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.upper())])
 
 
-def _timed(move: str, *given: float) -> Callable[[Scene], Scene]:
-    """A move of the timeline, by its name."""
-    return lambda scene: scene.clock(lambda timeline: getattr(timeline, move)(*given))
-
+_time, _resize = actions.move_time, actions.resize_points
 
 ACTIONS: tuple[Action, ...] = (
-    Action("play", "Time", ("space",), "play, pause", _timed("toggled")),
-    Action("back", "Time", ("left",), "back a little", actions.nudged(-1), NUDGED, True),
-    Action("on", "Time", ("right",), "on a little", actions.nudged(1), NUDGED, True),
-    Action("frame back", "Time", (",",), "one frame back", _timed("framed", -1), FRAMED, True),
-    Action("frame on", "Time", (".",), "one frame on", _timed("framed", 1), FRAMED, True),
+    Action("play", "Time", ("space",), "play, pause", _time("toggled")),
+    Action("back", "Time", ("left",), "back a little", _time("nudged", -NUDGE), NUDGED, True),
+    Action("on", "Time", ("right",), "on a little", _time("nudged", NUDGE), NUDGED, True),
+    Action("frame back", "Time", (",",), "one frame back", _time("framed", -1), FRAMED, True),
+    Action("frame on", "Time", (".",), "one frame on", _time("framed", 1), FRAMED, True),
     Action(
-        "previous", "Time", ("page_up", "shift+left"), "previous scan", _timed("stepped", -1),
-        "previous, next scan", True,
+        "previous", "Time", ("page_up", "shift+left"), "previous scan",
+        _time("stepped", -1), STEPPED, True,
     ),
     Action(
-        "next", "Time", ("page_down", "shift+right"), "next scan", _timed("stepped", 1),
-        "previous, next scan", True,
+        "next", "Time", ("page_down", "shift+right"), "next scan",
+        _time("stepped", 1), STEPPED, True,
     ),
-    Action("first", "Time", ("home",), "first scan", actions.to_first, "first, last scan"),
-    Action("last", "Time", ("end",), "last scan", actions.to_last, "first, last scan"),
-    Action("slower", "Time", ("[", "down"), "slower", _timed("slower"), "slower, faster"),
-    Action("faster", "Time", ("]", "up"), "faster", _timed("faster"), "slower, faster"),
-    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.looped),
-    Action("begin", "Time", ("i",), "play from here", actions.begun, "play from, up to here"),
-    Action("end", "Time", ("o",), "play up to here", actions.ended, "play from, up to here"),
-    Action("whole", "Time", ("u",), "play the whole series", actions.unbounded),
-    Action("fit", "View", ("f",), "whole plant", actions.fitted),
-    Action("front", "View", ("1",), "from the front", actions.looked(0.0), SIDES),
-    Action("side", "View", ("2",), "from the side", actions.looked(90.0), SIDES),
-    Action("behind", "View", ("3",), "from behind", actions.looked(180.0), SIDES),
-    Action("above", "View", ("4",), "from above", actions.looked(0.0, 90.0), SIDES),
-    Action("parallel", "View", ("5",), "perspective or parallel", actions.flattened),
-    Action("turn", "View", ("t",), "go round the plant", actions.turned),
-    Action("add key", "View", ("k",), "add a camera key", actions.keyed, KEYED),
-    Action("drop key", "View", ("shift+k",), "remove a camera key", actions.unkeyed, KEYED),
-    Action("follow", "View", ("j",), "follow the camera's path", actions.followed),
+    Action("first", "Time", ("home",), "first scan", actions.go_to("first"), "first, last scan"),
+    Action("last", "Time", ("end",), "last scan", actions.go_to("last"), "first, last scan"),
+    Action("slower", "Time", ("[", "down"), "slower", _time("slower"), "slower, faster"),
+    Action("faster", "Time", ("]", "up"), "faster", _time("faster"), "slower, faster"),
+    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.next_end),
+    Action(
+        "begin", "Time", ("i",), "play from here",
+        _time("begun_here", notice="Plays from here"), BOUNDS,
+    ),
+    Action(
+        "end", "Time", ("o",), "play up to here",
+        _time("ended_here", notice="Plays up to here"), BOUNDS,
+    ),
+    Action(
+        "whole", "Time", ("u",), "play the whole series",
+        _time("unbounded", notice="Plays the whole series"),
+    ),
+    Action("fit", "View", ("f",), "whole plant", actions.go_home),
+    Action("front", "View", ("1",), "from the front", actions.look_from(0.0), SIDES),
+    Action("side", "View", ("2",), "from the side", actions.look_from(90.0), SIDES),
+    Action("behind", "View", ("3",), "from behind", actions.look_from(180.0), SIDES),
+    Action("above", "View", ("4",), "from above", actions.look_from(0.0, 90.0), SIDES),
+    Action("parallel", "View", ("5",), "perspective or parallel", actions.switch_projection),
+    Action("turn", "View", ("t",), "go round the plant", actions.switch_turning),
+    Action("add key", "View", ("k",), "add a camera key", actions.add_key, KEYED),
+    Action("drop key", "View", ("shift+k",), "remove a camera key", actions.remove_key, KEYED),
+    Action("follow", "View", ("j",), "follow the camera's path", actions.follow_path),
     Action(
         "save path", "View", ("shift+j",), "save the camera's path",
-        lambda s: replace(s, wish=Wish.SAVE_PATH),
+        actions.wish(Wish.SAVE_PATH),
     ),
-    Action("color", "Look", ("c",), "colour by something else", actions.recolored),
-    Action("smaller", "Look", ("-",), "smaller points", actions.smaller, SIZED, True),
-    Action("larger", "Look", ("+", "="), "larger points", actions.larger, SIZED, True),
-    Action("pixels", "Look", ("p",), "points sized in the world or in pixels", actions.pixeled),
-    Action("ground", "Look", ("g",), "light or dark ground", actions.grounded),
-    Action("floor", "Look", ("b",), "floor and shadow", actions.styled("show_ground")),
-    Action("depth", "Look", ("d",), "depth cue", actions.styled("depth_cue")),
-    Action("shading", "Look", ("m",), "shading: none, soft, strong", actions.shaded),
-    Action("guides", "Look", ("a",), "scale bar and axes", actions.switched("guides")),
-    Action("legend", "Look", ("y",), "legend", actions.switched("legend")),
-    Action("next organ", "Organs", ("n",), "next organ", actions.picked_next(1), ORGANS),
-    Action("last organ", "Organs", ("shift+n",), "previous organ", actions.picked_next(-1), ORGANS),
-    Action("hide", "Organs", ("x",), "hide the organ", actions.hidden),
-    Action("alone", "Organs", ("z",), "the organ alone", actions.isolated),
-    Action("show all", "Organs", ("shift+x",), "show all organs", actions.all_shown),
-    Action("compare", "Compare", ("v",), "with the nearest scan", actions.compared),
-    Action("wipe left", "Compare", ("<",), "wipe to the left", actions.wiped(-0.05), WIPED, True),
-    Action("wipe right", "Compare", (">",), "wipe to the right", actions.wiped(0.05), WIPED, True),
-    Action("picture", "Window", ("s",), "save a picture", actions.pictured),
-    Action("export", "Window", ("e",), "export, or stop exporting", actions.exported),
-    Action("format", "Window", ("shift+e",), "what to export", actions.reformatted),
-    Action("size", "Window", ("r",), "size of pictures", actions.picture_resized),
-    Action("transparent", "Window", ("shift+s",), "pictures without ground", actions.cut_out),
-    Action("panel", "Window", ("tab",), "panel", actions.switched("panel")),
-    Action("fullscreen", "Window", ("f11",), "full screen", actions.switched("fullscreen")),
-    Action("help", "Window", ("h", "?", "f1"), "this help", actions.switched("help")),
-    Action("leave", "Window", ("escape",), "close, let go, or quit", actions.left),
+    Action("color", "Look", ("c",), "colour by something else", actions.next_color),
+    Action("smaller", "Look", ("-",), "smaller points", _resize(1 / STEP), SIZED, True),
+    Action("larger", "Look", ("+", "="), "larger points", _resize(STEP), SIZED, True),
+    Action(
+        "pixels", "Look", ("p",), "points sized in the world or in pixels",
+        actions.switch_pixels,
+    ),
+    Action("ground", "Look", ("g",), "light or dark ground", actions.switch_ground),
+    Action("floor", "Look", ("b",), "floor and shadow", actions.switch_style("show_ground")),
+    Action("depth", "Look", ("d",), "depth cue", actions.switch_style("depth_cue")),
+    Action("shading", "Look", ("m",), "shading: none, soft, strong", actions.next_shading),
+    Action("guides", "Look", ("a",), "scale bar and axes", actions.switch("guides")),
+    Action("legend", "Look", ("y",), "legend", actions.switch("legend")),
+    Action("next organ", "Organs", ("n",), "next organ", actions.pick_next(1), ORGANS),
+    Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
+    Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
+    Action("alone", "Organs", ("z",), "the organ alone", actions.isolate_picked),
+    Action("show all", "Organs", ("shift+x",), "show all organs", actions.show_all),
+    Action("compare", "Compare", ("v",), "with the nearest scan", actions.next_compare),
+    Action(
+        "wipe left", "Compare", ("<",), "wipe to the left",
+        actions.move_wipe(-0.05), WIPED, True,
+    ),
+    Action(
+        "wipe right", "Compare", (">",), "wipe to the right",
+        actions.move_wipe(0.05), WIPED, True,
+    ),
+    Action("picture", "Window", ("s",), "save a picture", actions.wish(Wish.PICTURE)),
+    Action("export", "Window", ("e",), "export, or stop exporting", actions.wish(Wish.EXPORT)),
+    Action("format", "Window", ("shift+e",), "what to export", actions.next_format),
+    Action("size", "Window", ("r",), "size of pictures", actions.next_size),
+    Action(
+        "transparent", "Window", ("shift+s",), "pictures without ground",
+        actions.switch_transparent,
+    ),
+    Action("panel", "Window", ("tab",), "panel", actions.switch("panel")),
+    Action("fullscreen", "Window", ("f11",), "full screen", actions.switch("fullscreen")),
+    Action("help", "Window", ("h", "?", "f1"), "this help", actions.switch("help")),
+    Action("leave", "Window", ("escape",), "close, let go, or quit", actions.escape),
     Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
 )  # fmt: skip
 
 
 def _orbited(scene: Scene, right: float, down: float) -> Scene:
-    return scene.seen(lambda c: c.orbit(-TURN * right, TURN * down))
+    return scene.with_camera(lambda c: c.orbit(-TURN * right, TURN * down))
 
 
 def _panned(scene: Scene, right: float, down: float) -> Scene:
-    return scene.seen(lambda c: c.pan(right, -down))
+    return scene.with_camera(lambda c: c.pan(right, -down))
 
 
 DRAGS: tuple[Drag, ...] = (
@@ -180,22 +201,7 @@ def wheeled(scene: Scene, notches: float, right: float = 0.0, up: float = 0.0) -
 
     right, up: the cursor from the picture's middle, in shares of the picture's height.
     """
-    return scene.seen(lambda c: c.zoom_at(ZOOM_STEP**notches, right, up))
-
-
-def picked(scene: Scene, track: int | None) -> Scene:
-    """A click on an organ, or beside the plant."""
-    return scene.styled(picked=None if track == scene.style.picked else track)
-
-
-def wiped_to(scene: Scene, share: float) -> Scene:
-    """A drag of the wipe's line, to a share of the width."""
-    return replace(scene, wipe=min(max(share, 0.02), 0.98))
-
-
-def scrubbed(scene: Scene, day: float) -> Scene:
-    """A click or drag on the timeline."""
-    return scene.clock(lambda t: t.at(day))
+    return scene.with_camera(lambda c: c.zoom_at(ZOOM_STEP**notches, right, up))
 
 
 def action(name: str) -> Action:

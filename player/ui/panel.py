@@ -113,13 +113,13 @@ def _organ(scene: Scene, pen: Pen, number: int, organ: Track) -> Scene:
     x, y = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x - KEY
     if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
-        scene = keys.picked(scene, number)
+        scene = actions.pick(number)(scene)
     imgui.same_line()
     icon = EYE if visible else EYE_CLOSED
     imgui.push_style_color(imgui.Col_.button, CLEAR)
     imgui.push_style_color(imgui.Col_.text, theme.muted)
     if imgui.button(f"{icon}##eye", (KEY, ROW)):
-        scene = actions.hidden_or_shown(number)(scene.styled(alone=None))
+        scene = actions.switch_organ(number)(scene)
     imgui.pop_style_color(2)
     dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
     pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
@@ -134,19 +134,19 @@ def _look(scene: Scene, pen: Pen) -> Scene:
     names = [mode.label for mode in modes]
     chosen = _choice(pen, "Colour", names, modes.index(scene.color_mode), "color")
     if chosen is not None:
-        scene = actions.colored(modes[chosen])(scene)
+        scene = actions.color_by(modes[chosen])(scene)
     style = scene.style
     if style.pixels is None:
         limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
         size = _slider(pen, "Points", style.point_size, limits, "larger", text)
-        scene = scene if size is None else scene.styled(point_size=size)
+        scene = scene if size is None else scene.with_style(point_size=size)
     else:
         limits, text = (actions.FEWEST, actions.MOST), f"{style.pixels:.1f} px"
         size = _slider(pen, "Points", style.pixels, limits, "larger", text)
-        scene = scene if size is None else scene.styled(pixels=size)
+        scene = scene if size is None else scene.with_style(pixels=size)
     text = f"{style.eye_dome:.0%}"
     shading = _slider(pen, "Shading", style.eye_dome, (0.0, STRONGEST), "shading", text)
-    scene = scene if shading is None else scene.styled(eye_dome=shading)
+    scene = scene if shading is None else scene.with_style(eye_dome=shading)
     switches = (
         ("pixels", "Sized in pixels", style.pixels is not None),
         ("ground", "Light ground", style.ground == "light"),
@@ -178,7 +178,7 @@ def _compare(scene: Scene, pen: Pen) -> Scene:
     label = "Other clip" if scene.clips > 1 else "With scan"
     names = [choice.value for choice in choices]
     chosen = _choice(pen, label, names, choices.index(scene.compare), "compare")
-    return scene if chosen is None else actions.compared_by(choices[chosen])(scene)
+    return scene if chosen is None else actions.compare_by(choices[chosen])(scene)
 
 
 def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:

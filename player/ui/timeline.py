@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
-from player.ui import keys
 from player.ui.theme import Color, faint, packed
 from player.view.dates import date_at, elapsed, short_dates
 from traits.doubts import doubts_of
@@ -119,7 +118,7 @@ class TimelineView:
         self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
         pointed = imgui.get_mouse_pos().x
         if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
-            scene = keys.scrubbed(scene, line.day_at(pointed))
+            scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
         day = scene.timeline.day
         self._draw_line(pen, line, scene.timeline, hovered or self.held)
         self._draw_events(pen, line)

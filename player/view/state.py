@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
@@ -71,22 +71,17 @@ class Scene:
         absent |= set() if self.has_errors else {ColorMode.ERROR}
         return tuple(mode for mode in ColorMode if mode not in absent)
 
-    def clock(self, move: Callable[[Timeline], Timeline]) -> Scene:
+    def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Scene:
         return replace(self, timeline=move(self.timeline))
 
-    def seen(self, move: Callable[[Camera], Camera]) -> Scene:
+    def with_camera(self, move: Callable[[Camera], Camera]) -> Scene:
         """Move the camera, away from any path that it was following."""
         return replace(self, camera=move(self.camera), following=False)
 
-    def styled(self, notice: str = "", **changes: object) -> Scene:
+    def with_style(self, notice: str = "", **changes: object) -> Scene:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
 
-    def switched(self, name: str) -> Scene:
-        """Turn the switch of this name."""
-        change: dict[str, Any] = {name: not getattr(self, name)}
-        return replace(self, **change)
-
-    def told(self, notice: str) -> Scene:
+    def with_notice(self, notice: str) -> Scene:
         return replace(self, notice=notice)
 
 
@@ -104,9 +99,9 @@ def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
     clip, style = clips[0], scene.style
     organs, compare = len(clip.track_table), scene.compare
     if scene.organs != organs and style.marked:
-        scene = scene.styled(scene.notice, picked=None, alone=None, hidden=frozenset())
+        scene = scene.with_style(scene.notice, picked=None, alone=None, hidden=frozenset())
     if style.color_by == "error" and not clip.held_out:
-        scene = scene.styled(scene.notice, color_by=ColorMode.AUTO)
+        scene = scene.with_style(scene.notice, color_by=ColorMode.AUTO)
     if len(clips) != scene.clips:
         compare = Compare.BESIDE if len(clips) > 1 else Compare.OFF
     return replace(

@@ -19,7 +19,7 @@ from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.gl.timers import PassTimers
-from player.ui import keys
+from player.ui import actions, keys
 from player.ui.gui import Gui
 from player.ui.interface import Facts, Interface
 from player.ui.panel import panel_width
@@ -170,19 +170,19 @@ class Window:
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
         if not self._interface.scrubs:
-            scene = scene.clock(lambda t: t.tick(seconds))
+            scene = scene.with_timeline(lambda t: t.tick(seconds))
         if scene.turning and not self._interface.drags:
-            scene = scene.seen(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
+            scene = scene.with_camera(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         ended = self._exports.look()
         if ended:
-            scene = scene.told(ended)
+            scene = scene.with_notice(ended)
         if scene.notice != self._notice:
             seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
             self._notice, self._notice_ends = scene.notice, now + seconds
         elif scene.notice and now > self._notice_ends:
-            scene = scene.told("")
+            scene = scene.with_notice("")
         self.scene = scene
 
     def _look_at_files(self) -> None:
@@ -193,7 +193,7 @@ class Window:
             if paths:
                 path = load_path(Path(paths[0]), self._bare[0])
                 scene = replace(self.scene, path=path, following=True, turning=False)
-                self.scene = scene.told(f"Camera path of {len(path.keys)} keys")
+                self.scene = scene.with_notice(f"Camera path of {len(path.keys)} keys")
             elif dropped:
                 self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
@@ -202,7 +202,7 @@ class Window:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)
-            self.scene = self.scene.told(told)
+            self.scene = self.scene.with_notice(told)
 
     def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""
@@ -211,7 +211,7 @@ class Window:
         self._viewports.release()
         self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(scene, self._bare, fresh).told(told)
+        self.scene = reopened(scene, self._bare, fresh).with_notice(told)
         self._fit()
         if fresh or scene.camera == scene.home:
             self.scene = replace(self.scene, camera=self.scene.home)
@@ -265,7 +265,7 @@ class Window:
         try:
             self._viewports.paint(area, panes, self.scene.style, wanted.detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
-            self.scene = self.scene.told(str(error))
+            self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
         screen.use()
         self._viewports.show(screen, area)
@@ -290,7 +290,7 @@ class Window:
         area = (width - self._aside, height)
         over, track = self._viewports.organ_under(panes, self.scene.style, at, area)
         if over:
-            self.scene = keys.picked(self.scene, track)
+            self.scene = actions.pick(track)(self.scene)
 
     def _panes(self) -> tuple[Pane, ...]:
         names = [one.name for one in self.clips]

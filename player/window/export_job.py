@@ -16,6 +16,7 @@ from player.errors import PlayerError
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
 from player.export.image import save_screenshot
+from player.ui.actions import NO_KEYS
 from player.view.camera_animation import CameraPath, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at
@@ -151,18 +152,18 @@ class Exports:
         wish, scene = scene.wish, replace(scene, wish=None)
         try:
             if wish is Wish.SAVE_PATH:
-                return scene.told(_save_path(scene, opened))
+                return scene.with_notice(_save_path(scene, opened))
             name, still = opened.name, wish is Wish.PICTURE
             if still:
                 name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
                 plain = scene.output.size is None and not scene.output.transparent
                 if plain or opened.file is None:
-                    return scene.told(saved(save_screenshot(pixels, area, name)))
+                    return scene.with_notice(saved(save_screenshot(pixels, area, name)))
             if opened.file is None:
-                return scene.told("Only clips that were opened from a file can be exported.")
-            return scene.told(self._toggle(scene, opened.file, name, area, still))
+                return scene.with_notice("Only clips that were opened from a file can be exported.")
+            return scene.with_notice(self._toggle(scene, opened.file, name, area, still))
         except PlayerError as error:
-            return scene.told(str(error))
+            return scene.with_notice(str(error))
 
     def release(self) -> None:
         if self._running is not None:
@@ -214,7 +215,7 @@ def saved(file: Path) -> str:
 
 def _save_path(scene: Scene, opened: OpenClip) -> str:
     if not scene.path:
-        return "Add camera keys first: K, on two days or more."
+        return NO_KEYS
     file = Path(f"{opened.name}.camera.json")
     save_path(scene.path, opened.clip, file)
     return saved(file)

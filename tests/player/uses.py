@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -131,8 +132,8 @@ def overlaid(clip: Clip, path: Path) -> None:
     name = clip.track_table[0].name
     facts = Facts(organ=((name, name),))
     for day, notice in ((clip.times[0], name), (clip.times[-1], "")):
-        scene = scene_of(clip, day, color_by="track", picked=0).told(notice)
-        for shown in (scene, scene.switched("panel")):
+        scene = scene_of(clip, day, color_by="track", picked=0).with_notice(notice)
+        for shown in (scene, replace(scene, panel=True)):
             desk = Desk(context, clip, shown, facts=facts, name=path.name)
             desk.point((450.0, 570.0))
             desk.release()

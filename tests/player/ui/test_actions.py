@@ -35,10 +35,10 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
     scene = replace(scene, compare=Compare.WIPE, formats=("film.mp4", "plant.glb"), notice="told")
     scene = replace(scene, timeline=scene.timeline.at(1.5).with_next_end())
     if action.name in ("first", "front"):
-        scene = scene.seen(lambda camera: camera.orbit(0.3, 0.3))
+        scene = scene.with_camera(lambda camera: camera.orbit(0.3, 0.3))
     if action.name in ("whole", "fit", "show all"):
-        scene = scene.styled(hidden=frozenset({0})).seen(lambda camera: camera.zoom(2.0))
-        scene = scene.clock(lambda timeline: timeline.begun_here())
+        scene = scene.with_style(hidden=frozenset({0})).with_camera(lambda camera: camera.zoom(2.0))
+        scene = scene.with_timeline(lambda timeline: timeline.begun_here())
     wanted = action.do(scene)
     assert wanted != scene
     for key in action.keys:
@@ -110,5 +110,5 @@ def test_from_above_the_whole_plant_is_seen_unless_someone_came_nearer(scene: Sc
         assert scene.camera.distance == pytest.approx(near)
         if not flat:
             scene = pressed(scene, "5")
-    nearer = scene.seen(lambda camera: camera.zoom(1.5))
+    nearer = scene.with_camera(lambda camera: camera.zoom(1.5))
     assert pressed(nearer, "4").camera.distance == nearer.camera.distance

@@ -16,7 +16,7 @@ from gclip import Clip, HeldOutScan
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
-from player.ui.actions import colored
+from player.ui.actions import color_by
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.colors import Colors
@@ -104,7 +104,7 @@ def test_a_scan_left_out_is_compared_with_where_it_is_nearest(clip: Clip) -> Non
     scene = Scene(Timeline.of(clip.times), camera, camera, Style(), True, compare=Compare.BESIDE)
     seen = {}
     for day in (0.2, 1.2, 1.8):
-        left, right = panes_of(scene.clock(lambda t, day=day: t.at(day)), [clip], ["p"])
+        left, right = panes_of(scene.with_timeline(lambda t, day=day: t.at(day)), [clip], ["p"])
         assert (right.day, right.left_out) == (day, None)
         seen[day] = (left.day, left.left_out, left.caption)
     assert seen[0.2] == (0.0, None, "Scan of day 0")
@@ -169,7 +169,7 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     with pytest.raises(PlayerError, match="left out"):
         Colors(clip).color_scale(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), has_colors=False)
-    told = colored(ColorMode.ERROR)(scene)
+    told = color_by(ColorMode.ERROR)(scene)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
     assert "error" not in scene.color_modes
