@@ -35,7 +35,6 @@ SHADERS = (
     *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
     *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
 )
-NARROW = 0.5  # aspect of a picture so narrow that its width limits most plants
 MOMENTS = 1000  # at which the page may change what it calls the day
 MAX_ORGANS = 2000  # that are listed
 LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
@@ -145,7 +144,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             "pitch": home.pitch,
             "fieldOfView": home.field_of_view,
             "radius": home.radius,
-            "aspect": NARROW * Camera.home(clip, NARROW).distance / home.distance,
+            "aspect": _narrowest(clip, film.aspect),
         },
         "axes": axes(clip.up).tolist(),
         "look": {
@@ -159,6 +158,18 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         },
         "grounds": {name: asdict(ground) for name, ground in GROUNDS.items()},
     }
+
+
+def _narrowest(clip: Clip, aspect: float) -> float:
+    """The aspect of the narrowest picture that shows the plant as large as one of `aspect` does."""
+    low, enough = 0.2 * aspect, 1.01 * Camera.home(clip, aspect).distance
+    for _ in range(6):
+        middle = (low + aspect) / 2
+        if Camera.home(clip, middle).distance > enough:
+            low = middle
+        else:
+            aspect = middle
+    return aspect
 
 
 def _moments(clip: Clip) -> list[tuple[float, str]]:
