@@ -116,6 +116,7 @@ def _linear_colors(
     clip: Clip, interval: Interval, movers: slice
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """(n, 3) linear light at the interval's start, and at its end where that differs."""
+
     def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)
 

@@ -63,12 +63,6 @@ def from_window() -> moderngl.Context:
         ) from None
 
 
-def on_cpu(context: moderngl.Context) -> bool:
-    """Whether OpenGL is a program here (Mesa's software renderers), and no GPU."""
-    name = str(context.info["GL_RENDERER"]).lower()
-    return any(known in name for known in ("llvmpipe", "softpipe", "swiftshader"))
-
-
 def _reason(error: Exception) -> str:
     lines = str(error).strip().splitlines()
     return lines[0].rstrip(".") if lines else type(error).__name__

@@ -14,7 +14,8 @@ from player.gl.framebuffer import texture
 from player.gl.gpu_memory import room
 from player.gl.shader import compute, give, program
 from player.gl.timers import PassTimers
-from player.rendering.point_buffers import ChunkBuffers, ChunkStore, DrawRange, chunk_length
+from player.rendering.point_buffers import ChunkBuffers, DrawRange, chunk_length
+from player.rendering.point_store import ChunkStore
 from player.view.colors import STEPS, Colors, ScalarField
 
 if TYPE_CHECKING:

@@ -7,21 +7,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gclip.errors import ClipError
 from gclip.file import check_whole
+from player.rendering.point_buffers import buffers_of
 
 if TYPE_CHECKING:
     from gclip import Interval
 
 STEP = 4096  # pages between looks at whether the interval is still wanted
-
-
-def buffers_of(interval: Interval) -> list[NDArray]:
-    """An interval's buffers of one entry a point: positions, tracks, colours if there are any."""
-    colors = (interval.start_colors, interval.end_colors)
-    return [*interval.curve, interval.tracks, *(c for c in colors if c is not None)]
 
 
 class Prefetch:

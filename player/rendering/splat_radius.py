@@ -1,4 +1,4 @@
-"""How large discs must be to close a scanned surface."""
+"""How large splats must be to close a scanned surface."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
+from gclip.evaluate import positions_on_curve
+from gclip.morton import morton_codes
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -25,7 +27,7 @@ MOST = 40_000  # points of a scan that are looked at: a picture must not wait fo
 class ClosingDistances:
     """A clip's closing distance at any time: measured at each interval's ends, linear between.
 
-    So the discs grow and shrink with the surface's density, and never jump.
+    So the splats grow and shrink with the surface's density, and never jump.
     """
 
     def __init__(self, clip: Clip) -> None:
@@ -81,8 +83,6 @@ class ClosingDistances:
         return self._at_end[end]
 
     def _found(self, end: int, roughly: bool = False) -> float:
-        from gclip.evaluate import positions_on_curve
-
         last = end == len(self._clip.intervals)
         interval = self._clip.intervals[end - 1 if last else end]
         every = -(-len(interval) // MOST)
@@ -101,13 +101,11 @@ class ClosingDistances:
 
 def distinct_count(points: NDArray[np.floating]) -> int:
     """How many different points (N, 3) there are, at least 1."""
-    from gclip.morton import morton_codes
-
     return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
 
 
 def closing_distance(points: NDArray[np.floating], roughly: bool = False) -> float:
-    """The radius at which discs on the points cover most of the surface that they lie on.
+    """The radius at which splats on the points cover most of the surface that they lie on.
 
     points:  (N, 3) on a surface; repeated ones count once.
     roughly: from few places, some per cent off, and without loading scipy.
@@ -117,8 +115,6 @@ def closing_distance(points: NDArray[np.floating], roughly: bool = False) -> flo
     between three points each ask for the nearest one: 19 of 20 find it within this distance.
     Gives 0 where there are too few points to tell.
     """
-    from gclip.morton import morton_codes
-
     if len(points) == 0:
         return 0.0
     _, first = np.unique(morton_codes(points), return_index=True)

@@ -56,7 +56,8 @@ def told(clip: Clip, path: Path) -> None:
 
 def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
-    from player.rendering.point_buffers import ChunkStore, DrawRange, bytes_per_point
+    from player.rendering.point_buffers import DrawRange, bytes_per_point
+    from player.rendering.point_store import ChunkStore
     from player.rendering.splat_radius import ClosingDistances
     from player.ui.timeline import Line, labels_on
     from player.view.camera import Camera

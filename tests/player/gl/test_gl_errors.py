@@ -16,7 +16,8 @@ from player.cli import main
 from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.headless import Offscreen, render
-from player.rendering.point_buffers import Chunk, ChunkStore, bytes_per_point
+from player.rendering.point_buffers import Chunk, bytes_per_point
+from player.rendering.point_store import ChunkStore
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera

@@ -14,8 +14,9 @@ from gclip.evaluate import layers_at
 from gclip.morton import BLOCK
 from gclip.pack import Movers, pack_interval
 from player.gl.gpu_memory import room
-from player.rendering import point_buffers
-from player.rendering.point_buffers import ChunkStore, DrawRange, bytes_per_point
+from player.rendering import point_buffers, point_store
+from player.rendering.point_buffers import DrawRange, bytes_per_point
+from player.rendering.point_store import ChunkStore
 from player.rendering.prefetch import Prefetch
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
@@ -30,7 +31,8 @@ SIZE = (160, 120)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
     """Points of a quantised chunk."""
     monkeypatch.setattr(point_buffers, "MAX_BUFFER", 6 * 333)
-    monkeypatch.setattr(point_buffers, "SLICE", 100)
+    for module in (point_buffers, point_store):
+        monkeypatch.setattr(module, "SLICE", 100)
     return 333
 
 
