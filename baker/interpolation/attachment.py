@@ -65,7 +65,7 @@ def _attached(
 ) -> OrganMovers:
     """An organ shifted at mid-interval; parent: its parent's movers at a share of the interval."""
     middle, start = position_at(moved.movers.curve, 0.5), moved.movers.curve[0]
-    base, gap, _ = attachment(middle, parent(0.5))
+    base, gap = attachment(middle, parent(0.5))
     if gap <= gap_at_end + MAX_WIDENING * spacing:
         return moved
     allowed = max(gap_at_end, attachment(start, parent(0.0)).gap)

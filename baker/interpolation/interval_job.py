@@ -11,7 +11,6 @@ from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attachment import attached
-from baker.interpolation.births import Birth, births
 from baker.interpolation.movers import OrganMovers, leaving, moving
 from baker.interpolation.organ_attachments import Attachments, attachments, organ_attachments
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
@@ -226,11 +225,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    born, paths = dict[int, Birth](), None
-    if options.curved:
-        at_end = attachments(clouds[1], job.match.second)
-        born = births(clouds[1], at_end, job.match, job.organs, job.timings)
-        paths = OrganPaths(clouds, job.match, job.organs, job.spacing)
+    paths = OrganPaths(clouds, job.match, job.organs) if options.curved else None
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
     if options.registered:
         match, names = job.match, (job.organs.first, job.organs.second)
@@ -250,8 +245,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             motion, parts = _motion_and_parts(start, end, *(side[task.organ] for side in shapes))
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), parts)
-        timing = (born if task.event == "birth" else job.timings).get(task.organ)
-        moved = moving(task, plan, job.start, job.end, timing)
+        moved = moving(task, plan, job.start, job.end, job.timings.get(task.organ))
         return moved, paths.deviation(moved, motion) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
@@ -260,7 +254,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
     solved = [*moved]
     if paths:
-        curved = paths.curved(moved, deviations)
+        curved, at_end = paths.curved(moved, deviations), attachments(clouds[1], job.match.second)
         solved = attached(curved, job.match, job.organs, at_end, job.spacing)
     return pack_interval(
         *job.times,

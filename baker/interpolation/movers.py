@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from baker.alignment.keyframes import Keyframe
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.births import Birth
 from baker.interpolation.timing import Timing
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
@@ -35,11 +34,11 @@ def moving(
     plan: Correspondences,
     start: Keyframe,
     end: Keyframe,
-    timing: Birth | Timing | None = None,
+    timing: Timing | None = None,
 ) -> OrganMovers:
     """The movers of a matched or a new organ, by the plan between its points.
 
-    timing: how a new organ unfolds, or a matched one moves; by default evenly, in straight lines.
+    timing: how a matched organ moves; by default evenly, in straight lines, as a new one unfolds.
     """
     a, b = task.start[plan.rows], task.end[plan.columns]
     origin, target = start.positions.take(a, axis=0), end.positions.take(b, axis=0)

@@ -14,8 +14,6 @@ from baker.interpolation.spine import Points, at_levels, fit_spine, unit
 UNEVENNESS_RANGE = (0.04, 0.1)
 HINGE_RANGE = (0.1, 0.3)
 UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # of what grows by the factor e, besides
-MAX_UNEVENNESS = 0.8  # of a deformation that can be right
-MIN_RANK_CORRELATION = 0.9  # of places along an organ, before and after such a deformation
 MIN_NODE_DISTANCE = 0.02  # along a spine, between attached children and from its ends
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # whose distances show the stretch
 POINTS_COMPARED = 100
@@ -60,9 +58,7 @@ def _interpolated(
 def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     """Deform an organ of the first scan onto that of the second, and place its spine in between.
 
-    The shorter of both is deformed, so that backwards the motion is the same. Non-rigid
-    registration is trusted where it is even and keeps the order along the organ; elsewhere points
-    keep their places along the spine and across it.
+    The shorter of both is deformed, so that backwards the motion is the same.
     """
     if source.length > target.length:
         back = fit_motion(target, source)
@@ -70,12 +66,10 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     nodes = _common_nodes(source, target)
     carried = spine_deformation(source.points, target.points, source.spine, target.spine, nodes)
     deformed = register_nonrigid(carried, target.points)
-    uneven = unevenness(source.points, deformed)
-    if uneven > MAX_UNEVENNESS or _order_kept(source, target, deformed) < MIN_RANK_CORRELATION:
-        deformed = carried
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
-    deviations = mid_spine(start, end, growth_share(start, end, uneven)) - 0.5 * (start + end)
+    share = growth_share(start, end, unevenness(source.points, deformed))
+    deviations = mid_spine(start, end, share) - 0.5 * (start + end)
     return OrganMotion(source.points, along, deformed, deviations)
 
 
@@ -89,16 +83,6 @@ def _common_nodes(source: OrganShape, target: OrganShape) -> tuple[list[float], 
             before.append(a)
             after.append(b)
     return before[1:], after[1:]
-
-
-def _order_kept(source: OrganShape, target: OrganShape, deformed: Points) -> float:
-    """Rank correlation of places along the organ, as they are and where the points come to lie."""
-    from scipy.spatial import cKDTree
-
-    nearest = cKDTree(target.points).query(deformed)[1]
-    places = source.spine.along, target.spine.along[nearest]
-    ranks = [place.argsort(kind="stable").argsort() for place in places]
-    return float(np.corrcoef(ranks)[0, 1])
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:

@@ -11,8 +11,6 @@ from baker.interpolation.spine import at_levels
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT
 
-MAX_DEVIATION = 0.6  # of the movers' displacement; turning by a right angle takes 0.21
-MIN_DEVIATION = 0.25  # point spacings; less is below what a scan shows
 POINTS_COMPARED = 100  # of an organ that show where it touches its parent
 
 
@@ -24,26 +22,34 @@ Deviation = tuple[Points, dict[int, Points]]
 class OrganPaths:
     """Finds how the organs of an interval deviate from straight paths.
 
-    Straight go the root, organs of few points, and what hardly deforms.
+    Straight go the root, and organs of few points.
 
     clouds: points, (N, 3), of both scans; match, organs: the hierarchies, and which organ each
-    segment is; spacing: relative to which deviations matter.
+    segment is.
     """
 
-    def __init__(
-        self, clouds: Sequence[Points], match: Match, organs: IntervalOrgans, spacing: float
-    ) -> None:
-        self._clouds, self._scan, self._spacing = clouds, match.second, spacing
+    def __init__(self, clouds: Sequence[Points], match: Match, organs: IntervalOrgans) -> None:
+        self._clouds, self._scan = clouds, match.second
         self._segments = {organ: segment for segment, organ in organs.second.items()}
 
     def deviation(self, moved: OrganMovers, motion: OrganMotion | None) -> Deviation | None:
         """How one task's movers deviate; None where they go straight."""
+        from scipy.spatial import cKDTree
+
         segment = self._segments.get(_track(moved), NO_PARENT)
         if motion is None or segment == self._scan.root:
             return None
-        if np.linalg.norm(motion.deviations, axis=1).max() < MIN_DEVIATION * self._spacing:
-            return None
-        return self._of_motion(motion, moved, segment)
+        assert moved.start_points is not None
+        starts, mover = np.unique(moved.start_points, return_inverse=True)
+        shift = motion.deviation(self._clouds[0].take(starts, axis=0))[mover]
+        tree, touched = cKDTree(motion.deformed), dict[int, int]()
+        for child, members in enumerate(self._scan.segments):
+            if self._scan.parents[child] == segment and len(members):
+                some = members[:: max(1, len(members) // POINTS_COMPARED)]
+                distances, nearest = tree.query(self._clouds[1].take(some, axis=0))
+                touched[child] = int(nearest[np.argmin(distances)])
+        shifts = at_levels(motion.deviations, motion.along[[*touched.values()]])
+        return shift, dict(zip(touched, shifts, strict=True))
 
     def curved(
         self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
@@ -65,25 +71,6 @@ class OrganPaths:
                 moved = shifted(moved, shift) if shift.any() else moved
             done.append(moved)
         return done
-
-    def _of_motion(self, motion: OrganMotion, moved: OrganMovers, segment: int) -> Deviation | None:
-        """None where it is too large for the movers' displacement: then the spine is wrong."""
-        from scipy.spatial import cKDTree
-
-        assert moved.start_points is not None
-        starts, mover = np.unique(moved.start_points, return_inverse=True)
-        shift = motion.deviation(self._clouds[0].take(starts, axis=0))[mover]
-        distance = moved.movers.curve[-1].astype(float) - moved.movers.curve[0]
-        if (shift**2).sum() > MAX_DEVIATION**2 * (distance**2).sum():
-            return None
-        tree, touched = cKDTree(motion.deformed), dict[int, int]()
-        for child, members in enumerate(self._scan.segments):
-            if self._scan.parents[child] == segment and len(members):
-                some = members[:: max(1, len(members) // POINTS_COMPARED)]
-                distances, nearest = tree.query(self._clouds[1].take(some, axis=0))
-                touched[child] = int(nearest[np.argmin(distances)])
-        shifts = at_levels(motion.deviations, motion.along[[*touched.values()]])
-        return shift, dict(zip(touched, shifts, strict=True))
 
 
 def _track(moved: OrganMovers) -> int:

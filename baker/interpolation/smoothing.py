@@ -39,7 +39,9 @@ def smooth_organs(
     arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
     for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
         found = attachments(frame.positions, hierarchy)
-        attached.append({segment: one.point for segment, one in found.items()})
+        attached.append(
+            {s: frame.positions[hierarchy.segments[s][one.nearest]] for s, one in found.items()}
+        )
         for segment, base in attached[k].items():
             middle = frame.positions[hierarchy.segments[segment]].mean(axis=0)
             arms.setdefault(named[segment], {})[k] = middle - base

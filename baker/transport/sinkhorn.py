@@ -38,22 +38,17 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
     """Sinkhorn's plan between two segments; always a usable one.
 
     On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
-    plan is then where the iterations stall, and the notes say how much.
+    plan is then where the iterations stall, and the notes give its marginal error.
     """
     n, m = len(start), len(end)
     source, target, support = _support(start, end, options)
     cost = costs(source, target, support, options.power)
-    flowing = 1.0 if options.feasible else share_that_can_flow(support, n, m)
     typical = float(np.median(cost) or cost.mean() or 1.0)  # most costs may be zero, or all
     found = scale(
         support, cost / (options.gamma * typical), n, m,
-        options.tolerance, options.iterations, feasible=flowing == 1.0,
+        options.tolerance, options.iterations, options.feasible,
     )  # fmt: skip
     notes = []
-    if flowing < 1.0:
-        notes.append(
-            f"only {flowing:.1%} of the mass can flow on the {len(cost)} pairs of the support"
-        )
     if found.error >= options.tolerance:
         notes.append(
             f"stopped after {found.iterations} iterations at a marginal error of {found.error:.2g}"
@@ -77,22 +72,6 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
     return source, target, unique(nearest(source, target, options.neighbors), *plans)
 
 
-def share_that_can_flow(edges: Edges, n: int, m: int) -> float:
-    """Share of uniform marginals that can be transported on a support, by maximum flow."""
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import maximum_flow
-
-    supply, demand = uniform_masses(n, m)
-    source, sink = n + m, n + m + 1
-    tails = np.concatenate([np.full(n, source), np.arange(n, n + m), edges[0]])
-    heads = np.concatenate([np.arange(n), np.full(m, sink), n + edges[1]])
-    capacities = np.concatenate([supply, demand, np.minimum(supply[edges[0]], demand[edges[1]])])
-    network = csr_array((capacities.astype(np.int32), (tails, heads)), shape=(sink + 1, sink + 1))
-    flow = maximum_flow(network, source, sink).flow
-    # The flow through an edge fits 32 bits, their sum need not: `flow_value` would wrap around.
-    return int(flow[[source]].data.sum(dtype=np.int64)) / int(supply.sum())
-
-
 def scale(
     support: Edges,
     cost: NDArray[np.float64],
@@ -109,7 +88,8 @@ def scale(
 
     support: rows and columns of the pairs, ordered by row; every row and column is in a pair. cost:
     (E,) in units of gamma. Iterations stop at an L1 error of the marginals of `tolerance`, and are
-    over-relaxed if all mass can flow on the support.
+    over-relaxed if all mass can flow on the support (`feasible`); if not, they stop where they
+    stall.
 
     References
     ----------

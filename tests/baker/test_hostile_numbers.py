@@ -10,7 +10,6 @@ from baker.alignment import align
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors, point_area
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.births import Birth
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import OrganMovers, mid_area
 from baker.interpolation.organ_motion import fit_motion
@@ -197,9 +196,3 @@ def test_organs_of_any_shapes_get_one_name_each(shape):
             pairs = set(zip(labels.tolist(), names.tolist(), strict=True))
             assert len({own for own, _ in pairs}) == len(pairs)
         assert label_agreement([points, points], [labels, labels], [0, 0]) == 1
-
-
-def test_births_from_and_to_one_point_are_finite():
-    at = np.zeros((5, 3), np.float32)
-    for size in (0.45, 0.5):
-        assert np.isfinite(Birth(np.zeros(3), size).shift(at, at)).all()

@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.interpolation.births import Birth
-from baker.interpolation.timing import Timing
 
 FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
 
 
-def write(folder, lengths, days=(0, 1, 2), points=1000):
+def write(folder, lengths, points=1000):
     """A stem, and from the second scan on a leaf of these lengths."""
     rng = np.random.default_rng(0)
     stem = rng.random((600, 3)) * [0.2, 0.2, 10]
-    for day, length in zip(days, lengths, strict=True):
+    for day, length in enumerate(lengths):
         leaf = rng.random((points if length else 0, 3)) * [length, 0.5, 0.1] + [0.2, 0, 8]
         table = np.c_[np.concatenate([stem, leaf]), np.repeat([0, 1], [600, len(leaf)])]
         np.savetxt(folder / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
@@ -28,30 +26,8 @@ def reach(clip, day):
     return np.quantile(frame.local[frame.tracks == 1][:, 0], 0.99) - 0.2
 
 
-def test_half_way_an_organ_has_the_size_that_its_birth_says():
-    rng = np.random.default_rng(1)
-    base, end = np.array([1.0, 2, 3]), rng.random((50, 3)) + 5
-    bud = np.tile(np.float32([1, 2, 2.8]), (50, 1))
-    for size in (0.4, 0.5, 0.75):
-        middle = (bud + end) / 2 + Birth(base, size).shift(bud, end)
-        assert middle - (bud + base) / 2 == pytest.approx(size * (end - base), abs=1e-5)
-
-
-def test_the_attachment_point_goes_with_its_parent():
-    base, bud = np.array([1.0, 2, 3]), np.float32([[1, 2, 1]])
-    birth = Birth(base, 0.5, Timing(np.array([0.0, 0, 2]), 0.1, 0.0))
-    middle = (bud + base) / 2 + birth.shift(bud, base[None])
-    assert middle == pytest.approx(bud + 0.6 * (base - bud), abs=1e-6)
-
-
 def test_half_way_an_organ_has_half_of_its_size(tmp_path):
     assert reach(write(tmp_path, (0, 4, 4.5)), 0.5) == pytest.approx(2, rel=0.1)
-
-
-def test_what_is_small_may_have_been_there_unseen(tmp_path):
-    """A scan shows nothing of an organ of a few points."""
-    few = reach(write(tmp_path, (0, 4, 4.4), points=12), 0.5)
-    assert 0.65 * 4 < few < 0.75 * 4
 
 
 def test_it_never_goes_back(tmp_path):
