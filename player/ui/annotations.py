@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gclip import Clip, Track
+from player.ui.pen import Pen
 from player.ui.theme import packed, rgb
 from player.view.annotations import draw_organs, draw_ramp, draw_scale_bar
-
-if TYPE_CHECKING:
-    from gclip import Clip, Track
-    from player.ui.pen import Pen
-    from player.view.camera import Camera
-    from player.view.colors import ValueRange
-    from player.view.split_view import Pane
-    from player.view.state import Exporting, Scene
+from player.view.camera import Camera
+from player.view.colors import ValueRange
+from player.view.split_view import Pane
+from player.view.state import Exporting, Scene
 
 SIZE, ROW = 14.0, 22.0
 AXIS = 24.0  # length of an axis

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
-from player.ui.theme import packed
+from player.ui.gui import Gui
+from player.ui.theme import Theme, packed
 from player.ui.widgets import BARE, key_labels
-
-if TYPE_CHECKING:
-    from player.ui.gui import Gui
-    from player.ui.theme import Theme
-    from player.view.state import Scene
+from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
 FEWER_COLUMNS = (("Time", "Organs", "Look"), ("View", "Compare", "Window"))

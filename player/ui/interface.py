@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import moderngl
 from imgui_bundle import imgui
 
-from player.ui import actions, keys
+from gclip import Clip
+from player.ui import actions
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
-from player.ui.gui import BUTTONS, NOWHERE, STILL, Gui
+from player.ui.gui import Gui
 from player.ui.help import Help
+from player.ui.mouse import PlantMouse
 from player.ui.panel import Panel, panel_place, panel_width
 from player.ui.pen import Pen
 from player.ui.theme import Theme, faint, packed, theme_of
 from player.ui.timeline import TimelineView
 from player.ui.widgets import BARE, button, icon_button
 from player.view.choices import Compare
+from player.view.colors import ValueRange
 from player.view.dates import date_at
 from player.view.playback import AtEnd
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import moderngl
-
-    from gclip import Clip
-    from player.view.colors import ValueRange
-    from player.view.split_view import Pane
-    from player.view.state import Exporting, Scene
+from player.view.split_view import Pane
+from player.view.state import Exporting, Scene
 
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
@@ -84,7 +79,6 @@ class Interface:
     """Belongs to one clip in one window.
 
     name:    what the user calls the clip, for the title.
-    clicked: where the plant was clicked in the last picture.
     popup:   whether a list is open that Esc is to close.
     """
 
@@ -92,8 +86,7 @@ class Interface:
         self._gui, self._clip, self._name = gui, clip, name
         self._panel, self._help = Panel(clip), Help()
         self._timeline = TimelineView(clip)
-        self._dragged: tuple[int, keys.Drag] | None = None
-        self.clicked: tuple[float, float] | None = None
+        self._mouse = PlantMouse()
         self.popup = False
 
     @property
@@ -104,7 +97,12 @@ class Interface:
     @property
     def drags(self) -> bool:
         """Whether it turns or shifts the plant."""
-        return self._dragged is not None
+        return self._mouse.drags
+
+    @property
+    def clicked(self) -> tuple[float, float] | None:
+        """Where the plant was clicked in the last picture."""
+        return self._mouse.clicked
 
     def draw(
         self,
@@ -133,7 +131,7 @@ class Interface:
         back = imgui.get_background_draw_list()
         margin, below = _margin(area), BOTTOM + (CAPTION if facts.panes else 0.0)
         pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
-        scene = self._with_mouse(scene, area)
+        scene = self._mouse.move(scene, area)
         if shown.kiosk:
             self._draw_kiosk(pen, shown)
         else:
@@ -154,31 +152,6 @@ class Interface:
         either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
         self.popup = imgui.is_popup_open("", either)
         self._gui.end(framebuffer)
-        return scene
-
-    def _with_mouse(self, scene: Scene, area: tuple[float, float]) -> Scene:
-        """What drags, clicks and the wheel do where no control takes them."""
-        io, self.clicked = imgui.get_io(), None
-        x, y = io.mouse_pos
-        if self._dragged is not None:
-            number, drag = self._dragged
-            scene = drag.do(scene, io.mouse_delta.x / area[1], io.mouse_delta.y / area[1])
-            if not imgui.is_mouse_down(number):
-                self._dragged = None
-                if number == 0 and io.mouse_drag_max_distance_sqr[0] <= STILL**2:
-                    self.clicked = (x, y)
-        if io.want_capture_mouse or scene.help or x == NOWHERE:
-            return scene
-        for number, name in enumerate(BUTTONS):
-            found = keys.drag_for(name, io.key_shift)
-            if imgui.is_mouse_clicked(number) and found and self._dragged is None:
-                self._dragged = number, found
-        if io.mouse_wheel:
-            middle = area[0] / 2
-            if scene.compare is Compare.BESIDE:
-                middle *= 0.5 if x < middle else 1.5
-            right, up = (x - middle) / area[1], (area[1] / 2 - y) / area[1]
-            scene = keys.wheeled(scene, io.mouse_wheel, right, up)
         return scene
 
     def _draw_veils(self, pen: Pen) -> None:

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui, imgui_ctx
 
+from gclip import Clip, Track
 from player.export.formats import FORMATS
 from player.ui import actions, keys
+from player.ui.gui import Gui
 from player.ui.pen import Pen
-from player.ui.theme import CLEAR, PADDING, faint, packed, rgb
+from player.ui.theme import CLEAR, PADDING, Theme, faint, packed, rgb
 from player.ui.widgets import button, key_labels, tip
 from player.view.choices import SIZES, Compare
+from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
-
-if TYPE_CHECKING:
-    from gclip import Clip, Track
-    from player.ui.gui import Gui
-    from player.ui.theme import Theme
-    from player.view.state import Exporting, Scene
 
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from imgui_bundle import imgui
 
+from player.ui.gui import Gui
 from player.ui.theme import Color, Theme, faint, packed, rgb
-
-if TYPE_CHECKING:
-    from player.ui.gui import Gui
-    from player.view.annotations import RGB
+from player.view.annotations import RGB
 
 MAX_LINE = 200  # characters of any one line
 CARD_PADDING = (10.0, 6.0)

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from gclip import Clip
+from player.ui.pen import Pen
 from player.ui.theme import Color, faint, packed
 from player.view.dates import date_at, elapsed, short_dates
+from player.view.playback import Timeline
+from player.view.state import Scene
 from traits.doubts import doubts_of
-
-if TYPE_CHECKING:
-    from gclip import Clip
-    from player.ui.pen import Pen
-    from player.view.playback import Timeline
-    from player.view.state import Scene
 
 DATE_SIZE, SIDE_SIZE, LABEL_SIZE, KEY_SIZE = 19.0, 15.0, 15.0, 13.0
 REACH = 18.0  # how far from the line the mouse still takes hold of it

@@ -5,16 +5,11 @@ What clips name is never a label to ImGui: a name can't change what a control is
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
-from player.ui.theme import CLEAR, Color
-
-if TYPE_CHECKING:
-    from player.ui.theme import Theme
-    from player.view.state import Scene
+from player.ui.theme import CLEAR, Color, Theme
+from player.view.state import Scene
 
 ARROWS = str.maketrans({"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"})
 BARE = (

@@ -87,11 +87,12 @@ class Scene:
 
 @dataclass(frozen=True)
 class Exporting:
-    """An export under way: its file's name, and steps done of all."""
+    """An export: its file's name, steps done of all; `ended` with a sentence once it is over."""
 
     name: str
-    done: int
-    total: int
+    done: int = 0
+    total: int = 0
+    ended: str = ""
 
 
 def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:

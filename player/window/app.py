@@ -18,7 +18,6 @@ from player.errors import PlayerError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
-from player.gl.timers import PassTimers
 from player.ui import actions, keys
 from player.ui.gui import Gui
 from player.ui.interface import Facts, Interface
@@ -35,7 +34,6 @@ from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import (
     Measures,
-    hide_cursor,
     listen,
     shortest_frame,
     switch_fullscreen,
@@ -102,12 +100,8 @@ class Window:
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
-        hide_cursor(handle, self.scene.kiosk)
-
-    @property
-    def timers(self) -> list[PassTimers]:
-        """Of the passes of all pictures so far."""
-        return self._viewports.timers
+        if self.scene.kiosk:
+            glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -137,13 +131,13 @@ class Window:
         self._exports.release()
         self._organs.release()
         self._gui.release()
-        self._viewports.release()
+        self.viewports.release()
 
     def _show(self, clips: tuple[OpenClip, ...]) -> None:
         """Make what draws these clips."""
         self.clips = clips
         self._bare = bare = [one.clip for one in clips]
-        self._viewports = Viewports(self._context, bare)
+        self.viewports = Viewports(self._context, bare)
         self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
         self._resolution = DynamicResolution(
             max(len(interval) for clip in bare for interval in clip.intervals)
@@ -159,7 +153,7 @@ class Window:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         plays = self.scene.timeline.playing and not self._interface.scrubs
         told = bool(self.scene.notice)
-        return plays or self.scene.turning or told or self._settles or not self._viewports.whole
+        return plays or self.scene.turning or told or self._settles or not self.viewports.whole
 
     @property
     def _settles(self) -> bool:
@@ -208,7 +202,7 @@ class Window:
         """Show other clips, or the same ones as they were baked anew."""
         scene = self.scene
         self._organs.release()
-        self._viewports.release()
+        self.viewports.release()
         self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
         self.scene = reopened(scene, self._bare, fresh).with_notice(told)
@@ -249,7 +243,7 @@ class Window:
 
     def _draw(self) -> None:
         measures, area, now = self._measures, self._measures.beside(self._aside), glfw.get_time()
-        panes = self._panes()
+        panes = panes_of(self.scene, self._bare, [one.name for one in self.clips], self._pair)
         wanted = Picture(self.scene, measures, self._facts(panes), Detail(), self._gui.events)
         moves = self._drawn is None or wanted.view != self._drawn.view
         if moves and self.scene.wish is None:
@@ -257,26 +251,26 @@ class Window:
         if self._drawn is None or wanted.events != self._drawn.events:
             self._moved_at = now
         same = wanted == self._drawn
-        if not measures.visible or (same and self._viewports.whole and not self._settles):
+        if not measures.visible or (same and self.viewports.whole and not self._settles):
             return
         self._unsettled = self._unsettled - 1 if same else SETTLING
-        at_rest = (not moves and not self._viewports.loading) or self.scene.wish is not None
+        at_rest = (not moves and not self.viewports.loading) or self.scene.wish is not None
         budget = None if at_rest else LOADING
         try:
-            self._viewports.paint(area, panes, self.scene.style, wanted.detail, budget)
+            self.viewports.paint(area, panes, self.scene.style, wanted.detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
         screen.use()
-        self._viewports.show(screen, area)
+        self.viewports.show(screen, area)
         if self.scene.wish is not None:
-            pixels = self._viewports.pixels()
+            pixels = self.viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
         size = measures.units, measures.scale
         self.scene = self._interface.draw(screen, self.scene, *size, wanted.facts)
         check_context(self._context)
         if moves:  # swapping waits for the display
-            self._resolution.frame_took(max(glfw.get_time() - now, self._viewports.gpu_seconds))
+            self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
         self._drawn = wanted
         self._pick(panes)
@@ -288,13 +282,9 @@ class Window:
         if at is None or self.scene.kiosk:
             return
         area = (width - self._aside, height)
-        over, track = self._viewports.organ_under(panes, self.scene.style, at, area)
+        over, track = self.viewports.organ_under(panes, self.scene.style, at, area)
         if over:
             self.scene = actions.pick(track)(self.scene)
-
-    def _panes(self) -> tuple[Pane, ...]:
-        names = [one.name for one in self.clips]
-        return panes_of(self.scene, self._bare, names, self._pair)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
         style, day = self.scene.style, self.scene.timeline.day

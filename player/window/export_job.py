@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,22 +31,12 @@ class Stopped(Exception):
     """The user stopped it."""
 
 
-@dataclass(frozen=True)
-class State:
-    """Steps done of all; `ended` with a sentence for the user once it is over."""
-
-    done: int = 0
-    total: int = 0
-    ended: str = ""
-
-
 class ExportJob:
     """One export under way; a process, so that the window stays smooth."""
 
     def __init__(self, clip: Path, film: Film, output: Path) -> None:
         fresh = multiprocessing.get_context("spawn")
-        self.name = output.name
-        self.state = State()
+        self.state = Exporting(output.name)
         self._events, sending = fresh.Pipe(duplex=False)
         self._stop = fresh.Event()
         job = (str(clip), film, str(output), sending, self._stop)
@@ -54,14 +44,14 @@ class ExportJob:
         self._process.start()
         sending.close()
 
-    def look(self) -> State:
+    def look(self) -> Exporting:
         """What has happened by now."""
         try:
             while self._events.poll():
                 self.state = self._events.recv()
         except (EOFError, OSError):
             if not self.state.ended:
-                self.state = State(ended=f"Exporting {self.name} failed.")
+                self.state = replace(self.state, ended=f"Exporting {self.state.name} failed.")
         if self.state.ended:
             self._process.join(PATIENCE)
         return self.state
@@ -81,8 +71,9 @@ class ExportJob:
 def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     """What the process does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
+    name = Path(output).name
 
-    def tell(state: State) -> None:
+    def tell(state: Exporting) -> None:
         try:
             events.send(state)
         except OSError:  # the window is gone
@@ -91,9 +82,8 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     def progress(done: int, total: int) -> None:
         if stop.is_set():
             raise Stopped
-        tell(State(done, total))
+        tell(Exporting(name, done, total))
 
-    name = Path(output).name
     try:
         export(gclip.open(clip), film, Path(output), progress)
         ended = saved(Path(output))
@@ -104,7 +94,7 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     except Exception as error:
         ended = f"Exporting {name} failed: {error or type(error).__name__}."
     with suppress(Stopped):
-        tell(State(ended=ended))
+        tell(Exporting(name, ended=ended))
 
 
 class Exports:
@@ -116,10 +106,7 @@ class Exports:
     @property
     def progress(self) -> Exporting | None:
         """Of the export under way, if there is one."""
-        if self._running is None:
-            return None
-        state = self._running.state
-        return Exporting(self._running.name, state.done, state.total)
+        return None if self._running is None else self._running.state
 
     def look(self) -> str:
         """What to tell the user: "" unless an export has just ended."""

@@ -6,15 +6,13 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import glfw as untyped
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
-
-if TYPE_CHECKING:
-    from player.ui.gui import Gui
+from player.ui.gui import Gui
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
@@ -178,12 +176,6 @@ def listen(
     glfw.set_scroll_callback(handle, lambda _, right, up: gui.turn_wheel(up))
     glfw.set_window_refresh_callback(handle, lambda _: draw_again())
     glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
-
-
-def hide_cursor(handle: Any, wanted: bool) -> None:
-    """Over the window."""
-
-    glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN if wanted else glfw.CURSOR_NORMAL)
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:

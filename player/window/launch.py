@@ -128,7 +128,7 @@ def show(
             try:
                 scene = window.run()
                 if profile:
-                    print(profile_table(window.timers), file=sys.stderr)
+                    print(profile_table(window.viewports.timers), file=sys.stderr)
                 return scene, window.size
             except ContextLost:
                 if left == 0:
