@@ -62,7 +62,9 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
 ) -> None:
     seen: list[bool] = []
 
-    def shown(clips: object, style: Style, size: tuple[int, int], prepare: Any) -> tuple:
+    def shown(
+        clips: object, style: Style, size: tuple[int, int], prepare: Any, **rest: Any
+    ) -> tuple:
         timeline = Timeline.of((0.0, 1.0))
         camera = Camera.fit((np.zeros(3), np.ones(3)))
         scene = prepare(Scene(timeline, camera, camera, style, False))
