@@ -175,11 +175,37 @@ def evaluate_layer(
     if interval.start_colors is not None and interval.end_colors is not None:
         colors = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], layer.blend)
     else:
-        colors = clip.palette[tracks]
+        colors = palette_at(clip, layer.interval, layer.blend)[tracks]
     if layer.alpha < 1.0:
         colors = colors.copy()
         colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
     return positions_on_curve(interval, movers, layer.parameter), colors, tracks
+
+
+def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:
+    """(tracks, 4) uint8 sRGB and alpha, the tracks' colours at a share of an interval.
+
+    What is born in it takes on its own colour from that of the organ it grows from.
+    """
+    palette, sources = clip.palette, newborn(clip, interval)
+    own, parents = list(sources), list(sources.values())
+    palette[own] = blend_srgb(palette[parents], palette[own], share)
+    return palette
+
+
+def newborn(clip: Clip, interval: int) -> dict[int, int]:
+    """By id the tracks that are born in an interval, and the older one that each grows from."""
+    start, end = clip.intervals[interval].start, clip.intervals[interval].end
+    parents = {t.id: t.parent for t in clip.track_table if start < t.born <= end}
+    found = {}
+    for track, parent in parents.items():
+        passed = {track}
+        while parent in parents and parent not in passed:
+            passed.add(parent)
+            parent = parents[parent]
+        if parent is not None and parent not in parents:
+            found[track] = parent
+    return found
 
 
 def srgb_to_linear(srgb: NDArray[np.floating]) -> NDArray[np.floating]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.evaluate import srgb_to_linear
+from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
 from player.view.camera import axes, outline
@@ -183,7 +183,7 @@ class Colors:
         aged = resolved_color_mode(self._clip, style) is ColorMode.AGE
         scale = self.color_scale(style) if aged else None
         if scale is None:
-            return self._clip.palette[:, :3]
+            return palette_at(self._clip, *locate(self._clip, day))[:, :3]
         first = self._clip.times[0]
         born = np.array([max(track.born, first) for track in self._clip.track_table])
         share = np.clip((day - born) / max(scale.high, 1e-12), 0.0, 1.0)

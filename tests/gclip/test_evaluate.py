@@ -1,10 +1,12 @@
 """Clip.at: scans are kept, order is constant, curves are Bézier curves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gclip import Clip, Motion
-from gclip.evaluate import LITTER_FADE, bernstein, layers_at
+from gclip.evaluate import LITTER_FADE, bernstein, layers_at, newborn, palette_at
 
 
 def sorted_rows(points: np.ndarray) -> np.ndarray:
@@ -130,3 +132,26 @@ def test_world_coordinates_are_added(make_clip):
     near, far = make_clip(), make_clip(origin=(1000.0, -745.0, 20.0))
     assert np.allclose(far.at(1.3).positions - near.at(1.3).positions, [1000, -745, 20], atol=1e-3)
     assert np.array_equal(far.at(1.3).local, near.at(1.3).local)
+
+
+def test_what_is_born_takes_on_its_own_colour_from_that_of_its_parent(make_clip):
+    clip = make_clip()
+    stem, bud = clip.track_table
+    end = clip.intervals[0].end
+    grown = replace(clip, track_table=(stem, replace(bud, parent=stem.id, born=end)))
+    colors = [palette_at(grown, 0, share)[bud.id, :3] for share in (0.0, 0.5, 1.0)]
+    assert colors[0].tolist() == list(stem.color)
+    assert colors[2].tolist() == list(bud.color)
+    low, high = np.minimum(colors[0], colors[2]), np.maximum(colors[0], colors[2])
+    assert ((colors[1] >= low) & (colors[1] <= high)).all()
+    assert (palette_at(grown, 1, 0.0) == clip.palette).all(), "from then on it has its own"
+
+
+def test_a_newborn_branch_comes_from_what_was_there(make_clip):
+    clip = make_clip()
+    stem, end = clip.track_table[0], clip.intervals[0].end
+    branch = replace(clip.track_table[1], parent=0, born=end)
+    leaf = replace(branch, id=2, parent=1)
+    assert newborn(replace(clip, track_table=(stem, branch, leaf)), 0) == {1: 0, 2: 0}
+    circle = (stem, replace(branch, parent=2), leaf)
+    assert newborn(replace(clip, track_table=circle), 0) == {}, "a forged clip may say so"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import shaders
+from gclip.evaluate import newborn
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
@@ -110,6 +111,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         "points": [scan.points for scan in clip.scans],
         "colored": clip.has_colors,
         "tracks": [track.color for track in clip.track_table],
+        "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": [
             {
                 "start": interval.start,

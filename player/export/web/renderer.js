@@ -99,7 +99,7 @@ class Renderer {
             point_px_range: [samples * this.sizes[0], this.sizes[1]],
             target_depth: camera.distance, scene_radius: clip.sceneRadius, perspective: 1,
             half_extent: [(slope * width) / height, slope],
-            by_track: look.byTrack, palette: [this.palette(look.chosen), 0],
+            by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
             to_floor: product(clip.shadow.toSquare, camera.pose()),
             up_dir: up, key_light_dir: scaled(key, 1 / Math.hypot(...key)),
             dome: domeOffsets(Math.max(1, (1.2 * samples * height) / 720)),
@@ -179,20 +179,27 @@ class Renderer {
         return { depth: program("splat_depth"), sum: program("splat_sum"), shadow: program("shadow") };
     }
 
-    // The organs' colours in linear light; beside a chosen one the others stand back.
-    palette(chosen) {
-        if (this.painted.chosen === chosen) return this.painted.texture;
-        const { gl, graphics, clip: { tracks } } = this, width = 1024;
-        const height = Math.ceil(tracks.length / width), texels = new Float32Array(4 * width * height);
-        tracks.forEach((color, i) => {
-            const linear = color.map((c) => c / 255).map((c) =>
-                (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+    // The organs' colours in linear light: a newborn one's comes from that of the organ it grows
+    // from. Beside a chosen one the others stand back.
+    palette(chosen, day) {
+        const { gl, graphics, clip } = this, [interval, share] = clip.locate(day);
+        const newborn = new Map(clip.newborn[interval]);
+        const key = [chosen, newborn.size ? day : null].join();
+        if (this.painted.key === key) return this.painted.texture;
+        const width = 1024, height = Math.ceil(clip.tracks.length / width);
+        const texels = new Float32Array(4 * width * height);
+        const linear = clip.tracks.map((color) => color.map((c) => c / 255).map((c) =>
+            (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)));
+        linear.forEach((own, i) => {
+            const from = linear[newborn.get(i) ?? i];
+            const color = own.map((c, k) => (1 - share) * from[k] + share * c);
             const kept = chosen < 0 || chosen === i ? 1 : DIMMED;
-            const grey = 0.35 * (1 - kept) * dot(linear, LUMINANCE);
-            texels.set([...linear.map((c) => kept * c + grey), kept], 4 * i);
+            const grey = 0.35 * (1 - kept) * dot(color, LUMINANCE);
+            texels.set([...color.map((c) => kept * c + grey), kept], 4 * i);
         });
-        gl.deleteTexture(this.painted.texture || null);
-        this.painted = { chosen, texture: graphics.texture(width, height, gl.RGBA32F) };
+        this.painted.texture ||= graphics.texture(width, height, gl.RGBA32F);
+        this.painted.key = key;
+        gl.bindTexture(gl.TEXTURE_2D, this.painted.texture);
         gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.FLOAT, texels);
         return this.painted.texture;
     }
