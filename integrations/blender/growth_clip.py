@@ -130,7 +130,7 @@ def movers_of(document, take):
         try:
             colors = [take(name, count, 4) for name in ends]
         except KeyError:
-            colors = [palette[tracks]] * 2
+            colors = [start_palette(document["tracks"], interval, palette)[tracks], palette[tracks]]
         begin = interval["start"] - intervals[0]["start"]
         following = lengths[index + 1] if index + 1 < len(intervals) else NEVER
         parts.append({
@@ -143,6 +143,21 @@ def movers_of(document, take):
         if tracks.max() >= len(palette) or not np.abs(curve).max() <= MAX_NUMBER:
             raise ValueError("a track without a name, or a position that is not finite")
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def start_palette(tracks, interval, palette):
+    """The tracks' colours as an interval begins: what is born in it has its parent's."""
+    begin, end = interval["start"], interval["end"]
+    newborn = [begin < track.get("born", 0.0) <= end for track in tracks]
+    found = palette.copy()
+    for index in np.flatnonzero(newborn):
+        source, passed = tracks[index].get("parent"), {index}
+        while source is not None and newborn[source] and source not in passed:
+            passed.add(source)
+            source = tracks[source].get("parent")
+        if source is not None and not newborn[source]:
+            found[index] = palette[source]
+    return found
 
 
 def curve_of(interval, prefix, count, take):

@@ -61,7 +61,7 @@ def made_clip(
         intervals=intervals,
         track_table=(
             Track(0, "stem", (150, 124, 92), kind="root"),
-            Track(1, "leaf", (9, 144, 218)),
+            Track(1, "leaf", (9, 144, 218), parent=0, born=times[1]),
         ),
         origin=(4e5, 5e6, 300.0),
         up=up,
