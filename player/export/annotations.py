@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +18,7 @@ from player.view.annotations import (
     draw_title,
 )
 from player.view.colors import resolved_color_mode
+from player.view.fonts import BOLD, REGULAR, font_file
 from player.view.style import GROUNDS
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from player.view.camera import Camera
     from player.view.colors import ValueRange
 
-REGULAR, BOLD = "Roboto-Regular.ttf", "Roboto-Bold.ttf"
 MARGIN = 30  # units
 HALO = 2  # about texts, that they can be read where they lie over the plant
 MIN_UNIT = 0.6  # pixels: the small text is then 9 of them high
@@ -137,8 +135,7 @@ def _font(name: str, size: float) -> Any:
     """
     from PIL import ImageFont
 
-    spec = find_spec("imgui_bundle")
-    for folder in spec.submodule_search_locations or () if spec else ():
-        for path in sorted((Path(folder) / "assets" / "fonts").rglob(name)):
-            return ImageFont.truetype(str(path), size, layout_engine=ImageFont.Layout.BASIC)
-    return ImageFont.load_default(size)
+    file = font_file(name)
+    if not file:
+        return ImageFont.load_default(size)
+    return ImageFont.truetype(file, size, layout_engine=ImageFont.Layout.BASIC)

@@ -108,8 +108,10 @@ def _organ(scene: Scene, pen: Pen, number: int, organ: Track) -> Scene:
     visible = style.alone == number if style.alone is not None else number not in style.hidden
     x, y = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x - KEY
+    imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*faint(theme.accent, 0.22)))
     if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
         scene = actions.pick(number)(scene)
+    imgui.pop_style_color()
     imgui.same_line()
     icon = EYE if visible else EYE_CLOSED
     imgui.push_style_color(imgui.Col_.button, CLEAR)
