@@ -40,7 +40,8 @@ def _list(wanted: bool) -> None:
     """Print what can be exported, and leave."""
     if wanted:
         for one in player.export.FORMATS:
-            typer.echo(f"{one.example:18}{one.about}")
+            also = f"; also {', '.join(one.also)}" if one.also else ""
+            typer.echo(f"{one.example:18}{one.about}{also}")
         raise typer.Exit
 
 

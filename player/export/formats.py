@@ -126,7 +126,7 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
     if film.at and not chosen.days:
         raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
-    if film.transparent and chosen.suffix != ".png":
+    if film.transparent and path.suffix.lower() != ".png":
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")
@@ -135,14 +135,16 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
 FORMATS: tuple[Format, ...] = (
     Format(
         "film.mp4", "film that plays everywhere (H.264)", video.write_mp4,
-        video.check_mp4, picture=True,
+        video.check_h264, picture=True, also=(".mov",),
     ),
     Format("film.gif", "film for pages and slides", video.write_gif, video.check_gif, picture=True),
     Format("film.webm", "film for web pages (VP9)", video.write_webm, picture=True),
-    Format("still.png", "one picture", image.write, picture=True, days=1),
+    Format(
+        "still.png", "one picture", image.write, picture=True, days=1, also=image.JPEG_SUFFIXES
+    ),
     Format(
         "frames/%04d.png", "pictures, one a frame", image.write_sequence,
-        sequence=True, picture=True, days=2,
+        sequence=True, picture=True, days=2, also=image.JPEG_SUFFIXES,
     ),
     Format("plant.html", "one page to turn and play in any browser, offline", page.write),
     Format("cloud.ply", "one point cloud, for any program", ply.write, points=True, days=1),
@@ -156,7 +158,7 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
-        usd.check, points=True, also=(".usda", ".usdc"),
+        usd.check, points=True, also=(".usda", ".usdc", ".usdz"),
     ),
     Format(
         "traits.csv", "height, length, area, volume, angle, growth of each organ", table.write,

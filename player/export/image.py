@@ -1,4 +1,4 @@
-"""PNG pictures: one, or a numbered sequence."""
+"""PNG and JPEG pictures: one, or a numbered sequence."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
+JPEG_SUFFIXES = (".jpg", ".jpeg")
+JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour
 NUMBER = re.compile(r"%0?\d*d")
 
 
@@ -34,8 +36,8 @@ def is_sequence(path: Path) -> bool:
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """One picture, of the film's --day or the last scan's.
 
-    The text "view" in its metadata is what it takes to draw on top of it: the (4, 4) matrix from
-    the clip's local coordinates to OpenGL's clip coordinates, M @ column, as JSON row by row.
+    The text "view" in a PNG's metadata is what it takes to draw on top of it: the (4, 4) matrix
+    from the clip's local coordinates to OpenGL's clip coordinates, M @ column, as JSON row by row.
     """
     still = replace(film, at=film.at or (clip.times[-1],), every=None)
     camera = still.camera(clip, still.at[0])
@@ -71,14 +73,17 @@ def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> Path:
 def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
     from PIL.PngImagePlugin import PngInfo
 
+    if path.suffix.lower() in JPEG_SUFFIXES:
+        path.write_bytes(_encoded(picture[..., :3], ".jpg", **JPEG))
+        return
     metadata = PngInfo()
     metadata.add_text("view", json.dumps(view.tolist()))
     opaque = bool((picture[..., 3] == 255).all())
     path.write_bytes(_encoded(picture[..., :3] if opaque else picture, pnginfo=metadata))
 
 
-def _encoded(picture: NDArray[np.uint8], **options: Any) -> bytes:
-    """The bytes of a PNG file. A file that imageio wrote itself would tell of a full disk twice."""
+def _encoded(picture: NDArray[np.uint8], extension: str = ".png", **options: Any) -> bytes:
+    """The bytes of a file. One that imageio wrote itself would tell of a full disk twice."""
     import imageio.v3 as iio
 
-    return iio.imwrite("<bytes>", picture, extension=".png", plugin="pillow", **options)
+    return iio.imwrite("<bytes>", picture, extension=extension, plugin="pillow", **options)

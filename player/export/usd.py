@@ -7,6 +7,8 @@ samples and curved ones some more.
 
 from __future__ import annotations
 
+import os
+from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +27,7 @@ from player.view.camera import axes
 if TYPE_CHECKING:
     from gclip import Clip, Group, Interval
 
+ZIP_EPOCH = datetime(1980, 1, 1)  # a package tells when its stage was written
 CURVED_SAMPLES = 17  # an interval, where movers go along curves or fall
 METERS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 
@@ -39,34 +42,45 @@ def check(film: Film) -> None:
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the plant; its time codes are the film's frames, from 0."""
-    from pxr import Gf, Sdf, Usd, UsdGeom
+    from pxr import UsdUtils
 
     if not str(path).isprintable():
         raise PlayerError(f"{path}: OpenUSD writes files of plain names only.")
+    with whole_file(path) as part:
+        packed = path.suffix.lower() == ".usdz"
+        stage = part.with_name("plant.usdc") if packed else part
+        _write_stage(clip, film, stage, progress)
+        if packed:
+            os.utime(stage, (ZIP_EPOCH.timestamp(),) * 2)
+            if not UsdUtils.CreateNewUsdzPackage(str(stage), str(part)):
+                raise PlayerError(f"{path} can't be written: OpenUSD could not pack it.")
+
+
+def _write_stage(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    from pxr import Gf, Sdf, Usd, UsdGeom
+
     total = len(clip.intervals)
     frames = film.length(clip) * film.fps
     rate = frames / (clip.times[-1] - clip.times[0])
-    with whole_file(path) as part:
-        stage = Usd.Stage.CreateNew(str(part))
-        stage.SetStartTimeCode(0.0)
-        stage.SetEndTimeCode(frames)
-        stage.SetTimeCodesPerSecond(film.fps)
-        stage.SetFramesPerSecond(film.fps)
-        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y if clip.up == "y" else UsdGeom.Tokens.z)
-        UsdGeom.SetStageMetersPerUnit(stage, METERS.get(clip.unit, 1.0))
-        root = UsdGeom.Xform.Define(stage, "/plant")
-        root.AddTransformOp().Set(Gf.Matrix4d(*_placed(clip).T.ravel().tolist()))
-        root.GetPrim().SetMetadata(Sdf.PrimSpec.DocumentationKey, film.title or film.name)
-        stage.SetDefaultPrim(root.GetPrim())
-        progress(0, total)
-        for index, interval in enumerate(clip.intervals):
-            begin = (interval.start - clip.times[0]) * rate
-            length = (interval.end - interval.start) * rate
-            for group in interval.groups:
-                _add(stage, clip, index, group, begin, length)
-            progress(index + 1, total)
-        stage.GetRootLayer().Save()
-        del stage, root
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.SetStartTimeCode(0.0)
+    stage.SetEndTimeCode(frames)
+    stage.SetTimeCodesPerSecond(film.fps)
+    stage.SetFramesPerSecond(film.fps)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y if clip.up == "y" else UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, METERS.get(clip.unit, 1.0))
+    root = UsdGeom.Xform.Define(stage, "/plant")
+    root.AddTransformOp().Set(Gf.Matrix4d(*_placed(clip).T.ravel().tolist()))
+    root.GetPrim().SetMetadata(Sdf.PrimSpec.DocumentationKey, film.title or film.name)
+    stage.SetDefaultPrim(root.GetPrim())
+    progress(0, total)
+    for index, interval in enumerate(clip.intervals):
+        begin = (interval.start - clip.times[0]) * rate
+        length = (interval.end - interval.start) * rate
+        for group in interval.groups:
+            _add(stage, clip, index, group, begin, length)
+        progress(index + 1, total)
+    stage.GetRootLayer().Save()
 
 
 def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length: float) -> None:

@@ -1,4 +1,4 @@
-"""Films as MP4 (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
+"""Films as MP4 or QuickTime (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ REPRODUCIBLE = (
 )
 
 
-def check_mp4(film: Film) -> None:
+def check_h264(film: Film) -> None:
     """Raise PlayerError where H.264 can't hold the size."""
     if film.size[0] % 2 or film.size[1] % 2:
         width, height = (side + side % 2 for side in film.size)
         raise PlayerError(
-            f"an mp4's sides are even numbers, not {film.size[0]}x{film.size[1]}; "
+            f"sides of H.264 films are even numbers, not {film.size[0]}x{film.size[1]}; "
             f"use --size {width}x{height}."
         )
 
@@ -55,7 +55,7 @@ def check_gif(film: Film) -> None:
 
 
 def write_mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264 plays everywhere."""
+    """H.264 plays everywhere. The suffix says whether ffmpeg puts it into .mp4 or .mov."""
     with closing(film.pictures(clip, progress)) as pictures:
         encode(pictures, film, path, "libx264", [*X264, *BT709])
 

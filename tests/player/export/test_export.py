@@ -71,6 +71,16 @@ def test_the_same_film_has_the_same_bytes(clip: Clip, tmp_path: Path) -> None:
         assert first == second
 
 
+def test_mov_holds_the_film_of_mp4(clip: Clip, tmp_path: Path) -> None:
+    frames = []
+    for suffix, brand in (("mov", b"qt  "), ("mp4", b"isom")):
+        path = tmp_path / f"film.{suffix}"
+        export(clip, SMALL, path)
+        assert path.read_bytes()[8:12] == brand
+        frames.append(list(imageio_ffmpeg.read_frames(str(path)))[1:])
+    assert frames[0] == frames[1]
+
+
 def test_gif_loops_and_holds_the_frames(clip: Clip, tmp_path: Path) -> None:
     from PIL import Image
 
@@ -98,6 +108,20 @@ def test_png_sequence_and_still(clip: Clip, tmp_path: Path) -> None:
     export(clip, day, tmp_path / "still.png")
     still = iio.imread(tmp_path / "still.png")
     assert (still == render(clip, 1.0, size=(64, 48))[..., :3]).all()
+
+
+@pytest.mark.parametrize("suffix", ["jpg", "JPEG"])
+def test_jpeg_sequence_and_still(clip: Clip, tmp_path: Path, suffix: str) -> None:
+    export(clip, SMALL, tmp_path / f"f%03d.{suffix}")
+    assert only(tmp_path) == [f"f{i:03d}.{suffix}" for i in range(6)]
+    export(clip, Film(size=(64, 48), at=(1.0,)), tmp_path / f"still.{suffix}")
+    content = (tmp_path / f"still.{suffix}").read_bytes()
+    assert content.startswith(b"\xff\xd8\xff")
+    still = iio.imread(content).astype(int)
+    drawn = render(clip, 1.0, size=(64, 48))[..., :3].astype(int)
+    assert np.abs(still - drawn).mean() < 3
+    with pytest.raises(PlayerError, match="--transparent is for PNG pictures"):
+        export(clip, Film(size=(64, 48), transparent=True), tmp_path / f"clear.{suffix}")
 
 
 def test_pictures_of_chosen_days_carry_their_view(clip: Clip, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -89,3 +90,19 @@ def test_without_the_library_one_sentence_says_what_to_do(
     with pytest.raises(PlayerError, match=r"\[usd\]"):
         export(make_clip(), FILM, tmp_path / "plant.usd")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_package_holds_the_same_stage_and_the_same_bytes_each_time(
+    pxr: Any, make_clip: Any, tmp_path: Path
+) -> None:
+    clip = make_clip(degree=2)
+    for name in ("a.usdz", "b.usdz", "plant.usdc"):
+        export(clip, FILM, tmp_path / name)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.usdz", "b.usdz", "plant.usdc"]
+    with zipfile.ZipFile(tmp_path / "a.usdz") as package:
+        assert package.infolist()[0].date_time == (1980, 1, 1, 0, 0, 0)
+    assert (tmp_path / "a.usdz").read_bytes() == (tmp_path / "b.usdz").read_bytes()
+    for packed, plain in zip(
+        at(pxr, tmp_path / "a.usdz", 100.0), at(pxr, tmp_path / "plant.usdc", 100.0), strict=True
+    ):
+        np.testing.assert_array_equal(packed, plain)
