@@ -1,7 +1,5 @@
 """Checks a clip to its last byte: all that opening it checks, and every checksum."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass

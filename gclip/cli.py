@@ -1,7 +1,5 @@
 """The command `gclip`: whether clips are whole."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -3,8 +3,6 @@
 Text comes without control characters.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -3,8 +3,6 @@
 Nothing but numbers is stored, no code runs on opening, and buffers are views of the mapped file.
 """
 
-from __future__ import annotations
-
 import math
 import mmap
 import os

@@ -1,7 +1,5 @@
 """The movers between two successive scans, and their buffers in a file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

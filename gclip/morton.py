@@ -1,7 +1,5 @@
 """Orders of points along a Morton curve: what is near in space is near in memory."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

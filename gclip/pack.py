@@ -1,7 +1,5 @@
 """From float movers to an interval's buffers: grouped, ordered for the GPU, quantised."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

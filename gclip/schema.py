@@ -4,8 +4,6 @@ What types can't express, such as fields that contradict each other, `__post_ini
 ValueError becomes msgspec's, which names the place.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The command `grow`: scans of a plant that never was, and the truth about it."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The colours a scanner with a camera would give each point."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

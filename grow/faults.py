@@ -4,8 +4,6 @@ Depth edges don't sit where the colour image's edges are, and smear; thin stalks
 behind them; some pixels get no depth; labels may be a little misplaced.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

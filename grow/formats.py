@@ -3,8 +3,6 @@
 Without labels or colours the fields are left out. Same cloud, same bytes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

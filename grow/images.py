@@ -1,7 +1,5 @@
 """A series of colour, depth and label images of a rosette, as the Komatsuna data has them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -3,8 +3,6 @@
 Its leaves overlap one another from above, as in the data of Uchiyama et al. (2017).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from grow.part import NODES, Change, Part, blade, crooked

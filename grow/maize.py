@@ -1,7 +1,5 @@
 """Maize: a stem of nodes, leaves in two ranks that rise from the whorl, unroll, turn and droop."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from grow.part import NODES, Change, Part, blade, crooked

@@ -1,7 +1,5 @@
 """A plant as a function of time: clouds, organs, and the track of every point of its tissue."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module

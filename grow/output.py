@@ -1,7 +1,5 @@
 """A folder of what `grow` makes: it appears whole, or the one before stays as it was."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

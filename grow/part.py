@@ -5,8 +5,6 @@ Material coordinates stay with the tissue for ever: `along` runs from 0 at the a
 the tip, `across` from -1 to 1 over the strip, with the midrib at 0.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

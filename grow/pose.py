@@ -1,7 +1,5 @@
 """Every part's axis, frame and cross-section at one moment, for all parts at once."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

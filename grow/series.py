@@ -1,7 +1,5 @@
 """A series of scans of one plant, with its truth, in a folder: all of it, or nothing."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a plant module hands over: the parts, the organs' parents, and the usual scans."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from grow.part import Part

@@ -1,7 +1,5 @@
 """From material coordinates to positions, areas and evenly spread samples."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Tomato: a leaning stem, two cotyledons, and compound leaves in a spiral, leaflet by leaflet."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

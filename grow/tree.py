@@ -1,7 +1,5 @@
 """Trees: a trunk, branches of branches born one after another, and leaves on the young twigs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Noise of the scanner: its estimate, and moving least squares to remove it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The area of the surface that scanned points were sampled from."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 Errors and stops remove that folder, `.NAME.xxxxxxxx.part`; that of a killed process stays.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

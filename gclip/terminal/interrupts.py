@@ -1,7 +1,5 @@
 """How a command is stopped: Ctrl-C, SIGTERM and SIGHUP end its work with a KeyboardInterrupt."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import threading
