@@ -31,7 +31,9 @@ class Ground:
         self._points = points
         self._passes = passes
         self._clip = points.clip
-        self._textures = [texture(context, (SIDE, SIDE), 2, "f2", linear=True) for _ in range(2)]
+        # Summed cover, then shares of the light: bytes are enough, and quickest to look up.
+        kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
+        self._textures = [texture(context, (SIDE, SIDE), *kind, linear=True) for kind in kinds]
         self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
         self._to_square, self._half_side = floor_square(points.clip)
 
@@ -39,9 +41,9 @@ class Ground:
         """point_area: what one point covers, in the clip's unit, where all of them are drawn."""
         import moderngl
 
-        context, (shadow, other) = self._points.context, self._framebuffers
-        shadow.use()
-        shadow.clear()
+        context, summed = self._points.context, self._framebuffers[0]
+        summed.use()
+        summed.clear()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
         candidates = sum(min(drawn.points, MAX_CANDIDATES) for drawn in ranges)
@@ -55,15 +57,14 @@ class Ground:
             }
             self._points.draw("shadow", [some], uniforms)
         context.enable_only(0)
-        for source, target, direction in ((0, other, (1.0, 0.0)), (1, shadow, (0.0, 1.0))):
-            target.use()
+        for source, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
+            self._framebuffers[source + 1].use()
             self._textures[source].use(0)
-            step = (direction[0] / SIDE, direction[1] / SIDE)
             self._passes.fill("blur", source=0, direction=step, saturate=source == 0)
 
     def uniforms(self, camera: Camera, style: Style, unit: int) -> dict[str, Any]:
         """Of ground.glsl; the shadow is bound to a texture unit."""
-        self._textures[0].use(unit)
+        self._textures[-1].use(unit)
         colors = GROUNDS[style.ground]
         return {
             "shadow": unit,
