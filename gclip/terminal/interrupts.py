@@ -32,7 +32,7 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
             received.append(number)
             raise KeyboardInterrupt
 
-    def on_unraisable(dropped: sys.UnraisableHookArgs) -> None:
+    def on_unraisable(dropped: "sys.UnraisableHookArgs") -> None:
         if received and issubclass(dropped.exc_type, KeyboardInterrupt):
             send_again(received.pop())
         else:
