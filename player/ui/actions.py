@@ -221,24 +221,31 @@ def wish(what: Wish) -> Move:
     return lambda scene: replace(scene, wish=what)
 
 
+def output(notice: str = "", **changes: object) -> Move:
+    """Change what the next picture or export is to be."""
+
+    def change(scene: Scene) -> Scene:
+        changed = replace(scene.output, **changes)  # type: ignore[arg-type]
+        return replace(scene, output=changed, notice=notice or scene.notice)
+
+    return change
+
+
 def next_format(scene: Scene) -> Scene:
     chosen = scene.formats[(scene.formats.index(scene.output.example) + 1) % len(scene.formats)]
-    output = replace(scene.output, example=chosen)
-    return replace(scene, output=output).with_notice(f"Export: {chosen}")
+    return output(f"Export: {chosen}", example=chosen)(scene)
 
 
 def next_size(scene: Scene) -> Scene:
     known = SIZES.index(scene.output.size) if scene.output.size in SIZES else 0
     size = SIZES[(known + 1) % len(SIZES)]
     text = f"{size[0]} × {size[1]} pixels" if size else "as large as the window"
-    output = replace(scene.output, size=size)
-    return replace(scene, output=output).with_notice(f"Pictures: {text}")
+    return output(f"Pictures: {text}", size=size)(scene)
 
 
 def switch_transparent(scene: Scene) -> Scene:
-    output = replace(scene.output, transparent=not scene.output.transparent)
-    text = "transparent" if output.transparent else "opaque"
-    return replace(scene, output=output).with_notice(f"Pictures: {text}")
+    text = "opaque" if scene.output.transparent else "transparent"
+    return output(f"Pictures: {text}", transparent=not scene.output.transparent)(scene)
 
 
 def escape(scene: Scene) -> Scene:

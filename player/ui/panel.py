@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip, Track
 from player.export.formats import FORMATS
 from player.ui import actions, keys
+from player.ui.actions import Move
 from player.ui.gui import Gui
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR, PADDING, Theme, faint, packed, rgb
@@ -129,22 +129,17 @@ def _organ(scene: Scene, pen: Pen, number: int, organ: Track) -> Scene:
 def _look(scene: Scene, pen: Pen) -> Scene:
     modes = scene.color_modes
     modes += () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
-    names = [mode.label for mode in modes]
-    chosen = _choice(pen, "Colour", names, modes.index(scene.color_mode), "color")
-    if chosen is not None:
-        scene = actions.color_by(modes[chosen])(scene)
+    colors = {mode.label: actions.color_by(mode) for mode in modes}
+    scene = _choice(scene, pen, "Colour", colors, scene.color_mode.label, "color")
     style = scene.style
     if style.pixels is None:
         limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
-        size = _slider(pen, "Points", style.point_size, limits, "larger", text)
-        scene = scene if size is None else scene.with_style(point_size=size)
+        scene = _slider(scene, pen, "Points", "point_size", limits, "larger", text)
     else:
         limits, text = (actions.FEWEST, actions.MOST), f"{style.pixels:.1f} px"
-        size = _slider(pen, "Points", style.pixels, limits, "larger", text)
-        scene = scene if size is None else scene.with_style(pixels=size)
+        scene = _slider(scene, pen, "Points", "pixels", limits, "larger", text)
     text = f"{style.eye_dome:.0%}"
-    shading = _slider(pen, "Shading", style.eye_dome, (0.0, STRONGEST), "shading", text)
-    scene = scene if shading is None else scene.with_style(eye_dome=shading)
+    scene = _slider(scene, pen, "Shading", "eye_dome", (0.0, STRONGEST), "shading", text)
     switches = (
         ("pixels", "Sized in pixels", style.pixels is not None),
         ("ground", "Light ground", style.ground == "light"),
@@ -172,66 +167,66 @@ def _view(scene: Scene, pen: Pen) -> Scene:
 
 
 def _compare(scene: Scene, pen: Pen) -> Scene:
-    choices = list(Compare)
     label = "Other clip" if scene.clips > 1 else "With scan"
-    names = [choice.value for choice in choices]
-    chosen = _choice(pen, label, names, choices.index(scene.compare), "compare")
-    return scene if chosen is None else actions.compare_by(choices[chosen])(scene)
+    choices = {how.value: actions.compare_by(how) for how in Compare}
+    return _choice(scene, pen, label, choices, scene.compare.value, "compare")
 
 
 def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:
-    output, names = scene.output, [one.example for one in FORMATS]
-    chosen = _choice(pen, "What", names, names.index(output.example), "format")
-    if chosen is not None:
-        output = replace(output, example=names[chosen])
-    if FORMATS[names.index(output.example)].picture:
-        sizes = [f"{s[0]} × {s[1]}" if s else "as the window" for s in SIZES]
-        now = SIZES.index(output.size) if output.size in SIZES else 0
-        chosen = _choice(pen, "Pixels", sizes, now, "size")
-        if chosen is not None:
-            output = replace(output, size=SIZES[chosen])
-    scene = replace(scene, output=output)
-    if output.example.endswith(".png"):
-        scene = _switches(scene, pen, [("transparent", "Transparent", output.transparent)])
-    if exporting is not None:
-        share = exporting.done / exporting.total if exporting.total else 0.0
-        imgui.progress_bar(share, (-1.0, 8.0), "")
+    examples = {one.example: actions.output(example=one.example) for one in FORMATS}
+    scene = _choice(scene, pen, "What", examples, scene.output.example, "format")
+    if next(one for one in FORMATS if one.example == scene.output.example).picture:
+        names = {s: f"{s[0]} × {s[1]}" if s else "as the window" for s in SIZES}
+        sizes = {name: actions.output(size=size) for size, name in names.items()}
+        now = names.get(scene.output.size, names[None])
+        scene = _choice(scene, pen, "Pixels", sizes, now, "size")
+    if scene.output.example.endswith(".png"):
+        switch = ("transparent", "Transparent", scene.output.transparent)
+        scene = _switches(scene, pen, [switch])
     both = [("export", "Stop" if exporting else "Export"), ("picture", "Picture")]
     return _buttons(scene, pen.theme, both)
 
 
-def _choice(pen: Pen, label: str, names: Sequence[str], now: int, action: str) -> int | None:
-    """One of several; the number of the one that was just chosen."""
-    found = None
+def _choice(
+    scene: Scene, pen: Pen, label: str, choices: Mapping[str, Move], now: str, action: str
+) -> Scene:
+    """One of several, by its name, and what choosing it does."""
     _label(pen, label)
     imgui.set_next_item_width(_room(pen, action))
-    if imgui.begin_combo(f"##{label}", names[now]):
-        for number, name in enumerate(names):
-            if imgui.selectable(name, number == now)[0]:
-                found = number
+    if imgui.begin_combo(f"##{label}", now):
+        for name, choose in choices.items():
+            if imgui.selectable(name, name == now)[0]:
+                scene = choose(scene)
         if imgui.is_key_pressed(imgui.Key.escape):
             imgui.close_current_popup()
         imgui.end_combo()
     tip(action)
     _key(pen, action)
-    return found
+    return scene
 
 
 def _slider(
-    pen: Pen, label: str, value: float, limits: tuple[float, float], action: str, text: str
-) -> float | None:
-    """A number, and beside it how it reads; the new one while it is being changed."""
+    scene: Scene,
+    pen: Pen,
+    label: str,
+    name: str,
+    limits: tuple[float, float],
+    action: str,
+    text: str,
+) -> Scene:
+    """A number of the style, by its name there, and beside it how it reads."""
     flags = imgui.SliderFlags_.no_input
     if limits[0] > 0.0:
         flags |= imgui.SliderFlags_.logarithmic
     _label(pen, label)
     imgui.set_next_item_width(_room(pen, action) - VALUE)
-    changed, new = imgui.slider_float(f"##{label}", value, *limits, "", flags)
+    value = getattr(scene.style, name)
+    changed, value = imgui.slider_float(f"##{label}", value, *limits, "", flags)
     tip(action, row=True)
     imgui.same_line()
     imgui.text_unformatted(text)
     _key(pen, action)
-    return new if changed else None
+    return scene.with_style("", **{name: value}) if changed else scene
 
 
 def _switches(scene: Scene, pen: Pen, switches: Sequence[tuple[str, str, bool]]) -> Scene:

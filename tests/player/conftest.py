@@ -127,5 +127,5 @@ def shown(opened: Shown) -> Shown:
         opened.key("space")
         opened.until(lambda state: not state["playing"])
     opened.key("Home", "f")
-    opened.until(lambda state: state["day"] == 0.0 and state["at_home"] and not state["notice"])
+    opened.until(lambda state: state["day"] == 0.0 and state["at_home"])
     return opened
