@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from player.gl.shader import TILE, Passes
 
 if TYPE_CHECKING:
     import moderngl
 
 
+TILE_UNIT = 5  # texture unit of which tiles hold something
 NOTHING = 1e4  # the relative depth where no point is (shaders/depth.glsl)
 
 
@@ -42,11 +45,43 @@ class GBuffer:
         self.depths = [texture(context, size, 1, "f4") for _ in range(2)]
         self.light = texture(context, size, 4, "f2")
         self._plant = context.depth_renderbuffer(size)
+        self._tiles = texture(context, (-(-size[0] // TILE), -(-size[1] // TILE)), 1, "f1")
+        self._occupied = context.framebuffer([self._tiles])
         self.framebuffer = context.framebuffer([self.colors, self.depths[0]], self._plant)
         self.filtered = [context.framebuffer([depths], self._plant) for depths in self.depths]
         self.lit = context.framebuffer([self.light], self._plant)
         for framebuffer in (*self.filtered, self.lit):
             framebuffer.depth_mask = False
+
+    def fill(
+        self, passes: Passes, tile_finder: str, name: str, reach: int, **uniforms: Any
+    ) -> None:
+        """Run a pass that leaves colours and depths, in those tiles alone that hold any.
+
+        Parameters
+        ----------
+        passes : Passes
+        tile_finder, name : str
+            Of the fragment shaders that find the tiles, and fill them.
+        reach : int
+            Samples aside that they look.
+        **uniforms
+            Of both.
+        """
+        import moderngl
+
+        context, (across, up) = self.framebuffer.ctx, self._tiles.size
+        context.enable_only(moderngl.NOTHING)
+        self._occupied.use()
+        passes.fill(tile_finder, reach=reach, **uniforms)
+        self._tiles.use(TILE_UNIT)
+        # Points are clipped by their middles: the last tiles may lie beyond the picture.
+        self.framebuffer.viewport = (0, 0, across * TILE, up * TILE)
+        self.framebuffer.use()
+        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        context.depth_func = "1"
+        passes.fill(name, tiles=across * up, reach=reach, occupied=TILE_UNIT, **uniforms)
+        self.framebuffer.viewport = (0, 0, *self.size)
 
     def clear(self) -> None:
         """No plant anywhere."""
@@ -57,11 +92,11 @@ class GBuffer:
             depths.clear(NOTHING)
 
     def release(self) -> None:
-        framebuffers = (self.framebuffer, *self.filtered, self.lit)
+        framebuffers = (self.framebuffer, *self.filtered, self.lit, self._occupied)
         for framebuffer in framebuffers:
             framebuffer.release()
         self._plant.release()
-        for attached in (self.colors, *self.depths, self.light):
+        for attached in (self.colors, *self.depths, self.light, self._tiles):
             attached.release()
 
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from player.errors import PlayerError
 from player.gl.framebuffer import texture
-from player.gl.shader import TILE
 from player.rendering.point_cloud import PALETTE_UNIT
 
 if TYPE_CHECKING:
@@ -84,35 +83,20 @@ class PointRaster:
             self._points.compute("points", ranges, uniforms, PICK=1)
 
     def _fill_holes(self, gbuffer: GBuffer, splats: SplatParams) -> None:
-        import moderngl
-
-        context, targets = self._points.context, self._targets_for(splats.samples)
-        reach = 1 if splats.typical_radius_px <= 1.5 else 2
+        targets = self._targets_for(splats.samples)
         targets.nearest.use(0)
         targets.picked.use(1)
-        targets.tiles.use(2)
         self._points.palette.use(PALETTE_UNIT)
-        context.enable_only(0)
-        targets.tile_framebuffer.use()
-        self._passes.fill("tiles", nearest=0, reach=reach)
-
-        # Points are clipped by their middles: the last tiles may lie beyond the picture.
-        across, up = targets.tiles.size
-        gbuffer.framebuffer.viewport = (0, 0, across * TILE, up * TILE)
-        gbuffer.framebuffer.use()
-        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        context.depth_func = "1"
-        self._passes.fill(
+        gbuffer.fill(
+            self._passes,
+            "point_tiles",
             "fill_holes",
-            tiles=across * up,
-            occupied=2,
+            1 if splats.typical_radius_px <= 1.5 else 2,
             **splats.uniforms() | {"by_track": self._by_track(splats)},
             nearest=0,
             picked=1,
             palette=PALETTE_UNIT,
-            reach=reach,
         )
-        gbuffer.framebuffer.viewport = (0, 0, *gbuffer.size)
 
     def _by_track(self, splats: SplatParams) -> bool:
         """Whether the ten bits in a point's number name its colour."""
@@ -132,18 +116,13 @@ class PointRaster:
 
 
 class PointTargets:
-    """The nearest point's number in every sample (nearest_point.glsl), and its colour; and which
-    tiles hold points.
-    """
+    """The nearest point's number in every sample (nearest_point.glsl), and its colour."""
 
     def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
         self.nearest, self.picked = (texture(context, size, 1, "u4") for _ in range(2))
         self._depth = context.depth_renderbuffer(size)
         self.framebuffer = context.framebuffer([self.nearest, self.picked], self._depth)
-        self.tiles = texture(context, (-(-size[0] // TILE), -(-size[1] // TILE)), 1, "f1")
-        self.tile_framebuffer = context.framebuffer([self.tiles])
 
     def release(self) -> None:
-        textures = (self.nearest, self.picked, self.tiles, self._depth)
-        for part in (self.framebuffer, self.tile_framebuffer, *textures):
+        for part in (self.framebuffer, self.nearest, self.picked, self._depth):
             part.release()

@@ -121,12 +121,15 @@ class Splats:
         self._points.draw("splat_sum", ranges, uniforms)
         framebuffer.viewport = (0, 0, width, height)
 
-        context.enable_only(moderngl.DEPTH_TEST)
-        context.depth_func = "1"
-        gbuffer.framebuffer.use()
         sums.colors.use(0)
         sums.depths.use(1)
-        self._passes.fill("splat_resolve", **uniforms, color_sums=0, depth_sums=1)
+        reach = max(int(splats.point_px_range[0] / 1.5), 1)
+        gbuffer.fill(
+            *(self._passes, "splat_tiles", "splat_resolve", reach),
+            **uniforms,
+            color_sums=0,
+            depth_sums=1,
+        )
 
     def _sums_for(self, size: tuple[int, int]) -> SplatSums:
         if self._sums is None or self._sums.colors.size != size:
