@@ -59,7 +59,9 @@ class Clip {
     async load(index) {
         const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
         for (let at = 0; at < text.length; at += PIECE) {
-            parts.push(Uint8Array.from(atob(text.slice(at, at + PIECE)), (c) => c.charCodeAt(0)));
+            const piece = atob(text.slice(at, at + PIECE)), bytes = new Uint8Array(piece.length);
+            for (let i = 0; i < piece.length; ++i) bytes[i] = piece.charCodeAt(i);
+            parts.push(bytes);
             await nextTurn();
         }
         const stream = new Blob(parts).stream().pipeThrough(new DecompressionStream("deflate"));
