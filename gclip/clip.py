@@ -156,6 +156,10 @@ class Clip:
         table: DataFrame = import_module("traits").data_frame(self, days)
         return table
 
+    def show(self) -> None:
+        """Play the clip in a window until it is closed; `player.show` takes options."""
+        import_module("player").show(self)
+
     def _repr_html_(self) -> str:
         """The page that plays the clip: what a notebook shows."""
         return str(import_module("player").iframe(self))

@@ -1,5 +1,6 @@
 from .export.formats import film
 from .export.web.notebook import iframe
 from .rendering.headless import render
+from .window.launch import show
 
-__all__ = ["film", "iframe", "render"]
+__all__ = ["film", "iframe", "render", "show"]
