@@ -79,21 +79,27 @@ def read_clip(path):
 
 def facts_of(document):
     """What is told of the clip as a whole, as a dict; numbers about places in the clip's unit."""
-    up, unit = document["up"], str(document.get("unit", ""))
+    up, unit = document["up"], text(document.get("unit", ""))
     if up.removeprefix("-") not in ("x", "y", "z"):
         raise ValueError("a way up that is no axis")
     facts = {
         "up": up,
-        "unit": unit.encode("utf-8", "replace").decode(),
+        "unit": unit,
         "meters_per_unit": METERS.get(unit, 1.0),
         "origin": np.array(document.get("origin", (0, 0, 0)), float).reshape(3).tolist(),
         "spacing": float(document.get("spacing", 0.0)),
         "scan_times": [float(scan["time"]) for scan in document["scans"]],
+        "tracks": {str(i): text(track["name"]) for i, track in enumerate(document["tracks"])},
     }
     numbers = [*facts["origin"], facts["spacing"], *facts["scan_times"]]
     if not facts["scan_times"] or not np.abs(numbers).max() <= MAX_NUMBER:
         raise ValueError("no scans, or a number that is not finite")
     return facts
+
+
+def text(value):
+    """As Blender takes it: without halves of characters."""
+    return str(value).encode("utf-8", "replace").decode()
 
 
 def movers_of(document, take):
@@ -114,7 +120,10 @@ def movers_of(document, take):
         last, moves up to the second, and fades away from the third on.
     """
     intervals = document["intervals"]
-    degree = max(interval["degree"] for interval in intervals)
+    degrees = {interval["degree"] for interval in intervals}
+    if not degrees <= {1, 2, 3}:
+        raise ValueError("paths of a degree that the format does not know")
+    degree = max(degrees)
     palette = np.array([[*track["color"], 255] for track in document["tracks"]], np.uint8)
     lengths = [interval["end"] - interval["start"] for interval in intervals]
     if any(before["end"] != after["start"] for before, after in pairwise(intervals)):

@@ -58,6 +58,7 @@ def evaluate(path, days):
         "matrix": np.array(plant.matrix_world),
         "origin": np.array(plant["origin"]),
         "unit": np.array([plant["unit"]]),
+        "tracks": np.array(list(plant["tracks"].values())),
         "frames": np.array([bpy.context.scene.frame_start, bpy.context.scene.frame_end]),
     }
     for index, day in enumerate(days):

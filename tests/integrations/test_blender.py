@@ -115,6 +115,8 @@ def blender(tmp_path_factory: pytest.TempPathFactory) -> Blender:
 def bad_files(folder: Path) -> list[str]:
     whole = GROWN[0].read_bytes()
     length = int.from_bytes(whole[:8], "little")
+    bent = whole[: 8 + length].replace(b'\\"degree\\":2', b'\\"degree\\":9', 1)
+    assert bent != whole[: 8 + length]
     newer = whole[: 8 + length].replace(b'\\"version\\":\\"1', b'\\"version\\":\\"2', 1)
     files = {
         "missing.gclip": None,
@@ -122,6 +124,7 @@ def bad_files(folder: Path) -> list[str]:
         "cut.gclip": whole[: len(whole) // 2],
         "cloud.gclip": b"ply\nformat ascii 1.0\nelement vertex 0\nend_header\n",
         "newer.gclip": newer + whole[8 + length :],
+        "bent.gclip": bent + whole[8 + length :],
         **{f"hostile{seed}.gclip": hostile(Random(seed)) for seed in range(BAD)},
     }
     (folder / "bad").mkdir()
@@ -171,6 +174,7 @@ def test_the_plant_stands_upright_in_metres_and_keeps_its_place(blender: Blender
     np.testing.assert_allclose(np.linalg.det(shown["matrix"]), 1e-9, rtol=1e-4)
     np.testing.assert_array_equal(shown["origin"], clip.origin)
     assert shown["unit"][0] == "mm"
+    assert shown["tracks"].tolist() == ["stem", "leaf"]
     assert shown["frames"].tolist() == [1, 1 + 7 * 40]
 
 
@@ -186,7 +190,7 @@ def test_bad_files_are_refused_in_a_sentence(blender: Blender) -> None:
     kinds = {Path(path).stem: said.partition(".gclip ")[2] for path, said in blender.said.items()}
     assert kinds["missing"] == "can't be read: No such file or directory.\n"
     assert kinds["newer"] == "is of format 2.1; this add-on reads 1.\n"
-    for name in ("empty", "cut", "cloud"):
+    for name in ("empty", "cut", "cloud", "bent"):
         assert kinds[name] == "is not a growth clip, or it is damaged.\n"
     assert sum(map(bool, blender.said.values())) > BAD / 2
 
