@@ -17,7 +17,7 @@ from player.ui.help import Help
 from player.ui.mouse import PlantMouse
 from player.ui.panel import Panel, panel_place, panel_width
 from player.ui.pen import Pen
-from player.ui.theme import Theme, faint, packed, theme_of
+from player.ui.theme import CLEAR, faint, packed, theme_of
 from player.ui.timeline import TimelineView
 from player.ui.widgets import BARE, button, icon_button
 from player.view.choices import Compare
@@ -193,7 +193,7 @@ class Interface:
                 side = PLAY if name == "play" else BUTTON
                 imgui.set_cursor_pos((x, middle - side / 2))
                 if name == "play":
-                    scene = _play_button(scene, theme)
+                    scene = _play_button(pen, scene)
                 else:
                     scene = icon_button(scene, name, _icon(name, scene), theme)
                 x += side + GAP
@@ -231,10 +231,13 @@ class Interface:
         pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
 
 
-def _play_button(scene: Scene, theme: Theme) -> Scene:
-    """A large round one."""
+def _play_button(pen: Pen, scene: Scene) -> Scene:
+    """A large round one, where ImGui's cursor is; a button's own corners are not quite round."""
+    left, top = imgui.get_cursor_screen_pos()
+    middle, theme = (left + PLAY / 2, top + PLAY / 2), pen.theme
+    pen.sheet.add_circle_filled(middle, PLAY / 2, packed(theme.accent), 64)
     imgui.push_style_var(imgui.StyleVar_.frame_rounding, PLAY / 2)
-    scene = button(scene, "play", _icon("play", scene), (PLAY, PLAY), theme.accent, theme.on_accent)
+    scene = button(scene, "play", _icon("play", scene), (PLAY, PLAY), CLEAR, theme.on_accent)
     imgui.pop_style_var()
     return scene
 
