@@ -22,14 +22,17 @@ from player.errors import PlayerError
 from player.info import print_info
 from player.ui.keys import help_text
 from player.view.style import ColorMode, GroundChoice, Style
+from traits.dates import day_of
 
 if TYPE_CHECKING:
+    from gclip import Clip
     from player.export import Film
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
 STILL, TURNTABLE = "still", "turntable"
 SIZE = "1280x720"
+SCANS = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
 
 
@@ -79,11 +82,14 @@ def play_command(
         str | None,
         typer.Option(metavar="WxH", help="Pixels, of the picture or the window; 1280x720."),
     ] = None,
-    fps: Annotated[int, typer.Option(min=1, max=240, help="Frames a second.")] = 30,
+    fps: Annotated[int, typer.Option(metavar="N", min=1, max=240, help="Frames a second.")] = 30,
     seconds: Annotated[
         float | None,
         typer.Option(
-            min=0.0, max=36000.0, help="Length of the film; 1.5 an interval if not given."
+            metavar="S",
+            min=0.0,
+            max=36000.0,
+            help="Length of the film; 1.5 an interval if not given.",
         ),
     ] = None,
     every: Annotated[
@@ -93,10 +99,11 @@ def play_command(
         ),
     ] = None,
     day: Annotated[
-        list[float] | None,
+        list[str] | None,
         typer.Option(
-            help="The moment of still.png, in the clip's own time; the last scan's if not given. "
-            "Give it several times for frames/%04d.png.",
+            metavar="DAY",
+            help="The moment of still.png, in the clip's own time or as a date; the last scan's if "
+            "not given. Give it several times for frames/%04d.png.",
         ),
     ] = None,
     camera: Annotated[
@@ -118,10 +125,14 @@ def play_command(
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
     ] = None,
     point_size: Annotated[
-        float, typer.Option(min=0.05, max=20.0, help="Factor on the natural size.")
+        float,
+        typer.Option(metavar="FACTOR", min=0.05, max=20.0, help="Factor on the natural size."),
     ] = 1.0,
     shading: Annotated[
-        float, typer.Option(min=0.0, max=5.0, help="Strength of the shading from depth.")
+        float,
+        typer.Option(
+            metavar="FACTOR", min=0.0, max=5.0, help="Strength of the shading from depth."
+        ),
     ] = 1.0,
     depth_cue: Annotated[
         bool, typer.Option("--depth-cue/--no-depth-cue", help="Far parts recede.")
@@ -149,12 +160,15 @@ def play_command(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     version: VersionOption = False,
 ) -> None:
-    """Play a growth clip in a window, or export it as a film or pictures."""
-    days = tuple(day or ())
+    """Play a growth clip in a window, or export it as a film or pictures.
+
+    play plant.gclip --export film.mp4 --camera turntable --date
+    """
     _check_finite(seconds=seconds, every=every, point_size=point_size, shading=shading)
     _check_every(every, seconds)
-    for moment in days:
-        _check_finite(day=moment)
+    files = [clip] if second is None else [clip, second]
+    for file in files:
+        _check_baked(file)
     style = Style(
         color_by=color,
         ground=ground or GroundChoice.DARK,
@@ -169,6 +183,8 @@ def play_command(
     if export is not None and info:
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
+        opened = gclip.open(clip)
+        days = tuple(_day(opened, text) for text in day or ())
         film = player.export.Film(
             *(_size(size or SIZE), fps, seconds, turning, style, days, every),
             title=printable(title),
@@ -176,7 +192,7 @@ def play_command(
             transparent=transparent,
             name=printable(clip.stem),
         )
-        _export(clip, film, Path(export), quiet, path)
+        _export(opened, film, Path(export), quiet, path)
     elif info:
         from rich.console import Console
 
@@ -189,25 +205,39 @@ def play_command(
             clip,
         )
     else:
-        files = [clip] if second is None else [clip, second]
         chosen = None if size is None else _size(size)
         options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)
         player.window.start(files, style, options)
 
 
-def _export(path: Path, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
+def _export(clip: Clip, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
     chosen = player.export.format_of(output, film)
-    clip = gclip.open(path)
-    first, last = clip.times[0], clip.times[-1]
-    for day in film.at:
-        if not first <= day <= last:
-            raise PlayerError(f"--day is {day:g}; the clip runs from {first:g} to {last:g}.")
     if camera is not None:
         film = replace(film, path=player.view.load_path(camera, clip))
     with player.export.FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
         player.export.export(clip, film, output, progress)
     if not quiet:
         typer.echo(f"wrote {output}", err=True)
+
+
+def _check_baked(file: Path) -> None:
+    """Tell those who play their scans what to do first."""
+    if file.is_dir() or file.suffix.lower() in SCANS:
+        what, folder = ("a folder", file) if file.is_dir() else ("a scan", file.parent)
+        raise PlayerError(
+            f"{file} is {what}, and not a growth clip; bake the scans first: "
+            f"bake {folder} -o plant.gclip, then play plant.gclip."
+        )
+
+
+def _day(clip: Clip, text: str) -> float:
+    """What --day says: a number of days, or a date as the scans have them."""
+    day, first, last = day_of(clip.scans, text), clip.scans[0], clip.scans[-1]
+    if day is None or not first.time <= day <= last.time:
+        span = f"{first.time:g} to {last.time:g}"
+        dates = f" ({first.date} to {last.date})" if first.date else ""
+        raise PlayerError(f"--day is {text}; a time from {span}{dates} is needed.")
+    return day
 
 
 def _camera_file(camera: str) -> Path | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
 from contextlib import suppress
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -33,3 +34,19 @@ def date_at(scans: Sequence[ScanMark], day: float) -> str:
     if first and last and first[1] == last[1]:
         return f"{first[1]}{(1.0 - share) * float(first[2]) + share * float(last[2]):.1f}"
     return f"{day:.1f}"
+
+
+def day_of(scans: Sequence[ScanMark], text: str) -> float | None:
+    """The time that a text means: a number, a scan's own date, or an ISO date among theirs.
+
+    None where it means none.
+    """
+    dates = {scan.date: scan.time for scan in scans if scan.date}
+    if text in dates:
+        return dates[text]
+    with suppress(ValueError):
+        return float(text) if math.isfinite(float(text)) else None
+    with suppress(ValueError, TypeError):  # no ISO dates, or one without its zone
+        since = datetime.fromisoformat(text) - datetime.fromisoformat(scans[0].date)
+        return scans[0].time + since / timedelta(days=1)
+    return None

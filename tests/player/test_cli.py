@@ -65,8 +65,9 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "does not exist" in refusal(capsys, saved, "--export", tmp_path / "no" / "x.mp4")
     assert "1280x720" in refusal(capsys, saved, "--export", out, "--size", "big")
     assert "16" in refusal(capsys, saved, "--export", out, "--size", "0x100")
-    assert "runs from 0 to 5" in refusal(capsys, saved, "--export", out, "--day", "9")
-    assert "nan" in refusal(capsys, saved, "--export", out, "--day", "nan")
+    for day in ("9", "nan", "-0.1", "Monday", "2024-05-01"):
+        said = refusal(capsys, saved, "--export", out, "--day", day)
+        assert f"--day is {day}; a time from 0 to 5" in said
     assert "--seconds" in refusal(capsys, saved, "--export", out, "--seconds", "nan")
     assert "folder" in refusal(capsys, saved, "--export", tmp_path)
     assert "--fps" in refusal(capsys, saved, "--export", out, "--fps", "0")
@@ -155,3 +156,14 @@ def test_wrong_cameras_and_pairs_are_refused(
     make_clip().save(tmp_path / "a.gclip")
     assert main(["a.gclip", *arguments]) == 2
     assert message in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize("name", ["2024-05-01.ply", "scan.las", "scans"])
+def test_scans_are_to_be_baked_first(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
+) -> None:
+    path = tmp_path / name
+    path.touch() if path.suffix else path.mkdir()
+    said = refusal(capsys, path)
+    assert "bake the scans first: bake " in said
+    assert str(path if path.is_dir() else tmp_path) in said.partition("bake ")[2]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gclip import ScanMark
-from traits.dates import date_at
+from traits.dates import date_at, day_of
 
 SCANS = (
     ScanMark("a", 0.0, "2020-03-08", 1),
@@ -58,3 +58,14 @@ def test_a_moment_beyond_the_calendar_is_a_time() -> None:
     dates = ("9999-12-30T00:00+23:59", "9999-12-31T23:59-23:59")
     scans = [ScanMark(date, float(k), date, 1) for k, date in enumerate(dates)]
     assert date_at(scans, 0.99) == "1.0"
+
+
+def test_a_time_is_a_number_a_scan_s_date_or_a_date_between() -> None:
+    dated = [ScanMark("a", 0.0, "2024-05-01"), ScanMark("b", 4.0, "2024-05-05")]
+    assert day_of(dated, "2024-05-02") == 1.0
+    assert day_of(dated, "2024-05-01 12:00") == 0.5
+    assert day_of(dated, "3.5") == 3.5
+    numbered = [ScanMark("a", 3.0, "day 3"), ScanMark("b", 5.0, "day 5")]
+    assert day_of(numbered, "day 5") == 5.0
+    for text in ("2024-05-02", "day 4", "nan", "", "2024-13-01"):
+        assert day_of(numbered, text) is None
