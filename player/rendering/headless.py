@@ -17,6 +17,7 @@ from player.gl.gl_errors import (
     pictures_of,
     samples_within,
 )
+from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
 
@@ -52,8 +53,6 @@ class Offscreen:
         self._begin()
 
     def _begin(self) -> None:
-        from player.rendering.renderer import Renderer
-
         with ExitStack() as made:
             self.context = headless()
             made.callback(self.context.release)
