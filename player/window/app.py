@@ -32,12 +32,7 @@ from player.view.state import Scene, clamped, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
-from player.window.glfw_window import (
-    Measures,
-    listen,
-    shortest_frame,
-    switch_fullscreen,
-)
+from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
 from player.window.opened_clip import FileWatch, OpenClip
 from player.window.organ_info import OrganInfo
 from player.window.viewports import Viewports, fitted, home_camera
@@ -48,7 +43,7 @@ TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
-SETTLING = 4  # pictures until ImGui has seen to queued events, and its windows know their sizes
+QUEUED, SETTLING = 2, 4  # pictures until ImGui has seen to events; until windows know their sizes
 TIP = 0.45  # seconds that a tip takes to come
 
 
@@ -152,8 +147,8 @@ class Window:
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         plays = self.scene.timeline.playing and not self._interface.scrubs
-        told = bool(self.scene.notice)
-        return plays or self.scene.turning or told or self._settles or not self.viewports.whole
+        moves = plays or self.scene.turning or self.scene.notice != ""
+        return moves or self._settles or not self.viewports.whole
 
     @property
     def _settles(self) -> bool:
@@ -253,7 +248,8 @@ class Window:
         same = wanted == self._drawn
         if not measures.visible or (same and self.viewports.whole and not self._settles):
             return
-        self._unsettled = self._unsettled - 1 if same else SETTLING
+        least = QUEUED if self._drawn and wanted.scene == self._drawn.scene else SETTLING
+        self._unsettled = self._unsettled - 1 if same else least
         at_rest = (not moves and not self.viewports.loading) or self.scene.wish is not None
         budget = None if at_rest else LOADING
         try:
