@@ -33,6 +33,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None)
 STILL, TURNTABLE = "still", "turntable"
 SIZE = "1280x720"
 SCANS = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
+PIPE_WIDTH = 200  # letters
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
 
 
@@ -196,14 +197,10 @@ def play_command(
     elif info:
         from rich.console import Console
 
-        stdout: Any = Lossy(sys.stdout)
-        console = Console(file=stdout)
         # In a pipe nothing is cut to a terminal's width that isn't there.
-        print_info(
-            console if console.is_terminal else Console(file=stdout, width=200),
-            gclip.open(clip),
-            clip,
-        )
+        stdout: Any = Lossy(sys.stdout)
+        width = None if sys.stdout.isatty() else PIPE_WIDTH
+        print_info(Console(file=stdout, width=width), gclip.open(clip), clip)
     else:
         chosen = None if size is None else _size(size)
         options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)

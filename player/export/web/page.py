@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import to_builtins
 
 import shaders
 from gclip.evaluate import newborn
@@ -118,10 +119,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
                 "end": interval.end,
                 "count": len(interval),
                 "degree": interval.degree,
-                "groups": [
-                    {"first": g.first, "count": g.count, "motion": g.motion}
-                    for g in interval.groups
-                ],
+                "groups": to_builtins(interval.groups),
                 "low": one.low,
                 "step": one.step,
                 "trackBytes": one.track_bytes,
@@ -139,15 +137,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             "toSquare": to_square.T.ravel().tolist(),
         },
         "sceneRadius": scene_radius(clip),
-        "home": {
-            "target": home.target,
-            "distance": home.distance,
-            "yaw": home.yaw,
-            "pitch": home.pitch,
-            "fieldOfView": home.field_of_view,
-            "radius": home.radius,
-            "aspect": _narrowest(clip, film.aspect),
-        },
+        "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
         "axes": axes(clip.up).tolist(),
         "look": {
             "light": film.style.ground == "light",

@@ -88,7 +88,7 @@ class Renderer {
     draw(day, camera, look, { every = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
-        const slope = Math.tan(camera.fieldOfView / 2);
+        const slope = Math.tan(camera.field_of_view / 2);
         const up = camera.frame().map((row) => dot(row, camera.axes[2])), key = sum(up, KEY_LIGHT);
         const values = {
             ...clip.grounds[look.light ? "light" : "dark"],

@@ -12,7 +12,7 @@ const scaled = (a, s) => [s * a[0], s * a[1], s * a[2]];
 const sum = (...vectors) => [0, 1, 2].map((i) => vectors.reduce((t, v) => t + v[i], 0));
 
 class Camera {
-    // home: { target, distance, yaw, pitch, fieldOfView, radius, aspect }, angles in radians, aspect
+    // home: { target, distance, yaw, pitch, field_of_view, radius, aspect }, angles in radians, aspect
     // of the narrowest picture that the plant fits in; axes: two horizontal ones and the upward one.
     constructor(home, axes) {
         Object.assign(this, home, { home, axes });
@@ -43,7 +43,7 @@ class Camera {
 
     // Shift the picture right and up by shares of its height, at the target's depth.
     pan(right, up) {
-        const height = 2 * this.distance * Math.tan(this.fieldOfView / 2);
+        const height = 2 * this.distance * Math.tan(this.field_of_view / 2);
         const [across, above] = this.frame();
         this.target = sum(
             this.target, scaled(across, -height * right), scaled(above, -height * up));
@@ -77,7 +77,7 @@ class Camera {
     projection(aspect) {
         const near = Math.max(this.distance - 4 * this.radius, 0.02 * this.distance);
         const far = this.distance + 4 * this.radius;
-        const slope = Math.tan(this.fieldOfView / 2);
+        const slope = Math.tan(this.field_of_view / 2);
         return [
             1 / (slope * aspect), 0, 0, 0, 0, 1 / slope, 0, 0,
             0, 0, (near + far) / (near - far), -1, 0, 0, (2 * near * far) / (near - far), 0,
