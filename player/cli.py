@@ -184,16 +184,16 @@ def play_command(
     if export is not None and info:
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
-        opened = gclip.open(clip)
-        days = tuple(_day(opened, text) for text in day or ())
+        days = day or []
+        unread = (math.nan,) * len(days)  # what they say is known once the clip is open
         film = player.export.Film(
-            *(_size(size or SIZE), fps, seconds, turning, style, days, every),
+            *(_size(size or SIZE), fps, seconds, turning, style, unread, every),
             title=printable(title),
             annotations=player.view.Annotations(date, scale_bar, legend),
             transparent=transparent,
             name=printable(clip.stem),
         )
-        _export(opened, film, Path(export), quiet, path)
+        _export(clip, film, days, Path(export), quiet, path)
     elif info:
         from rich.console import Console
 
@@ -207,8 +207,13 @@ def play_command(
         player.window.start(files, style, options)
 
 
-def _export(clip: Clip, film: Film, output: Path, quiet: bool, camera: Path | None) -> None:
+def _export(
+    file: Path, film: Film, days: list[str], output: Path, quiet: bool, camera: Path | None
+) -> None:
+    """Refuses an output that can't come out well before the clip is opened."""
     chosen = player.export.format_of(output, film)
+    clip = gclip.open(file)
+    film = replace(film, at=tuple(_day(clip, text) for text in days))
     if camera is not None:
         film = replace(film, path=player.view.load_path(camera, clip))
     with player.export.FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
