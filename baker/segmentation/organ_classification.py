@@ -14,6 +14,7 @@ BALL_RADIUS = 1.0  # radius of the ball, in stem diameters
 MIN_ROD_FLATNESS = 0.55  # from this ratio of the ball's least two axes on, what it sees is round
 FLATNESS_RANGE = 0.3  # further from it than this, nothing gets clearer
 MIN_BLADE_AREA = 0.7  # a blade is larger than this, in squares of the stem's diameter
+MIN_SLENDERNESS = 2.0  # a branch of a blade this many times as long as wide is a blade of its own
 MIN_BARE_LENGTH = 3.0  # a branch without blades is an organ from this length on, in stem diameters
 STEM = 0
 
@@ -32,7 +33,7 @@ def organs_of_nodes(
     """
     gain = np.bincount(tree.node, scores, len(tree.parent)).astype(np.float64)
     least = MIN_BLADE_AREA * (sample.diameter / sample.spacing) ** 2
-    organ = _blades(tree, _begins_blade(tree, tree.subtree_sums(gain) - least), least)
+    organ = _blades(sample, tree, _begins_blade(tree, tree.subtree_sums(gain) - least), least)
     return _with_bare_branches(sample, tree, organ)
 
 
@@ -69,8 +70,10 @@ def _begins_blade(tree: ReebTree, whole: NDArray[np.float64]) -> NDArray[np.bool
     return begins
 
 
-def _blades(tree: ReebTree, begins: NDArray[np.bool_], least: float) -> NDArray[np.intp]:
-    """(m,) blades from 1 on. Where one forks, each branch that is large enough is a blade, the
+def _blades(
+    sample: PlantSample, tree: ReebTree, begins: NDArray[np.bool_], least: float
+) -> NDArray[np.intp]:
+    """(m,) blades from 1 on. Where one forks into slender branches, each of them is a blade, the
     largest one together with what lies below the fork."""
     organ, born = np.zeros(len(tree.parent), np.intp), 0
     size = tree.subtree_sums(tree.count)
@@ -81,11 +84,28 @@ def _blades(tree: ReebTree, begins: NDArray[np.bool_], least: float) -> NDArray[
             born += 1
             organ[node] = born
         if organ[node] and len(tree.children[node]) > 1:
-            branches = sorted(tree.children[node], key=lambda child: -size[child])
-            for child in [child for child in branches if size[child] > least][1:]:
+            slender = [
+                child
+                for child in sorted(tree.children[node], key=lambda child: -size[child])
+                if size[child] > least and _is_slender(sample, tree, size, child)
+            ]
+            for child in slender[1:]:
                 born += 1
                 organ[child] = born
     return organ
+
+
+def _is_slender(
+    sample: PlantSample, tree: ReebTree, size: NDArray[np.float64], branch: int
+) -> bool:
+    """Whether a branch is long for the width it begins with, over the first stem diameter."""
+    node, length, widths = branch, sample.thickness, [tree.width[branch]]
+    while length < sample.diameter and tree.children[node]:
+        node = max(tree.children[node], key=lambda child: size[child])
+        widths.append(tree.width[node])
+        length += sample.thickness
+    neck = max(float(np.median(widths)), 0.5 * sample.diameter)
+    return bool(tree.reach[branch] >= MIN_SLENDERNESS * neck)
 
 
 def _with_bare_branches(

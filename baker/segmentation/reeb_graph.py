@@ -57,6 +57,7 @@ class ReebTree:
     parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
     count: NDArray[np.float64]  # (m,) points of each node
+    width: NDArray[np.float64]  # (m,) of each node's section
     reach: NDArray[np.float64]  # (m,) distance from a node's beginning to the farthest tip beyond
 
     def subtree_sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -137,8 +138,10 @@ def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) ->
     for child in range(len(parent) - 1, 0, -1):
         children[parent[child]].insert(0, child)
         reach[parent[child]] = max(reach[parent[child]], reach[child] + sample.thickness)
-    count = np.bincount(node).astype(np.float64)
-    return ReebTree(node, parent, children, count, reach)
+    _, members = split_by_label(node)
+    width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
+    count = np.array([len(m) for m in members], np.float64)
+    return ReebTree(node, parent, children, count, width, reach)
 
 
 def sample_plant(points: NDArray[np.floating], base: int, k: int) -> PlantSample:
