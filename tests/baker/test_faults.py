@@ -103,7 +103,7 @@ def test_an_output_folder_that_goes_is_said(write_scans, output, monkeypatch, ca
         shutil.rmtree(output.parent)
         return found
 
-    monkeypatch.setattr("baker.batch.plant.solve_intervals", solve_and_remove)
+    monkeypatch.setattr("baker.pipeline.solve_intervals", solve_and_remove)
     options = {"report": ["--report", output.parent / "r.html"]}
     options["traits"] = ["--traits", output.parent / "t.csv"]
     arguments = [write_scans(), "-o", output, "-q", *[x for name in also for x in options[name]]]
