@@ -1,5 +1,6 @@
 """Baking from Python: scans are paths, NumPy arrays or Open3D point clouds."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -93,9 +94,7 @@ def _scan_files(
         for index, scan in enumerate(given):
             own = {n: np.asarray(v[index]) for n, v in beside.items() if v[index] is not None}
             if not isinstance(scan, str | PathLike):
-                paths.append(Path(folder, f"scans[{index}].npz"))
-                arrays: Any = _point_data(scan, f"scans[{index}]") | own
-                np.savez(paths[-1], **arrays)
+                paths.append(_written(scan, own, Path(folder, f"scans[{index}]")))
             elif own:
                 raise InputError(f"{min(own)} are for scans in memory; '{fspath(scan)}' is a file.")
             else:
@@ -103,28 +102,41 @@ def _scan_files(
         try:
             yield paths
         except InputError as error:
-            raise InputError(str(error).replace(f"{folder}/", "").replace("].npz", "]")) from None
+            said = re.sub(r"\]\.np[yz]", "]", str(error).replace(f"{folder}/", ""))
+            raise InputError(said) from None
 
 
-def _point_data(scan: Any, name: str) -> PointData:
-    if hasattr(scan, "point"):  # open3d.t.geometry.PointCloud
-        found = {key: scan.point[key].cpu().numpy() for key in scan.point}
+def _written(scan: Any, beside: PointData, path: Path) -> Path:
+    """The file of a scan in memory; `path` is its name without suffix."""
+    if hasattr(scan, "point") or hasattr(scan, "points"):
+        data = _cloud_data(scan)
+    else:
+        table = np.asarray(scan)
+        if table.ndim != 2 or table.shape[1] < 3 or table.dtype.kind not in "biuf":
+            what = f"an array of shape {table.shape} and type {table.dtype}"
+            raise InputError(
+                f"{path.name} is {what}; points, (N, 3) numbers, or a path are needed."
+            )
+        if not beside:  # what its columns are, the reader of such files tells
+            np.save(f"{path}.npy", table)
+            return Path(f"{path}.npy")
+        data = {"points": table[:, :3]}
+    arrays: Any = data | beside
+    np.savez(f"{path}.npz", **arrays)
+    return Path(f"{path}.npz")
+
+
+def _cloud_data(cloud: Any) -> PointData:
+    """The arrays of an Open3D point cloud, of tensors (`.point`) or of the older kind."""
+    if hasattr(cloud, "point"):
+        found = {key: cloud.point[key].cpu().numpy() for key in cloud.point}
         return {"points": found.pop("positions")} | {
             key: _bytes(values) if key == "colors" else np.squeeze(values)
             for key, values in found.items()
             if key != "normals"
         }
-    if hasattr(scan, "points"):  # open3d.geometry.PointCloud
-        colors = {"colors": _bytes(np.asarray(scan.colors))} if scan.has_colors() else {}
-        return {"points": np.asarray(scan.points)} | colors
-    array = np.asarray(scan)
-    if array.ndim != 2 or array.shape[1] < 3 or array.dtype.kind not in "biuf":
-        what = f"an array of shape {array.shape} and type {array.dtype}"
-        raise InputError(f"{name} is {what}; points, (N, 3) numbers, or a path are needed.")
-    rest = {"labels": array[:, 3]} if array.shape[1] == 4 else {}
-    if array.shape[1] > 4:
-        rest = {"colors": array[:, 3:6]} | ({"labels": array[:, 6]} if array.shape[1] > 6 else {})
-    return {"points": array[:, :3]} | rest
+    colors = {"colors": _bytes(np.asarray(cloud.colors))} if cloud.has_colors() else {}
+    return {"points": np.asarray(cloud.points)} | colors
 
 
 def _bytes(colors: NDArray) -> NDArray[np.uint8]:
