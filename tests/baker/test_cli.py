@@ -161,3 +161,23 @@ def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans,
     assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
     assert "compiling the solver, once" in first.stderr
     assert "compiling" not in second.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--workers", "x"], "--workers is x; a whole number is needed"),
+        (["--workers", "-1"], "--workers is -1; at least 0 is needed"),
+        (["--even", "11"], "--even is 11; at most 10 is possible"),
+        (["--even", "many"], "--even is many; a number is needed"),
+        (["--up=Q"], "--up is Q; one of auto, x, y, z, -x, -y, -z is needed"),
+    ],
+)
+def test_a_bad_value_is_said_in_words_of_our_own(capsys, words, sentence):
+    assert main(["scans", *words]) == 2
+    assert capsys.readouterr().err == f"bake: {sentence}; see `bake --help`.\n"
+
+
+def test_the_case_of_a_choice_does_not_matter(capsys):
+    assert main(["no-such-folder", "-o", "plant.gclip", "--up", "Z"]) == 2
+    assert "no-such-folder" in capsys.readouterr().err

@@ -65,6 +65,8 @@ def test_a_time_is_a_number_a_scan_s_date_or_a_date_between() -> None:
     assert day_of(dated, "2024-05-02") == 1.0
     assert day_of(dated, "2024-05-01 12:00") == 0.5
     assert day_of(dated, "3.5") == 3.5
+    older = [ScanMark("a", 10.0, "2024-05-01"), ScanMark("b", 14.0, "2024-05-05")]
+    assert day_of(older, "2024-05-02") == 11.0, "a clip's times need not begin at 0"
     numbered = [ScanMark("a", 3.0, "day 3"), ScanMark("b", 5.0, "day 5")]
     assert day_of(numbered, "day 5") == 5.0
     for text in ("2024-05-02", "day 4", "nan", "", "2024-13-01"):
