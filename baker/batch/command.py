@@ -78,7 +78,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
     lines = [*notes, *filter(None, remarks)]
     lines += summary_lines(clip, outputs.clip, progress.seconds, kept, outputs.verbose)
-    lines += error_lines(errors) if errors else []
+    lines += error_lines(errors, clip.unit) if errors else []
     written = {"report": outputs.report, "traits": outputs.traits}
     lines += [f"{what}: {path}" for what, path in written.items() if path is not None]
     for line in [*lines, verdict_line(clip, outputs.clip)]:

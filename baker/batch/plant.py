@@ -126,8 +126,15 @@ def bake_into(
     progress("writing", 1, 1)
     errors = verify(clip, record, progress)
     if outputs.report is not None:
-        write = partial(write_report, title=outputs.clip.name, report_progress=progress)
-        write(outputs.report, clip, record, errors)
+        write_report(
+            outputs.report,
+            clip,
+            record,
+            errors,
+            title=outputs.clip.name,
+            workers=options.workers,
+            report_progress=progress,
+        )
     return clip, errors
 
 

@@ -3,14 +3,20 @@
 import os
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import ceil, floor, log10
+from math import ceil
 from pathlib import Path
 from typing import Any
 
 from baker.errors import writing
 from baker.options import Options
 from baker.pipeline import Survey
-from baker.report.pictures import NoPicture, Pictures, scans_pictured, take_pictures
+from baker.report.pictures import (
+    MAX_DOUBTS_PICTURED,
+    NoPicture,
+    round_length,
+    scans_pictured,
+    take_pictures,
+)
 from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
@@ -27,6 +33,7 @@ def write_report(
     errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",
+    workers: int = 0,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> None:
     """Write the report of a bake, one self-contained HTML file; whole or not at all.
@@ -40,6 +47,8 @@ def write_report(
         Of `verify`.
     title : str
         What the page is called: the clip's name.
+    workers : int
+        Cores to use; 0 takes all.
     report_progress : callable, optional
         Called with a stage's name, the steps done and the steps in all.
 
@@ -52,10 +61,9 @@ def write_report(
     by_interval = grouped(doubts)
     report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:
-        pictures: dict[str, Pictures] = {}
-        no_pictures = ""
+        pictures, no_pictures = None, ""
         try:
-            pictures = take_pictures(clip, by_interval, part.parent)
+            pictures = take_pictures(clip, by_interval, part.parent, workers)
         except NoPicture as error:
             no_pictures = str(error)
         curves = growth_curves(clip)
@@ -67,6 +75,7 @@ def write_report(
             doubts=[(between(clip, own[0]), own) for own in by_interval],
             command=partial(command_for, path=title),
             pictures=pictures,
+            pictured=MAX_DOUBTS_PICTURED,
             no_pictures=no_pictures,
             shown=scans_pictured(clip),
             curves=curves,
@@ -85,9 +94,7 @@ def write_report(
 def length_ticks(lengths: Sequence[float]) -> list[float]:
     """Round lengths from 0 to no less than the longest of these, for the axis of a chart."""
     longest = max(lengths, default=1.0)
-    most = 2.5 * longest / MAX_TICKS  # rounding may more than halve it
-    power = 10.0 ** floor(log10(most))
-    step = max(digit * power for digit in (1.0, 2.0, 5.0) if digit * power <= most)
+    step = round_length(2.5 * longest / MAX_TICKS)  # rounding may more than halve it
     return [step * k for k in range(ceil(longest / step) + 1)]
 
 

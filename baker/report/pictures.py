@@ -5,29 +5,35 @@ interval is shown, on a clip of that alone, so that the camera is as near as tha
 """
 
 import base64
+import json
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from math import floor, log10
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from baker.options import worker_count
 from baker.verdict import Doubt
 from gclip import Clip
 
 PLAYER_TIMEOUT = 600.0  # seconds
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
-PIXELS = 200_000  # of one picture
+PIXELS = 90_000  # of one picture
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # of a picture, width by height
 MAX_SCANS_PICTURED = 12  # evenly chosen of more
-MAX_DOUBTS_PICTURED = 4  # intervals, the most doubtful ones
+MAX_DOUBTS_PICTURED = 3  # intervals, the most doubtful ones
+MAX_BAR = 0.3  # of a picture's width
 NEUTRAL_COLOR = (150, 158, 146)  # of organs that a picture is not about
 
-Pictures = list[str]
-"""Each as an address that holds all of it."""
+Job = tuple[Clip, Sequence[float], str]
+"""What one player draws: a clip, at these times, in the colours of this name."""
 
 
 class NoPicture(Exception):
@@ -41,36 +47,79 @@ def scans_pictured(clip: Clip) -> list[int]:
     return [round(index) for index in even.tolist()]
 
 
-def take_pictures(
-    clip: Clip, doubts: Sequence[Sequence[Doubt]], folder: Path | None = None
-) -> dict[str, Pictures]:
-    """Render the pictures of a report; `doubts` by interval, the most doubtful one first.
+@dataclass(frozen=True)
+class ScaleBar:
+    """What the pictures of the scans have in common: their scale."""
 
-    Returns
-    -------
-    dict
-        `scans`: those of `scans_pictured`, from one camera. `films` and `errors`: the clip at the
-        time of each scan left out, and how far from it (the paper's Figure 13). `doubt-0`, ...:
-        both scans of an interval and half-way, with the organs in doubt in their colours.
+    length: float  #: in the clip's unit; round
+    share: float  #: of a picture's width that it takes
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The pictures of a report, each as an address that holds all of it."""
+
+    scans: list[str]  #: those of `scans_pictured`, from one camera
+    scale_bar: ScaleBar
+    errors: list[str]  #: the clip's distance from each scan left out (the paper's Figure 13)
+    #: Of the most doubtful intervals: both scans and half-way, in colours the organs in doubt.
+    doubts: list[list[str]]
+
+
+def take_pictures(
+    clip: Clip,
+    doubts: Sequence[Sequence[Doubt]],
+    folder: Path | None = None,
+    workers: int = 0,
+) -> Pictures:
+    """Render the pictures of a report.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    doubts : sequence of sequence of Doubt
+        By interval, the most doubtful one first.
+    folder : Path, optional
+        Where the player's files may lie meanwhile.
+    workers : int
+        Players that draw at a time; as many as there are cores if 0.
 
     Raises
     ------
     NoPicture
         Where the player can't draw, for example without EGL.
     """
-    with TemporaryDirectory(dir=folder) as drafts:
-        path = Path(drafts, "pictures.gclip")
-        shown = [clip.times[k] for k in scans_pictured(clip)]
-        held = [scan.time for scan in clip.held_out]
-        pictures = _render(clip, path, [*shown, *held], "--color=track", "--scale-bar")
-        found = {"scans": pictures[: len(shown)], "films": pictures[len(shown) :]}
-        if held:
-            found["errors"] = _render(clip, path, held, "--color=error", "--legend")
-        for k, own in enumerate(doubts[:MAX_DOUBTS_PICTURED]):
-            start, end = own[0].start, own[0].end
-            days = [start, (start + end) / 2, end]
-            found[f"doubt-{k}"] = _render(_about(clip, own), path, days, "--color=track")
-        return found
+    shown = [clip.times[k] for k in scans_pictured(clip)]
+    held = [scan.time for scan in clip.held_out]
+    jobs: list[Job] = [(clip, shown, "track")]
+    jobs += [(clip, held, "error")] if held else []
+    for own in doubts[:MAX_DOUBTS_PICTURED]:
+        start, end = own[0].start, own[0].end
+        jobs.append((_about(clip, own), [start, (start + end) / 2, end], "track"))
+    with (
+        TemporaryDirectory(dir=folder) as drafts,
+        ThreadPoolExecutor(worker_count(workers)) as players,
+    ):
+        paths = [Path(drafts, f"{number}.gclip") for number in range(len(jobs))]
+        drawn = list(players.map(_render, jobs, paths))
+    (scans, view), *others = drawn
+    rest = [pictures for pictures, _ in others]
+    errors = rest.pop(0) if held else []
+    return Pictures(scans, _scale_bar(clip, view), errors, doubts=rest)
+
+
+def round_length(most: float) -> float:
+    """The largest of 1, 2, 5, 10, ... that is no more than this."""
+    power = 10.0 ** floor(log10(most))
+    return max(digit * power for digit in (1.0, 2.0, 5.0) if digit * power <= most)
+
+
+def _scale_bar(clip: Clip, view: NDArray[np.float64]) -> ScaleBar:
+    """A round length at the depth of the plant's middle, from the (4, 4) matrix of the camera."""
+    x, _, _, depth = view @ [*np.mean(clip.bounds, axis=0), 1.0]
+    share = float(np.linalg.norm(view[0, :3] - x / depth * view[3, :3]) / depth / 2)
+    length = round_length(MAX_BAR / share)
+    return ScaleBar(length, length * share)
 
 
 def _about(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
@@ -85,13 +134,16 @@ def _about(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
     return replace(clip, scans=scans, intervals=intervals, track_table=table, held_out=())
 
 
-def _render(clip: Clip, path: Path, days: Sequence[float], *options: str) -> Pictures:
-    """The clip, written to `path`, at these times."""
+def _render(job: Job, path: Path) -> tuple[list[str], NDArray[np.float64]]:
+    """The clip, written to `path`, at these times; and the (4, 4) matrix of the camera."""
     import imageio.v3 as iio
 
+    clip, days, color = job
     clip.save(path)
-    command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet", *options]
-    command += [f"--export={path.parent}/%d.png", f"--size={_picture_size(clip)}"]
+    folder = path.with_suffix("")
+    command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet"]
+    command += [f"--color={color}", f"--export={folder}/%d.png", f"--size={_picture_size(clip)}"]
+    command += ["--legend"] if color == "error" else []
     command += [f"--day={day!r}" for day in days]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
@@ -100,9 +152,10 @@ def _render(clip: Clip, path: Path, days: Sequence[float], *options: str) -> Pic
     if done.returncode:
         raise NoPicture((done.stderr.strip() or "the player said nothing").splitlines()[-1])
     jpeg: Any = {"extension": ".jpg", "quality": JPEG_QUALITY, "subsampling": 0, "optimize": True}
-    images = [iio.imread(path.with_name(f"{number}.png")) for number in range(len(days))]
-    files = [iio.imwrite("<bytes>", image, plugin="pillow", **jpeg) for image in images]
-    return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files]
+    names = [folder / f"{number}.png" for number in range(len(days))]
+    files = [iio.imwrite("<bytes>", iio.imread(name), plugin="pillow", **jpeg) for name in names]
+    view = np.array(json.loads(iio.immeta(names[0], plugin="pillow")["view"]))
+    return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files], view
 
 
 def _picture_size(clip: Clip) -> str:

@@ -1,7 +1,7 @@
 """Verification by leaving scans out (paper section 4 and its Figure 13).
 
-At the time of each scan left out the clip is compared with it, both ways, with the series scaled to
-the unit cube: the longest side of the box around all scans, those left out too, is 1.
+At the time of each scan left out the clip is compared with it, both ways, in the scans' own unit.
+The paper gives such distances as shares of the longest side of the box around all scans.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from gclip import Clip
 
 
 class Distances(NamedTuple):
-    """From each point of one cloud to the nearest of another, in units of the unit cube."""
+    """From each point of one cloud to the nearest of another."""
 
     mean: float
     deviation: float
@@ -30,7 +30,7 @@ class Distances(NamedTuple):
 
 @dataclass(frozen=True)
 class HoldoutError:
-    """The distance of the clip from a scan that it was baked without; lengths in the unit cube.
+    """The distance of the clip from a scan that it was baked without; lengths in the clip's unit.
 
     Errors below about half of the `spacing` only say that both are samples of a surface.
     """
@@ -75,22 +75,15 @@ def verify(
     """
     from scipy.spatial import KDTree
 
-    side, errors = unit_length(record), []
+    errors = []
     for number, held in enumerate(record.held_out, 1):
         scan, points, film = held.scan, held.keyframe.positions, clip.at(held.scan.time).local
-        sizes = len(points), point_spacing(points) / side
+        sizes = len(points), point_spacing(points)
         pairs = ((points, film), (film, points))
-        both = [Distances.of(KDTree(to).query(found)[0] / side) for to, found in pairs]
+        both = [Distances.of(KDTree(to).query(found)[0]) for to, found in pairs]
         errors.append(HoldoutError(scan.name, scan.date, scan.time, *sizes, *both))
         report_progress("verification", number, len(record.held_out))
     return errors
-
-
-def unit_length(record: Survey) -> float:
-    """The longest side of the box around all aligned scans, in their own unit; 1 if that is 0."""
-    frames = [*record.aligned.keyframes, *(held.keyframe for held in record.held_out)]
-    points = np.concatenate([[f.positions.min(axis=0), f.positions.max(axis=0)] for f in frames])
-    return float(np.ptp(points, axis=0).max()) or 1.0
 
 
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
@@ -101,14 +94,14 @@ def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     return Distances(*to_scan), Distances(*to_reconstruction)
 
 
-def error_lines(errors: Sequence[HoldoutError]) -> list[str]:
+def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:
     """A table of the errors, two rows a scan left out, and of all together."""
-    rows = [("left out", "distance (series' size = 1)", "mean", "std", "max")]
+    rows = [("left out", f"distance{unit and f', {unit}'}", "mean", "std", "max")]
     named = [(f"{error.date}, {error.name}", error.both) for error in errors]
     for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
         directions = zip(("reconstruction to scan", "scan to reconstruction"), both, strict=True)
         for label, (direction, distances) in zip((name, ""), directions, strict=True):
-            mean, deviation, maximum = (f"{distance:.6f}" for distance in distances)
+            mean, deviation, maximum = (f"{distance:.3g}" for distance in distances)
             rows.append((label, direction, mean, deviation, maximum))
     width = max(len(row[0]) for row in rows)
     return [

@@ -48,6 +48,6 @@ def with_clean_labels(scan: Scan, neighbors: Neighbors) -> Scan:
     count = int((labels != scan.labels).sum())
     if not count:
         return scan
-    points = "point has" if count == 1 else "points have"
-    note = f"{count} {points} the label of most neighbors now, not of an organ elsewhere."
+    points = "point was given" if count == 1 else "points were given"
+    note = f"{count} {points} the label of the organ that lies around."
     return replace(scan, labels=labels, notes=(*scan.notes, note))

@@ -70,7 +70,7 @@ def test_everything_is_there_and_nothing_comes_from_outside(report):
     for address in page.addresses:
         assert address.startswith(("data:image/jpeg;base64,", "#"))
     assert not re.search(r"https?:|url\(|@import|//[a-z]+\.", re.sub(r"base64,[^\"]*", "", html))
-    assert html.count("data:image/jpeg") == 3 + 2 * 2  # scans; left out
+    assert html.count("data:image/jpeg") == 3 + 2  # scans; left out
     for words in ("All 2 intervals look right.", "stem", "leaf 2", "day 2", "holdout", "numba"):
         assert words in page.text
 
@@ -94,7 +94,7 @@ def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, p
         )
     ]
     assert places == sorted(places)
-    assert html.count("data:image/jpeg") == 3 + 3 + 2 * 2
+    assert html.count("data:image/jpeg") == 3 + 3 + 2
 
 
 def test_the_terminal_shows_the_errors_too(write_scans, tmp_path, capsys):
@@ -188,6 +188,6 @@ def test_a_browser_without_a_network_shows_all_of_it(chromium, report, tmp_path,
     assert all(name.startswith("data:") for name in seen["fetched"])
     assert [name for name, _ in seen["heights"]] == list(SECTIONS)
     assert all(height > 60 for _, height in seen["heights"])
-    assert len(seen["images"]) == 3 + 2 * 2
+    assert len(seen["images"]) == 3 + 2
     assert all(size > 0 for size in seen["images"])
     assert seen["wide"] <= seen["seen"], "nothing sticks out sideways"

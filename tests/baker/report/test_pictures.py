@@ -37,12 +37,27 @@ def count(picture: str, channel: int) -> int:
 def test_pictures_of_the_scans_and_of_those_left_out_share_a_camera(baked):
     clip, record = baked
     pictures = take_pictures(grown(clip), [])
-    assert len(pictures["scans"]) == len(clip.scans)
-    assert len(pictures["films"]) == len(pictures["errors"]) == len(record.held_out)
-    shapes = {pixels(picture).shape for own in pictures.values() for picture in own}
+    assert len(pictures.scans) == len(clip.scans)
+    assert len(pictures.errors) == len(record.held_out)
+    shapes = {pixels(picture).shape for picture in (*pictures.scans, *pictures.errors)}
     assert len(shapes) == 1
-    sizes = [count(picture, 0) for picture in pictures["scans"]]
+    sizes = [count(picture, 0) for picture in pictures.scans]
     assert 0 < sizes[0] < sizes[1] < sizes[2], "the stem grows"
+
+
+@pytest.mark.usefixtures("player_draws")
+def test_the_scale_bar_is_as_long_as_it_says(baked):
+    """The stem stands upright in the plant's middle: 10 high at first, 18 in the end."""
+    clip, _ = baked
+    pictures = take_pictures(grown(clip), [])
+    bar = pictures.scale_bar
+    for picture, height in zip(pictures.scans, (10, 14, 18), strict=True):
+        image = pixels(picture)
+        rows = np.flatnonzero((image[..., 0] - image[..., 1:].max(axis=2) > 60).any(axis=1))
+        pixels_long = bar.share * image.shape[1] / bar.length * height
+        assert np.ptp(rows) == pytest.approx(pixels_long, rel=0.12)  # seen from a little above
+    assert 0.1 < bar.share <= 0.3
+    assert bar.length in (1, 2, 5, 10)
 
 
 @pytest.mark.usefixtures("player_draws")
@@ -50,7 +65,7 @@ def test_of_a_doubtful_interval_only_the_organs_in_doubt_have_colours(baked):
     clip = grown(baked[0])
     doubt = Doubt(0.0, 2.0, 1, "it tears", 1.0)
     (first, *_), (stem, *_) = (
-        take_pictures(clip, [[replace(doubt, track=track)]])["doubt-0"] for track in (1, 0)
+        take_pictures(clip, [[replace(doubt, track=track)]]).doubts[0] for track in (1, 0)
     )
     assert count(first, 2) > 0 == count(first, 0)
     assert count(stem, 0) > 0 == count(stem, 2)

@@ -52,25 +52,24 @@ def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
     (error,) = verify(clip, record)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
     for distances in error.both:
-        assert distances.maximum < 1e-4  # at another time than day 1: 0.05
+        assert distances.maximum < 1e-3  # at another time than day 1: 0.5
 
 
-def test_distances_are_those_to_the_nearest_point_in_the_unit_cube(shifted):
+def test_distances_are_those_to_the_nearest_point(shifted):
     far = np.loadtxt(shifted / "day1.xyz")
     np.savetxt(shifted / "day1.xyz", np.vstack([far, [[30.0, 1.0, 1.5]]]), fmt="%.6f")
     clip, record = bake_recorded([shifted], WHOLE)
     (error,) = verify(clip, record)
-    side = 30.0 - min(np.loadtxt(p)[:, 0].min() for p in shifted.iterdir())
-    assert error.reconstruction_to_scan.maximum < 1e-4, "nothing was made up"
+    assert error.reconstruction_to_scan.maximum < 1e-3, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
-    missed = cKDTree(clip.at(1.0).positions).query(real)[0] / side
+    missed = cKDTree(clip.at(1.0).positions).query(real)[0]
     distances = error.scan_to_reconstruction
     assert distances.maximum == pytest.approx(missed.max(), rel=1e-4)
     assert distances.mean == pytest.approx(missed.mean(), rel=1e-3)
     assert distances.deviation == pytest.approx(missed.std(), rel=1e-3)
 
 
-def test_figures_do_not_depend_on_the_unit(write_scans):
+def test_figures_are_in_the_unit_of_the_scans(write_scans):
     folder = write_scans(days=(0, 1, 2))
     large = folder.with_name("large")
     large.mkdir()
@@ -78,8 +77,8 @@ def test_figures_do_not_depend_on_the_unit(write_scans):
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
     errors = [verify(*bake_recorded([f], replace(PLAIN, holdout=2)))[0] for f in (folder, large)]
     small, big = (error.reconstruction_to_scan for error in errors)
-    assert small.mean > 1e-3
-    assert big.mean == pytest.approx(small.mean, rel=1e-2)
+    assert small.mean > 1e-2
+    assert big.mean == pytest.approx(1000 * small.mean, rel=1e-2)
 
 
 def test_scans_left_out_play_no_part_in_the_bake(write_scans):

@@ -134,4 +134,4 @@ def test_the_papers_way_leaves_labels_alone(tmp_path: Path, plant):
         _, record = bake_recorded([tmp_path], options)
         assert all((scan.labels == wanted).all() for scan in record.series.scans)
         notes = ["".join(scan.notes) for scan in record.series.scans]
-        assert all(("3 points have the label" in note) != paper for note in notes)
+        assert all(("3 points were given the label" in note) != paper for note in notes)
