@@ -17,7 +17,7 @@ from gclip.version import VersionOption
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
 PANELS = {
-    "Scans": "times label_field drop_label columns scale unit ground voxel outliers resample every",
+    "Input": "times label_field drop_label columns scale unit ground voxel outliers resample every",
     "Alignment": "align up root",
     "Organs": "labels segment graph_neighbors bifurcation",
     "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",
@@ -36,7 +36,6 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     for one in (by_name[name] for name in panels):
         settings = {name: one.metadata[name] for name in one.metadata if name != "positive"}
         names = [f"--{one.name}", *settings.pop("short", [])] if hints[one.name] is bool else []
-        settings |= {"metavar": " "} if names else {}
         if settings:
             settings |= {"rich_help_panel": panels[one.name], "case_sensitive": False}  # --up Z
             parameters.append(
@@ -58,9 +57,9 @@ def bake_command(
     inputs: Annotated[
         list[Path],
         typer.Argument(
-            metavar="INPUT...",
+            metavar="INPUT",
             readable=False,  # told later: of many plants one may be unreadable
-            help="A folder of scans, or the files in order; several folders, or a folder of such "
+            help="A folder of scans, or the files in order. Several folders, or a folder of such "
             "folders, are many plants.",
         ),
     ],
@@ -75,16 +74,14 @@ def bake_command(
     ] = "",
     list_only: Annotated[
         bool,
-        typer.Option(
-            "--list", metavar=" ", help="Only say what would be baked, and what is not sure of it."
-        ),
+        typer.Option("--list", help="Only say what would be baked, and how sure that is."),
     ] = False,
     version: VersionOption = False,
     **flags: Any,
 ) -> int:
-    """Bake 3D scans of a growing plant into a growth clip; or of many plants, a clip each.
+    """Turn 3D scans of a growing plant into a growth clip, an animation that `play` shows.
 
-    bake scans/ -o plant.gclip        then: play plant.gclip
+    Example:  bake scans/ -o plant.gclip --unit mm --report report.html
     """
     options = Options(**{f.name: flags[f.name] for f in fields(Options)})
     written = {f.name: flags[f.name] for f in fields(Outputs) if f.name in flags}

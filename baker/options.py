@@ -60,72 +60,116 @@ class Options:
     Fields that do not change the clip (`workers`) stay out of its provenance.
     """
 
-    align: Align = option("auto", "Bring scans into one frame; auto leaves those that share one.")
-    labels: Labels = option("auto", "Do labels name the same organs in all scans?")
+    align: Align = option(
+        "auto",
+        "Bring the scans into one frame: auto leaves those that share one, turn moves all scans, "
+        "icp does it as the paper, none moves no scan.",
+    )
+    labels: Labels = option(
+        "auto",
+        "Labels are consistent where an organ has the same one in all scans, independent where "
+        "organs are numbered anew in each; ignore finds organs without them.",
+    )
     segment: Segment = option(
         "auto",
-        "auto takes labels where there are any, else organs: stem, blades and branches; thin cuts "
-        "at forks.",
+        "How organs are found: auto takes the labels where there are any; organs finds stem, "
+        "leaves and branches; thin cuts at forks, as the paper.",
     )
-    up: Up = option("auto", "The axis along which the plant grows.")
+    up: Up = option("auto", "The axis along which the plant grows up.")
     root: tuple[float, float, float] | Literal["virtual"] | None = option(
-        None, "The stem's base, or virtual: no label is a stem.", parser=parse_root, metavar="X,Y,Z"
+        None,
+        "Where the stem leaves the ground; or virtual, where no organ is a stem.",
+        parser=parse_root,
+        metavar="X,Y,Z",
     )
-    times: Path | None = option(None, "Lines of: scan's name, day or date.", metavar="FILE")
-    label_field: str | None = option(None, "The field that holds the labels.", metavar="NAME")
-    drop_label: str = option("", "Leave out the points of label L; of more: L,M.", metavar="L")
-    columns: str = option("", "What a text's columns are, as x,y,z,r,g,b,-,label.", metavar="NAMES")
+    times: Path | None = option(
+        None, "A text of the scans' days: on each line a name, and a day or date.", metavar="FILE"
+    )
+    label_field: str | None = option(
+        None, "The column or field of the scans that tells organs apart.", metavar="NAME"
+    )
+    drop_label: str = option(
+        "", "Leave out points of label L, a pot say; of several: L,M.", metavar="L"
+    )
+    columns: str = option(
+        "", "The columns of a text, such as x,y,z,r,g,b,-,label.", metavar="NAMES"
+    )
     scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
-    ground: Ground = option("auto", "Soil or table under the plant: taken out (auto), or kept.")
+    ground: Ground = option("auto", "Soil or table under the plant: auto takes it out.")
     voxel: float | None = option(
-        None, "Keep one point per organ and cube of this size.", metavar="SIZE", positive=True
+        None,
+        "Thin the scans: one point an organ in each cube of this size.",
+        metavar="SIZE",
+        positive=True,
     )
     outliers: float | None = option(
-        None, "Drop points R standard deviations too far off; try 2.", metavar="R", positive=True
+        None,
+        "Remove stray points, R standard deviations farther off than usual; try 2.",
+        metavar="R",
+        positive=True,
     )
     resample: int | None = option(
-        None, "Keep about N points of a scan, evenly spread.", metavar="N", min=10
+        None, "Thin the scans: about N points each, evenly spread.", metavar="N", min=10
     )
-    every: int = option(1, "Use only each N-th scan.", metavar="N", min=1)
-    transport: Transport = option("auto", "How transport is solved; whole: without any segments.")
-    neighbors: int = option(15, "Neighbours in the transport's support (k).", metavar="K", min=1)
+    every: int = option(1, "Use every N-th scan only.", metavar="N", min=1)
+    transport: Transport = option(
+        "auto",
+        "How points are paired: exactly; by sinkhorn, nearly, as the paper; or exactly with the "
+        "plant as a whole, without organs.",
+    )
+    neighbors: int = option(15, "Points among which each finds its partner.", metavar="K", min=1)
     gamma: float = option(
-        0.3, "Sinkhorn's regularisation, in median costs.", metavar="SHARE", positive=True
+        0.3,
+        "Of --transport sinkhorn: its regularisation, in median costs.",
+        metavar="SHARE",
+        positive=True,
     )
     tolerance: float = option(
-        1e-3, "Sinkhorn stops at this error of the marginals.", metavar="ERROR", positive=True
+        1e-3,
+        "Of --transport sinkhorn: the share of points that may miss.",
+        metavar="ERROR",
+        positive=True,
     )
-    iterations: int = option(2000, "Sinkhorn's, at most.", metavar="N", min=1)
+    iterations: int = option(
+        2000, "Of --transport sinkhorn: it stops after these at the latest.", metavar="N", min=1
+    )
     graph_neighbors: int = option(
-        15, "Neighbours in the graph of segment thin (k).", metavar="K", min=1
+        15, "Of --segment thin: neighbours that a point is linked with.", metavar="K", min=1
     )
     bifurcation: int | None = option(
-        None, "A branch longer than N edges makes a fork (segment thin).", metavar="N", min=0
+        None, "Of --segment thin: a branch of more than N links is a fork.", metavar="N", min=0
     )
-    paper: bool = option(False, "Choose as Golla et al. (2020) do, throughout.")
+    paper: bool = option(False, "Do all as Golla et al. (2020) do.")
     holdout: int | None = option(
-        None, "Leave every Nth scan out, but the ends, and compare the film.", metavar="N", min=2
+        None, "Leave every N-th scan out, and say how far the film is from it.", metavar="N", min=2
     )
     bud: int | None = option(
-        None, "Points a new organ unfolds from; 1 % of what it grows on.", metavar="L", min=1
+        None,
+        "Points that a new organ unfolds from; usually 1 % of what it grows on.",
+        metavar="L",
+        min=1,
     )
     even: float | None = option(
-        None, "Movers to add at most, a share of all; usually 1.", metavar="SHARE", min=0, max=10
+        None,
+        "Points to add where organs grow, at most this share of all; usually 1.",
+        metavar="SHARE",
+        min=0,
+        max=10,
     )
-    smooth: bool = option(False, "Steady organs that sway; scans are then not met exactly.")
-    decay: Decay = option("fall", "What organs do that a later scan no longer has.")
-    paths: Paths = option("auto", "How points travel: straight, or curved as organs bend (usual).")
+    smooth: bool = option(False, "Calm organs that sway; the film then passes beside the scans.")
+    decay: Decay = option("fall", "What becomes of an organ that a later scan lacks.")
+    paths: Paths = option("auto", "How points travel: straight, or curved as organs bend.")
     colors: Colors = option(
-        "scan", "Colours to carry: the scans' own, one for each scan's segments, or none."
+        "scan", "Colours of the points: the scans' own, one for each organ of a scan, or none."
     )
     precision: Precision = option(
-        "auto", "auto stores 16 bits a coordinate where that is fine enough."
+        "auto", "auto stores coordinates in 16 bits where that is fine enough."
     )
-    unit: str = option("", "The scans' length unit, e.g. mm.")
-    workers: int = option(0, "Cores to use; 0 takes all.", metavar="N", min=0)
+    unit: str = option("", "The scans' unit of length, such as mm.", metavar="UNIT")
+    workers: int = option(0, "How many cores to use; 0 takes all.", metavar="N", min=0)
 
     def __post_init__(self) -> None:
-        """Raises InputError naming the field, what was found and what is allowed."""
+        """Raises InputError naming the option, what was found and what is allowed."""
         kinds = get_type_hints(Options)
         for one in fields(Options):
             value, allowed = getattr(self, one.name), get_args(kinds[one.name])
@@ -138,7 +182,9 @@ class Options:
             elif (least, most) != (-inf, inf) and value is not None and not least <= value <= most:
                 needed = f"at least {least}" if most == inf else f"from {least} to {most}"
             if needed:
-                raise InputError(f"{one.name} is {value}; {needed} is needed.")
+                found = f"{value:g}" if isinstance(value, float) else value
+                name = one.name.replace("_", "-")
+                raise InputError(f"--{name} is {found}; {needed} is needed.")
         if isinstance(self.root, tuple) and not max(map(abs, self.root)) <= MAX_COORDINATE:
             raise InputError(
                 f"--root is {','.join(f'{axis:g}' for axis in self.root)}; numbers from "

@@ -38,22 +38,28 @@ def grow_command(
     kind: Annotated[
         Kind,
         typer.Argument(
-            help="The plant; tree1 and tree2 are bare trees of the sizes in the paper, "
-            "komatsuna is a rosette, seen by a depth camera instead of scanned."
+            metavar="PLANT",
+            help="The plant: maize, tomato or tree; tree1 and tree2 are bare trees of the sizes in "
+            "the paper, komatsuna is a rosette, seen by a depth camera instead of scanned.",
         ),
     ],
     folder: Annotated[Path, typer.Argument(metavar="OUTDIR", help="Where to write the scans.")],
-    scans: Annotated[int | None, typer.Option(help="How many, evenly spread.")] = None,
+    scans: Annotated[
+        int | None, typer.Option(metavar="N", help="How many scans, evenly spread.")
+    ] = None,
     points: Annotated[
         str | None,
         typer.Option(
-            metavar="N|FIRST,LAST", help="Points of each scan, or growing with the plant."
+            metavar="N", help="Points of each scan; or FIRST,LAST, growing with the plant."
         ),
     ] = None,
-    days: Annotated[float | None, typer.Option(help="How many days the series spans.")] = None,
-    seed: Annotated[int, typer.Option(help="Another seed, another plant.")] = 0,
+    days: Annotated[
+        float | None, typer.Option(metavar="N", help="How many days the series spans.")
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Another number, another plant.")] = 0,
     noise: Annotated[
-        float | None, typer.Option(metavar="MM", help="Standard deviation of the points, mm.")
+        float | None,
+        typer.Option(metavar="MM", help="Standard deviation of the points' noise, in mm."),
     ] = None,
     unlabelled: Annotated[bool, typer.Option("--unlabelled", help="Leave the labels out.")] = False,
     colors: Annotated[bool, typer.Option(help="Write the plant's colours.")] = True,
@@ -61,8 +67,8 @@ def grow_command(
     truth: Annotated[
         str | None,
         typer.Option(
-            metavar="T[,T...]",
-            help="Write the true clouds at these days, and the organs, to OUTDIR/truth.",
+            metavar="DAYS",
+            help="Write the true plant at these days, such as 5,6.5, to OUTDIR/truth.",
         ),
     ] = None,
     shuffle_labels: Annotated[

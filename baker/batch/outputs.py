@@ -24,17 +24,17 @@ class Outputs:
 
     clip: Path  # the file; of many plants the folder of their clips
     report: Path | None = option(
-        None, "Write what was found, with pictures; of many plants a folder.", metavar="OUT.html"
+        None, "Write a report with pictures; of many plants, a folder of them.", metavar="OUT.html"
     )
     traits: Path | None = option(
-        None, "Write lengths, areas and growth, organ by organ.", metavar="OUT.csv"
+        None, "Write a table of lengths, areas, angles and growth.", metavar="OUT.csv"
     )
     cluster: str | None = option(
-        None, "Bake on the workers of this dask scheduler.", metavar="ADDRESS"
+        None, "Bake on many machines: the address of a dask scheduler.", metavar="ADDRESS"
     )
     cache: Path | None = option(
         None,
-        "Keep finished intervals there, and take those kept.",
+        "Keep finished work there, and take up what is kept.",
         parser=parse_folder,
         metavar="DIR",
     )

@@ -10,7 +10,7 @@ import re
 import sys
 from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gclip.errors import UserError
 from gclip.terminal.interrupts import until_interrupted
@@ -22,6 +22,15 @@ if TYPE_CHECKING:
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by SIGHUP
 # What no program can help, whatever file it is about.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
+TYPES = re.compile(r"<(bool|str|int|float|path|file|list\[.*\])>")
+# What typer says of the words of a command line, in words of our own.
+COMPLAINTS = (
+    ("Missing argument '(.+?)'(.*)", r"\1 is missing\2"),
+    ("Missing command", "the command is missing"),
+    ("No such command '(.*)'", r"there is no command \1"),
+    ("Option '(.+?)' requires an argument", r"\1 needs a value after it"),
+    (r"Got unexpected extra argument(?:\(s\)|s)? \((.*)\)", r"\1 is one too many"),
+)
 # What pydantic says of a value, and what the value has to be instead.
 REASONS = (
     ("Input should be a valid integer,.*", "a whole number is needed"),
@@ -75,6 +84,8 @@ def _reworded(message: str, words: list[str]) -> str:
     """What the library says of a value, in the words of this program's own messages."""
     option = re.match("Invalid value for '(.+?)': (?:Value error, )?", message)
     if option is None:
+        for pattern, said in COMPLAINTS:
+            message = re.sub(pattern, said, message)
         return message
     reason, name, given = message[option.end() :], option[1], dict(pairwise(words))
     if choice := re.fullmatch("'(.*?)' is not one of (.*)", reason):
@@ -82,7 +93,23 @@ def _reworded(message: str, words: list[str]) -> str:
         return f"{name} is {choice[1]}; one of {allowed} is needed"
     for pattern, said in REASONS:
         reason = re.sub(pattern, said, reason)
-    return f"{name} is {given[name]}; {reason}" if name in given else f"{name}: {reason}"
+    return (
+        f"{name} is {given[name] or repr('')}; {reason}" if name in given else f"{name}: {reason}"
+    )
+
+
+def _without_types(parser: Any) -> None:
+    """Leave Python's types out of a command's help, and have it say ranges in words."""
+    from typer import Context
+
+    for command in (parser, *getattr(parser, "commands", {}).values()):
+        for one in command.get_params(Context(command)):
+            shown = one.display_type_rich
+            one.display_type_rich = lambda ctx, shown=shown: TYPES.sub("", shown(ctx) or "")
+            least, most = getattr(one, "min", None), getattr(one, "max", None)
+            if least is not None:
+                text = f"{least:g} or more" if most is None else f"{least:g} to {most:g}"
+                one._get_number_range_help_str = lambda text=text: text
 
 
 def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
@@ -93,6 +120,7 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
 
     def work() -> int | None:
         parser = get_command(app)
+        _without_types(parser)
         words = sys.argv[1:] if argv is None else argv
         try:
             with parser.make_context(command, [*words]) as context:

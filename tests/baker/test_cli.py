@@ -1,10 +1,12 @@
 """The command `bake`: exit codes, one-sentence errors, nothing half-written."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -171,6 +173,8 @@ def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans,
         (["--even", "11"], "--even is 11; at most 10 is possible"),
         (["--even", "many"], "--even is many; a number is needed"),
         (["--up=Q"], "--up is Q; one of auto, x, y, z, -x, -y, -z is needed"),
+        (["--every", ""], "--every is ''; a whole number is needed"),
+        (["--unit"], "--unit needs a value after it"),
     ],
 )
 def test_a_bad_value_is_said_in_words_of_our_own(capsys, words, sentence):
@@ -181,3 +185,11 @@ def test_a_bad_value_is_said_in_words_of_our_own(capsys, words, sentence):
 def test_the_case_of_a_choice_does_not_matter(capsys):
     assert main(["no-such-folder", "-o", "plant.gclip", "--up", "Z"]) == 2
     assert "no-such-folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("program", ["baker", "player", "grow", "gclip"])
+def test_a_help_names_no_types_and_has_an_example(capsys, program):
+    assert import_module(f"{program}.cli").main(["--help"]) == 0
+    shown = capsys.readouterr().out
+    assert not re.search(r"<(int|bool|str|float|path|list)|<=x|x>=|Path\b", shown)
+    assert program == "gclip" or re.search(r"\b(bake scans|play plant|grow maize)", shown)

@@ -80,6 +80,8 @@ def suffix_of(path: Path) -> str:
 
 def require_known(path: Path) -> None:
     """InputError, with the known suffixes, unless the suffix of `path` (any case) is known."""
+    if path.suffix == ".gclip":
+        raise InputError(f"'{path}' is a clip already; give the scans, or: play {path}.")
     if suffix_of(path) not in READERS:
         what = f"has the unknown suffix '{path.suffix}'" if path.suffix else "has no suffix"
         raise InputError(f"'{path}' {what}; known are {KNOWN}.")
