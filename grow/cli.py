@@ -88,7 +88,7 @@ def grow_command(
         typer.Option(metavar="PIXELS", help="komatsuna: how badly labels are misplaced; 0."),
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Replace scans that are in OUTDIR.")
+        bool, typer.Option("--force", help="Overwrite the scans that OUTDIR holds.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing.")] = False,
     version: VersionOption = False,

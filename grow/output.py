@@ -22,10 +22,7 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
     """
     earlier = _earlier(folder, ours)
     if earlier and not force:
-        raise InputError(
-            f"'{folder}' already holds {earlier[0].name}; choose another folder, or --force to "
-            "replace what `grow` writes there."
-        )
+        raise InputError(f"{earlier[0]} exists; --force overwrites it.")
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(folder) as draft:

@@ -6,11 +6,14 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from glob import escape
 from itertools import count
 from pathlib import Path
 
-from gclip.terminal.atomic import atomic_file, folder_beside, sync
+from gclip.terminal.atomic import atomic_file, check_output, folder_beside, sync
 from player.errors import PlayerError
+
+NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
 
 
 @contextmanager
@@ -19,7 +22,6 @@ def whole_file(path: Path) -> Iterator[Path]:
 
     Raises PlayerError where it can't be written.
     """
-    check_folder(path)
     with _said(path), atomic_file(path) as part:
         yield part
 
@@ -31,12 +33,7 @@ def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
     The folder they go to is made if only itself is missing. What else is in it stays. Raises
     PlayerError where nothing can be written there.
     """
-    home = path.parent
-    if not home.parent.is_dir():
-        raise PlayerError(f"{path}: the folder {home} does not exist.")
-    if home.exists() and not home.is_dir():
-        raise PlayerError(f"{path}: {home} is a file, not a folder.")
-    names: list[str] = []
+    home, names = path.parent, list[str]()
 
     def file(number: int) -> Path:
         names.append(path.name % number)
@@ -51,10 +48,11 @@ def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
             os.replace(draft / name, home / name)
 
 
-def check_folder(path: Path) -> None:
-    """Raise PlayerError where the folder of `path` is missing."""
-    if not path.parent.is_dir():
-        raise PlayerError(f"{path}: the folder {path.parent} does not exist.")
+def check_sequence(path: Path, force: bool) -> None:
+    """As `check_output`, for files that are numbered as the name says, like %04d.png."""
+    numbered = NUMBER.sub("[0-9]*", escape(path.name))
+    earlier, home = sorted(path.parent.glob(numbered)), path.parent
+    check_output(earlier[0] if earlier else path if home.exists() else home, force)
 
 
 def free_name(stem: str, example: str, folder: Path | None = None) -> Path:

@@ -1,10 +1,9 @@
 """The command `play`: a clip in a window, a film, a picture, or a table of what it holds."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from gclip import Clip
     from player.export import Film
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
+app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
 STILL, TURNTABLE = "still", "turntable"
 SIZE = "1280x720"
@@ -37,7 +36,13 @@ PIPE_WIDTH = 200  # letters
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
 
 
-AS_IT_IS = "\n\n\b\n"  # typer reflows a paragraph unless it begins like this
+PANELS = {
+    "View": "size camera color ground point_size shading depth_cue floor",
+    "Export": "export force list_exports fps seconds every day title date scale_bar legend "
+    "transparent",
+    "Window": "kiosk profile",
+}
+"""The options by what they are about, in the order of `play --help`."""
 
 
 def _list(wanted: bool) -> None:
@@ -49,15 +54,20 @@ def _list(wanted: bool) -> None:
         raise typer.Exit
 
 
-EPILOG = AS_IT_IS.join(
-    [
-        "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.",
-        *help_text().split("\n\n"),
-    ]
-)
+def _in_panels(command: Callable[..., None]) -> Callable[..., None]:
+    """Have the options listed by what they are about."""
+    for panel, names in PANELS.items():
+        for name in names.split():
+            (option,) = command.__annotations__[name].__metadata__
+            option.rich_help_panel = panel
+    return command
 
 
-@app.command(epilog=EPILOG)
+EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\n\n"
+
+
+@app.command(epilog=EPILOG + help_text())
+@_in_panels
 def play_command(
     clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
     second: Annotated[
@@ -158,6 +168,9 @@ def play_command(
     profile: Annotated[
         bool, typer.Option("--profile", help="Tell at the window's end what its frames cost.")
     ] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Overwrite an output that exists.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     version: VersionOption = False,
 ) -> None:
@@ -193,7 +206,7 @@ def play_command(
             transparent=transparent,
             name=printable(clip.stem),
         )
-        _export(clip, film, days, Path(export), quiet, path)
+        _export(clip, film, days, Path(export), force, quiet, path)
     elif info:
         from rich.console import Console
 
@@ -208,10 +221,16 @@ def play_command(
 
 
 def _export(
-    file: Path, film: Film, days: list[str], output: Path, quiet: bool, camera: Path | None
+    file: Path,
+    film: "Film",
+    days: list[str],
+    output: Path,
+    force: bool,
+    quiet: bool,
+    camera: Path | None,
 ) -> None:
     """Refuses an output that can't come out well before the clip is opened."""
-    chosen = player.export.format_of(output, film)
+    chosen = player.export.format_of(output, film, force)
     clip = gclip.open(file)
     film = replace(film, at=tuple(_day(clip, text) for text in days))
     if camera is not None:
@@ -232,7 +251,7 @@ def _check_baked(file: Path) -> None:
         )
 
 
-def _day(clip: Clip, text: str) -> float:
+def _day(clip: "Clip", text: str) -> float:
     """What --day says: a number of days, or a date as the scans have them."""
     day, first, last = day_of(clip.scans, text), clip.scans[0], clip.scans[-1]
     if day is None or not first.time <= day <= last.time:

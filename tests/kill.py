@@ -61,7 +61,7 @@ class WayOut:
 def ways_out(series: Path, clip: Path) -> list[WayOut]:
     """Ways out that write into the folder that they are started in."""
     scans = [str(path) for path in sorted(series.glob("*.ply"))]
-    also = ["--report", "report.html", "--traits", "traits.csv"]
+    also = ["--force", "--report", "report.html", "--traits", "traits.csv"]
     small = ["--size", "96x96", "--fps", "8"]
     found = [
         WayOut(
@@ -76,7 +76,7 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
             "cache",
             "baker.cli",
             ["-q", *scans[:2], "-o", "plant.gclip"],
-            ["-q", *scans, "-o", "plant.gclip", "--cache", "cache"],
+            ["-q", *scans, "-o", "plant.gclip", "--cache", "cache", "--force"],
             ["plant.gclip", "cache"],
             ["cache"],
         ),
@@ -88,7 +88,7 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
         ("ply", "clouds/%04d.ply"),
         ("glb", "plant.glb"),
     ):
-        export = [str(clip), "-q", "--export", output]
+        export = [str(clip), "-q", "--force", "--export", output]
         export += small if name in ("mp4", "png") else []
         seconds = [["--seconds", s] if name in ("mp4", "png", "ply") else [] for s in ("1", "2")]
         other = ["--title", "old"] if name == "html" else []

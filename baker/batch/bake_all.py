@@ -9,12 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from baker.batch.cluster import bake_on_cluster
-from baker.batch.outputs import Outputs, check_writable
+from baker.batch.outputs import Outputs, check_output
 from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.progress import StageProgress
 from baker.errors import InputError, writing
 from baker.options import Options, worker_count
+from gclip.terminal.atomic import check_writable
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.text import Lossy, printable
 from traits.plants import TraitsTable
@@ -35,6 +36,7 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     InputError
         Where nothing can be begun with.
     """
+    check_output(outputs.traits, True, "a table of traits", ".csv")  # what it holds stays known
     for folder in filter(None, (outputs.clip, outputs.report)):
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None

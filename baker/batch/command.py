@@ -32,8 +32,6 @@ def run(
 
     output: the name after -o as it was typed, as a slash at its end means a folder.
     """
-    if outputs.traits is not None:
-        check_output(outputs.traits, "a table of traits", ".csv")
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
     plants = find_plants(inputs, output)
@@ -51,12 +49,13 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
 
     Raises
     ------
-    InputError
-        Before the work where an output can't be written; else what the scans or options lack.
+    UserError
+        Before the work where an output can't be written, or is there already and `outputs` do not
+        force it; else what the scans or options lack.
     """
-    check_output(outputs.clip, "a clip", ".gclip")
-    if outputs.report is not None:
-        check_output(outputs.report, "a report", ".html", ".htm")
+    check_output(outputs.clip, outputs.force, "a clip", ".gclip")
+    check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
+    check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
     begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
     folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
     cache = Cache(folder) if folder else None

@@ -1,11 +1,11 @@
 """What a bake writes, and whether it can be written."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from baker.errors import InputError
 from baker.options import option
+from gclip.terminal import atomic
 
 
 def parse_folder(text: str) -> Path:
@@ -38,23 +38,15 @@ class Outputs:
         parser=parse_folder,
         metavar="DIR",
     )
-    force: bool = option(False, "Of many plants, bake those again whose clips are up to date, too.")
+    force: bool = option(False, "Overwrite what exists; of many plants, bake all again.")
     quiet: bool = option(False, "Say nothing but errors.", short=["-q"])
     verbose: bool = option(False, "Say what was found in each scan.", short=["-v"])
 
 
-def check_output(path: Path, what: str, *suffixes: str) -> None:
-    """Raise InputError where a file can't be written, before the work and not after it."""
+def check_output(path: Path | None, force: bool, what: str, *suffixes: str) -> None:
+    """Raise UserError where a file, if it is wanted, can't be written or would be overwritten."""
+    if path is None:
+        return
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; a file's name is needed.")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist.")
-    check_writable(path.parent)
-
-
-def check_writable(folder: Path) -> None:
-    """Raise InputError where nothing can be written into a folder."""
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"{folder}: permission denied to write into this folder.")
+    atomic.check_output(path, force)

@@ -167,7 +167,9 @@ def report(work: Path) -> None:
     folder.mkdir(exist_ok=True)
     file, clip = folder / "report.html", folder / "maize.gclip"
     bake = [sys.executable, "-m", "baker", str(work / "maize"), "-o", str(clip)]
-    subprocess.run([*bake, *PLANTS["maize"].bake, "--report", str(file), "-q"], check=True)
+    subprocess.run(
+        [*bake, *PLANTS["maize"].bake, "--report", str(file), "-q", "--force"], check=True
+    )
     with sync_playwright() as browsers:
         browser = browsers.chromium.launch(executable_path=_chromium(), args=["--no-sandbox"])
         view = browser.new_page(viewport={"width": 1140, "height": 600})

@@ -9,6 +9,29 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from gclip.errors import UserError
+
+
+def check_output(path: Path, force: bool) -> None:
+    """Raise UserError where a file can't be written, or is there already and `force` is not given:
+    before the work and not after it.
+    """
+    if path.is_dir():
+        raise UserError(f"{path} is a folder; a file's name is needed.")
+    if path.parent.exists() and not path.parent.is_dir():
+        raise UserError(f"{path}: {path.parent} is a file, not a folder.")
+    if not path.parent.exists():
+        raise UserError(f"{path}: the folder {path.parent} does not exist.")
+    check_writable(path.parent)
+    if path.exists() and not force:
+        raise UserError(f"{path} exists; --force overwrites it.")
+
+
+def check_writable(folder: Path) -> None:
+    """Raise UserError where nothing can be written into a folder."""
+    if not os.access(folder, os.W_OK):
+        raise UserError(f"{folder}: permission denied to write into this folder.")
+
 
 @contextmanager
 def folder_beside(path: Path) -> Iterator[Path]:

@@ -8,7 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from player.atomic_write import check_folder
+from gclip.terminal.atomic import check_output
+from player.atomic_write import check_sequence
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
@@ -98,8 +99,10 @@ def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
     export(clip, replace(Film(style=style), **choices), Path(path))
 
 
-def format_of(path: Path, film: Film) -> Format:
-    """How to write `path`; refuses here, before any work, what can't come out well."""
+def format_of(path: Path, film: Film, force: bool = True) -> Format:
+    """How to write `path`; refuses here, before any work, what can't come out well, and where it is
+    not to be forced, what would overwrite something.
+    """
     if path.is_dir():
         raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
     suffix = path.suffix.lower()
@@ -115,7 +118,7 @@ def format_of(path: Path, film: Film) -> Format:
             f"like {known[0].example}."
         )
     chosen = fitting[0]
-    check_folder(path.parent if chosen.sequence else path)
+    (check_sequence if chosen.sequence else check_output)(path, force)
     _check_moments(chosen, film, path)
     chosen.check(film)
     return chosen

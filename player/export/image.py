@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from player.atomic_write import free_name, whole_file, whole_sequence
+from player.atomic_write import NUMBER, free_name, whole_file, whole_sequence
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
 JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour
-NUMBER = re.compile(r"%0?\d*d")
 
 
 def is_sequence(path: Path) -> bool:

@@ -13,8 +13,7 @@ from typing import Any
 
 import glfw
 
-from gclip.errors import ClipError
-from player.errors import PlayerError
+from gclip.errors import ClipError, UserError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
@@ -187,7 +186,7 @@ class Window:
                 self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
                 self._take([one.reopened() for one in self.clips], fresh=False)
-        except (ClipError, PlayerError) as error:
+        except UserError as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)

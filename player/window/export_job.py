@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import gclip
-from gclip.errors import ClipError
+from gclip.errors import UserError
 from player.atomic_write import free_name
-from player.errors import PlayerError
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
 from player.export.image import save_screenshot
@@ -89,7 +88,7 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
         ended = saved(Path(output))
     except Stopped:
         ended = f"Stopped: {name} was not written."
-    except (PlayerError, ClipError) as error:
+    except UserError as error:
         ended = str(error)
     except Exception as error:
         ended = f"Exporting {name} failed: {error or type(error).__name__}."
@@ -149,7 +148,7 @@ class Exports:
             if opened.file is None:
                 return scene.with_notice("Only clips that were opened from a file can be exported.")
             return scene.with_notice(self._toggle(scene, opened.file, name, area, still))
-        except PlayerError as error:
+        except UserError as error:
             return scene.with_notice(str(error))
 
     def release(self) -> None:

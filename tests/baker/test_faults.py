@@ -55,7 +55,8 @@ def output(tmp_path) -> Path:
 def limited(limit: str, *arguments: object) -> subprocess.CompletedProcess:
     """`bake` in a process that has limited itself."""
     code = LIMITED.format(limit=limit, modules="baker.report, traits.plants, traits.table")
-    command = [sys.executable, "-c", code, *map(str, arguments), "-q", "--align", "none"]
+    words = [*map(str, arguments), "-q", "--align", "none", "--force"]
+    command = [sys.executable, "-c", code, *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
@@ -106,7 +107,14 @@ def test_an_output_folder_that_goes_is_said(write_scans, output, monkeypatch, ca
     monkeypatch.setattr("baker.pipeline.solve_intervals", solve_and_remove)
     options = {"report": ["--report", output.parent / "r.html"]}
     options["traits"] = ["--traits", output.parent / "t.csv"]
-    arguments = [write_scans(), "-o", output, "-q", *[x for name in also for x in options[name]]]
+    arguments = [
+        write_scans(),
+        "-o",
+        output,
+        "-q",
+        "--force",
+        *[x for name in also for x in options[name]],
+    ]
     assert main([str(argument) for argument in arguments]) == 2
     assert one_sentence(capsys.readouterr().err, "can't be written", "No such file")
     assert not output.parent.exists()
@@ -179,7 +187,8 @@ def test_a_read_only_folder_is_said(write_scans, output, tmp_path):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopping_is_one_sentence_and_leaves_nothing(write_scans, output, number):
-    command = [sys.executable, "-m", "baker", str(write_scans(days=range(8))), "-o", str(output)]
+    arguments = [str(write_scans(days=range(8))), "-o", str(output), "--force"]
+    command = [sys.executable, "-m", "baker", *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     first = process.stderr.readline()
     process.send_signal(number)
@@ -306,7 +315,7 @@ def test_a_pipe_that_nobody_writes_to_is_not_waited_for(write_scans, tmp_path, w
         "report": [folder, "--report", pipe],
         "traits": [folder, "--traits", pipe],
     }[what]
-    code = main([str(a) for a in (*options, "-o", tmp_path / "p.gclip", "-q", *LIGHT)])
+    code = main([str(a) for a in (*options, "-o", tmp_path / "p.gclip", "-q", "--force", *LIGHT)])
     said = capsys.readouterr().err
     if what in ("output", "report", "traits"):  # a file takes the pipe's place
         assert (code, said, pipe.is_file()) == (0, "", True)

@@ -150,7 +150,7 @@ def test_names_of_files_cannot_command_the_terminal(tmp_path, capfd):
         scan.write_text("0 0 0\n0 0 1\n0 0 2\nnan 0 0\n")
     clip = str(tmp_path / "plant.gclip")
     for inputs, code in ((scans, 0), (scans[:1], 2), ([tmp_path], 2)):
-        assert main([*map(str, inputs), "-o", clip, "-v"]) == code
+        assert main([*map(str, inputs), "-o", clip, "-v", "--force"]) == code
         said = capfd.readouterr()
         assert not any(c in said.out + said.err for c in "\x1b\x07\udcff")
         assert "day0" in said.err

@@ -185,7 +185,7 @@ def test_images_mean_nothing_for_scanned_plants(
 def test_earlier_images_are_kept_unless_forced(tmp_path: Path) -> None:
     plan = ImagePlan(days=2, per_day=1, size=(64, 48))
     write_images(plan, tmp_path / "k")
-    with pytest.raises(InputError, match=r"already holds camera\.toml"):
+    with pytest.raises(InputError, match=r"camera\.toml exists; --force overwrites it"):
         write_images(plan, tmp_path / "k")
     write_images(ImagePlan(days=1, per_day=3, size=(64, 48)), tmp_path / "k", force=True)
     assert len(list((tmp_path / "k").glob("rgb_*"))) == 3

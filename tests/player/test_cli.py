@@ -39,10 +39,30 @@ def test_export_writes_and_tells(saved: Path, capsys: pytest.CaptureFixture[str]
     assert main([*wish, "--fps", "10", "--camera", "turntable", "--ground", "light"]) == 0
     assert film.stat().st_size > 500
     assert "film.mp4" in capsys.readouterr().err
-    film.unlink()
-    assert main([*wish, "-q"]) == 0
+    film.write_bytes(b"an earlier one")
+    assert "film.mp4 exists; --force overwrites it." in refusal(capsys, *wish)
+    assert film.read_bytes() == b"an earlier one"
+    assert main([*wish, "-q", "--force"]) == 0
     assert capsys.readouterr() == ("", "")
-    assert film.exists()
+    assert film.stat().st_size > 500
+
+
+def test_a_sequence_overwrites_none_of_its_files(saved: Path, capsys) -> None:
+    frames = saved.with_name("frames")
+    wish = [saved, "--export", frames / "%04d.ply", "--seconds", "0.1"]
+    assert main([*map(str, wish), "-q"]) == 0
+    (frames / "0000.ply").unlink()
+    assert "0001.ply exists; --force overwrites it." in refusal(capsys, *wish)
+    assert main([*map(str, wish), "-q", "--force"]) == 0
+
+
+def test_help_lists_options_by_what_they_are_about(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out
+    places = [said.index(words) for words in ("play plant.gclip --export", " View ", " Window ")]
+    assert places == sorted(places)
+    assert said.index(" Export ") < said.index("--force") < said.index("Keys and mouse")
+    assert "  Space   " in said
 
 
 def test_info_tells_what_the_clip_holds(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:

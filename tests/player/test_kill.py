@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-SMALL = ["--size", "64x48", "--fps", "10", "-q"]
+SMALL = ["--size", "64x48", "--fps", "10", "-q", "--force"]
 LIMITED = """
 import resource, sys
 from player.cli import main

@@ -1,24 +1,33 @@
-"""Whether outputs can be written is known before the work."""
+"""Whether outputs can be written is known before the work; what is there is kept unless forced."""
 
 import os
+import re
 
 import pytest
 
 from baker.batch.outputs import check_output
-from baker.errors import InputError
+from gclip.errors import UserError
 
 
-@pytest.mark.parametrize("name", ["a.txt", "folder.gclip", "missing/a.gclip"])
+@pytest.mark.parametrize("name", ["a.txt", "folder.gclip", "missing/a.gclip", "file/a.gclip"])
 def test_names_that_cannot_be_written_are_refused(tmp_path, name):
     (tmp_path / "folder.gclip").mkdir()
-    with pytest.raises(InputError, match=name):
-        check_output(tmp_path / name, "a clip", ".gclip")
+    (tmp_path / "file").touch()
+    with pytest.raises(UserError, match=name):
+        check_output(tmp_path / name, True, "a clip", ".gclip")
+
+
+def test_what_is_there_is_kept_unless_forced(tmp_path):
+    path = tmp_path / "a.gclip"
+    check_output(path, False, "a clip", ".gclip")
+    path.touch()
+    check_output(path, True, "a clip", ".gclip")
+    with pytest.raises(UserError, match=f"{re.escape(str(path))} exists; --force overwrites it."):
+        check_output(path, False, "a clip", ".gclip")
 
 
 def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypatch):
-    check_output(tmp_path / "a.gclip", "a clip", ".gclip")
+    check_output(tmp_path / "a.gclip", False, "a clip", ".gclip")
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # as for another user
-    with pytest.raises(
-        InputError, match=f"{tmp_path}: permission denied to write into this folder"
-    ):
-        check_output(tmp_path / "a.gclip", "a clip", ".gclip")
+    with pytest.raises(UserError, match=f"{tmp_path}: permission denied to write into this folder"):
+        check_output(tmp_path / "a.gclip", True, "a clip", ".gclip")

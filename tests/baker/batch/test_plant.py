@@ -14,7 +14,16 @@ from gclip import Clip
 @pytest.fixture
 def command(write_scans, tmp_path) -> list[str]:
     scans = write_scans(days=(0, 1, 2))
-    return [str(scans), "-o", str(tmp_path / "plant.gclip"), "--align", "none", "--up", "z"]
+    return [
+        str(scans),
+        "-o",
+        str(tmp_path / "plant.gclip"),
+        "--align",
+        "none",
+        "--up",
+        "z",
+        "--force",
+    ]
 
 
 def test_a_long_bake_that_was_stopped_goes_on(command, tmp_path, monkeypatch, capsys):

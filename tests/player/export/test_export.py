@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from gclip import Clip
+from gclip.errors import UserError
 from player import render
 from player.errors import PlayerError
 from player.export import Film, export
@@ -182,7 +183,7 @@ def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) ->
 def test_what_cannot_come_out_well_is_refused(
     clip: Clip, tmp_path: Path, name: str, film: Film, words: str
 ) -> None:
-    with pytest.raises(PlayerError, match=words):
+    with pytest.raises(UserError, match=words):
         export(clip, film, tmp_path / name)
     assert only(tmp_path) == []
 
@@ -250,5 +251,5 @@ def test_a_sequence_makes_its_own_folder_and_takes_it_back(clip: Clip, tmp_path:
     with pytest.raises(KeyboardInterrupt):
         export(clip, film, tmp_path / "stopped" / "%04d.png", stop)
     assert only(tmp_path) == ["frames"]
-    with pytest.raises(PlayerError, match="does not exist"):
+    with pytest.raises(UserError, match="does not exist"):
         export(clip, film, tmp_path / "no" / "where" / "%04d.png", stop)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from player.errors import PlayerError
+from gclip.errors import UserError
 from player.export import Film, export
 from player.export.formats import FORMATS
 
@@ -43,6 +43,6 @@ def test_stopping_leaves_nothing_and_spares_what_was_there(
 def test_a_missing_folder_is_said_at_once(make_clip: Any, tmp_path: Path, example: str) -> None:
     if example.endswith(".usd"):
         pytest.importorskip("pxr", reason="usd-core is not installed")
-    with pytest.raises(PlayerError, match="does not exist"):
+    with pytest.raises(UserError, match="does not exist"):
         export(make_clip(), SMALL, tmp_path / "no" / "where" / example)
     assert list(tmp_path.iterdir()) == []
