@@ -101,10 +101,10 @@ def run_shell(text: str, display: dict[str, str]) -> None:
         if program == "grow":
             assert grow([*words, *SMALL_PLANT, "--force"]) == 0, line
         elif program == "bake":
-            assert bake([*words, "--paths", "straight", "--workers", "1"]) == 0, line
+            assert bake([*words, "--paths", "straight", "--workers", "1", "--force"]) == 0, line
         elif "--export" in words:
             drawn = words[words.index("--export") + 1].endswith(PICTURES)
-            assert play([*words, *(SMALL_PICTURE if drawn else [])]) == 0, line
+            assert play([*words, *(SMALL_PICTURE if drawn else []), "--force"]) == 0, line
         elif {"--info", "--list-exports"} & set(words):
             assert play(words) == 0, line
         else:

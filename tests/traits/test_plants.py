@@ -21,5 +21,5 @@ def test_both_commands_write_the_same_table(tmp_path: Path, capsys: pytest.Captu
     rows = list(csv.DictReader(first.open(newline="")))
     assert {row["plant"] for row in rows} == {"p"}
     assert {row["state"] for row in rows} == {"scan", "between", "rate"}
-    assert bake([str(tmp_path / "scans"), "-o", str(clip), "--traits", "t.xlsx"]) == 2
+    assert bake([str(tmp_path / "scans"), "-o", str(clip), "--traits", "t.xlsx", "--force"]) == 2
     assert "ends in .csv" in capsys.readouterr().err
