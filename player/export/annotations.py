@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from player.errors import PlayerError
 from player.view.annotations import (
     RGB,
@@ -17,15 +18,13 @@ from player.view.annotations import (
     draw_scale_bar,
     draw_title,
 )
-from player.view.colors import resolved_color_mode
+from player.view.camera import Camera
+from player.view.colors import ValueRange, resolved_color_mode
 from player.view.fonts import BOLD, REGULAR, font_file
 from player.view.style import GROUNDS
 
 if TYPE_CHECKING:
-    from gclip import Clip
     from player.export.film import Film
-    from player.view.camera import Camera
-    from player.view.colors import ValueRange
 
 MARGIN = 30  # units
 HALO = 2  # about texts, that they can be read where they lie over the plant

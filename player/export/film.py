@@ -6,20 +6,17 @@ import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
-from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
+
+from gclip import Clip
 from player.export.annotations import annotated
 from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
 from player.view.camera import Camera
+from player.view.camera_animation import CameraPath
 from player.view.colors import Colors
 from player.view.style import Style
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from gclip import Clip
-    from player.view.camera_animation import CameraPath
 
 Progress = Callable[[int, int], None]  # steps done, steps in all
 

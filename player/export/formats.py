@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from gclip import Clip
 from gclip.terminal.atomic import check_output
 from player.atomic_write import check_sequence
 from player.errors import PlayerError
@@ -17,9 +18,6 @@ from player.export.film import Film, Progress
 from player.export.web import page
 from player.view.colors import Colors
 from player.view.style import Style
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Motion
+from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
 from gclip.file import check_whole
 from player.atomic_write import whole_file
@@ -32,8 +32,6 @@ from player.view.dates import date_at
 
 if TYPE_CHECKING:
     import pygltflib
-
-    from gclip import Clip, Group, Interval
 
 CURVED_KEYS = 17  # an interval, where weights are no straight lines in time
 DISSOLVE = 8  # parts in which an organ that fades goes: glTF can't animate opacity

@@ -6,18 +6,15 @@ import json
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from gclip import Clip
 from player.atomic_write import NUMBER, free_name, whole_file, whole_sequence
 from player.errors import PlayerError
 from player.export.film import Film, Progress
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from gclip import Clip
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
 JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour

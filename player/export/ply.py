@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.atomic_write import whole_file, whole_sequence
 from player.export.film import Film, Progress
 from player.view.dates import date_at
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import traits
+from gclip import Clip
 from player.atomic_write import whole_file
 from player.export.film import Film, Progress
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:

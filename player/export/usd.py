@@ -11,21 +11,18 @@ import os
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Motion
+from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import positions_on_curve, srgb_to_linear
 from gclip.file import check_whole
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.view.camera import axes
-
-if TYPE_CHECKING:
-    from gclip import Clip, Group, Interval
 
 ZIP_EPOCH = datetime(1980, 1, 1)  # a package tells when its stage was written
 CURVED_SAMPLES = 17  # an interval, where movers go along curves or fall

@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from gclip import Clip
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from gclip import Clip
 
 PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly

@@ -8,15 +8,12 @@ its events on here, in place of ImGui's backend for GLFW.
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
+import moderngl
 from imgui_bundle import imgui
 
 from player.ui.theme import Theme, dress
 from player.view.fonts import BOLD, ICONS, REGULAR, font_file
-
-if TYPE_CHECKING:
-    import moderngl
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = -1e6

@@ -6,18 +6,14 @@ One drawing for pictures, films and the window: each brings a `Pen` that knows i
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-from player.view.colors import format_number
+from gclip import Clip, Track
+from player.view.camera import Camera
+from player.view.colors import ValueRange, format_number
 from player.view.dates import date_at, elapsed
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from gclip import Clip, Track
-    from player.view.camera import Camera
-    from player.view.colors import ValueRange
 
 LINE, SMALL, LARGE = 23, 15, 21  # height of a line, sizes of letters
 MAX_SCALE_BAR = 0.22  # share of the width, for scale bar and ramp

@@ -6,15 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from gclip.evaluate import positions_on_curve
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 Vector = NDArray[np.float64]
 

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import msgspec
 import numpy as np
 from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
+from gclip import Clip
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.view.camera import Camera
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from gclip import Clip
 
 MAX_KEYS = 10_000  # more are no path that someone made
 MAX_FILE_SIZE = 1 << 24  # bytes

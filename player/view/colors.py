@@ -11,20 +11,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
 from player.view.camera import axes, outline
 from player.view.holdout_error import Errors
 from player.view.style import ColorMode, Style
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 STEPS = 256  # texels of a ramp
 SAMPLE = 20_000  # movers of an interval that the range of speeds is found from

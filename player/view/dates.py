@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from gclip import ScanMark
 from traits.dates import date_at
-
-if TYPE_CHECKING:
-    from gclip import ScanMark
 
 __all__ = ["date_at", "elapsed", "short_dates"]
 

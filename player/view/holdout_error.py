@@ -10,18 +10,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Group, Interval, Motion
+from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.errors import PlayerError
 from player.view.style import NO_HOLDOUT
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
 UNKNOWN = (150, 150, 150)  # sRGB of movers whose interval has no scan to compare with

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gclip import Clip
 from player.view.camera import Camera, axes
 from player.view.choices import Compare
 from player.view.dates import date_at
-
-if TYPE_CHECKING:
-    from gclip import Clip
-    from player.view.state import Scene
+from player.view.state import Scene
 
 ALIKE = 3.0  # how many times as large another plant may be to be shown at the same scale
 NEAR = 0.3  # of its radius: how near plants stand to count as the same one

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
+from gclip import Clip
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Output, Wish
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Interval
 from gclip.file import check_whole
-
-if TYPE_CHECKING:
-    from gclip import Interval
 
 FINE = 1 / 32  # largest step of the positions, as a share of the point spacing, where 16 bits allow
 LEVELS = 65535

@@ -9,12 +9,13 @@ from dataclasses import asdict
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from msgspec import to_builtins
 
 import shaders
+from gclip import Clip
 from gclip.evaluate import newborn
 from player.atomic_write import whole_file
 from player.errors import PlayerError
@@ -27,9 +28,6 @@ from player.view.camera import Camera, axes
 from player.view.colors import Colors, resolved_color_mode
 from player.view.dates import date_at, short_dates
 from player.view.style import GROUNDS, ColorMode
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
