@@ -99,7 +99,7 @@ def errors(
         if one.track is None or one.points < least:
             continue
         name = clip.track_table[one.track].name
-        label = int(name.split()[-1])
+        label = 0 if name == "stem" else int(name.split()[-1])
         if label in true:
             yield one, {trait: _off(one, trait, true[label]) for trait in TRAITS}, name
 

@@ -7,13 +7,14 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-NOISE_NEIGHBORS = 12  # neighbours whose residuals about a paraboloid estimate the noise
-PATCH_SIZES = (10, 20, 40, 80, 160)  # neighbours that a paraboloid may be fitted to
+# Neighbours that a paraboloid may be fitted to; residuals about the first estimate the noise.
+PATCH_SIZES = (12, 20, 40, 100)
+NORMAL_NEIGHBORS = 20  # nearest neighbours whose plane all patches of a point share
 MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoothed
 BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
 MIN_POINTS_FOR_NOISE = 36
 MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
-BLOCK = 256  # points fitted at once: what they need stays in the processor's cache
+BLOCK = 64
 
 
 class Smoothed(NamedTuple):
@@ -33,27 +34,60 @@ class Noise(NamedTuple):
         return self.own.get(track, self.usual)
 
 
-class Fit(NamedTuple):
-    """Paraboloids fitted to N neighbourhoods.
+class Patches(NamedTuple):
+    """Paraboloids fitted to neighbourhoods of P sizes about each of N points.
 
     Attributes
     ----------
-    displacement : ndarray of shape (N, 3)
-        From each point to its projection onto the paraboloid.
-    residual : ndarray of shape (N,)
+    points : ndarray of shape (N, 3)
+    cloud_size : int
+        Number of points of the cloud that the neighbours are from.
+    normals : ndarray of shape (N, 3)
+    height : ndarray of shape (N, P)
+        Of the paraboloids over the points, along the normals.
+    residual : ndarray of shape (N, P)
         Mean squared residual of the neighbours.
-    left : ndarray of shape (N,)
+    left : ndarray of shape (N, P)
         Share of the noise variance that the projected point still has.
     """
 
-    displacement: Points
+    points: Points
+    cloud_size: int
+    normals: Points
+    height: NDArray[np.float64]
     residual: NDArray[np.float64]
     left: NDArray[np.float64]
 
 
-def noise_of(
-    organs: dict[int, tuple[Points, Points]], known: dict[int, float] | None = None
-) -> Noise:
+def fit_patches(points: Points, cloud: Points) -> Patches:
+    """Fit paraboloids to the nearest neighbours of points, by weighted least squares.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+    cloud : ndarray of shape (M, 3)
+        The cloud that the points belong to.
+
+    Returns
+    -------
+    Patches
+        Of no sizes (P = 0) where the cloud has too few points.
+    """
+    from scipy.spatial import cKDTree
+
+    most = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
+    sizes = [size for size in PATCH_SIZES if size <= most]
+    normals, fits = np.zeros((len(points), 3)), np.zeros((3, len(points), len(sizes)))
+    if sizes:
+        distance, neighbors = cKDTree(cloud).query(points, k=sizes[-1])
+        for first in range(0, len(points), BLOCK):
+            part = slice(first, first + BLOCK)
+            offsets = cloud[neighbors[part]] - points[part, None]
+            normals[part], fits[:, part] = _fit(offsets, distance[part], np.array(sizes))
+    return Patches(points, len(cloud), normals, *fits)
+
+
+def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) -> Noise:
     """Estimate the standard deviation of the scanner's noise, for the plant and for each organ.
 
     Residuals about a paraboloid through the neighbours come from noise and, where the surface has
@@ -63,8 +97,8 @@ def noise_of(
 
     Parameters
     ----------
-    organs : dict of int to (points, cloud)
-        By track id, (N, 3) points of the organ and the (M, 3) cloud that they are a sample of.
+    organs : dict of int to Patches
+        By track id.
     known : dict of int to float, optional
         Weight of each organ in the plant's estimate, 0 to 1; by default 1 for all.
 
@@ -73,24 +107,23 @@ def noise_of(
     Noise
     """
     found = {
-        track: float(
-            np.sqrt(np.median(_fit(points, *_nearest(points, cloud, NOISE_NEIGHBORS)).residual))
-        )
-        for track, (points, cloud) in organs.items()
-        if len(points) >= MIN_POINTS_FOR_NOISE
+        track: float(np.sqrt(np.median(patches.residual[:, 0])))
+        for track, patches in organs.items()
+        if len(patches.points) >= MIN_POINTS_FOR_NOISE
     }
     if not found:
         return Noise(0.0, {})
     order = sorted(found, key=lambda track: (found[track], track))
-    sizes = np.array([len(organs[track][1]) for track in order], float)
+    sizes = np.array([organs[track].cloud_size for track in order], float)
     weights = sizes * [1.0 if known is None else known[track] for track in order]
     weights = weights if weights.any() else sizes
-    middles = weights.cumsum() - weights / 2
-    usual = float(np.interp(weights.sum() / 4, middles, [found[track] for track in order]))
+    # About the quartile, the mean of an eighth to either side: no jump where organs come and go.
+    share = np.clip(np.append(0.0, weights.cumsum() / weights.sum()), 1 / 8, 3 / 8)
+    usual = float(4.0 * np.diff(share) @ [found[track] for track in order])
     return Noise(usual, {track: min(own, MAX_NOISE_RATIO * usual) for track, own in found.items()})
 
 
-def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
+def smoothed(patches: Patches, noise: float) -> Smoothed:
     """Project points onto paraboloids fitted to their neighbours (moving least squares).
 
     Small patches leave variance, large ones add bias where the surface is curved. Each point takes
@@ -99,9 +132,7 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
 
     Parameters
     ----------
-    points : ndarray of shape (N, 3)
-    cloud : ndarray of shape (M, 3)
-        The cloud that the points belong to.
+    patches : Patches
     noise : float
         Standard deviation of the noise, in the unit of the points.
 
@@ -114,60 +145,49 @@ def smoothed(points: Points, cloud: Points, noise: float) -> Smoothed:
     Alexa et al. (2003), "Computing and rendering point set surfaces", IEEE TVCG 9.
     Stein (1981), "Estimation of the mean of a multivariate normal distribution", Ann. Stat. 9.
     """
-    if len(cloud) < NOISE_NEIGHBORS or noise <= 0.0:
+    points, _, normals, height, residual, left = patches
+    if noise <= 0.0 or not height.size:
         return Smoothed(points, float(noise > 0.0))
-    most = min(MAX_PATCH * len(cloud) / len(points), len(cloud))
-    patches = [patch for patch in PATCH_SIZES if patch <= most]
-    every = _nearest(points, cloud, patches[-1])
-    result, left = points.copy(), np.ones(len(points))
-    for first in range(0, len(points), BLOCK):
-        part = slice(first, first + BLOCK)
-        distance, neighbors = (values[part] for values in every)
-        risk, best, rest = np.full(len(neighbors), 1.0), result[part], left[part]
-        for patch in patches:
-            fit = _fit(points[part], distance[:, :patch], neighbors[:, :patch])
-            bias = BIAS_WEIGHT * np.maximum(fit.residual / noise**2 - 1.0, 0.0)
-            better = bias + fit.left < risk
-            risk[better] = (bias + fit.left)[better]
-            best[better] = (points[part] + fit.displacement)[better]
-            rest[better] = fit.left[better]
-    return Smoothed(result, float(left.mean()))
+    risk = BIAS_WEIGHT * np.maximum(residual / noise**2 - 1.0, 0.0) + left
+    best = risk.argmin(axis=1)[:, None]
+    lower, height, left = (np.take_along_axis(of, best, 1) for of in (risk, height, left))
+    worth = lower < 1.0
+    moved = points + np.where(worth, height, 0.0) * normals
+    return Smoothed(moved, float(np.where(worth, left, 1.0).mean()))
 
 
-def axes_of(offsets: NDArray[np.float64]) -> tuple[Points, Points, Points]:
-    """Normals and two tangent directions, each (N, 3), of N neighbourhoods of shape (N, k, 3)."""
+def axes_of(offsets: NDArray[np.float64]) -> Points:
+    """Normals and two tangent directions, the columns of (N, 3, 3), of (N, k, 3) neighbourhoods."""
     about = offsets - offsets.mean(axis=1, keepdims=True)
-    _, axes = np.linalg.eigh(about.mT @ about)
-    return axes[:, :, 0], axes[:, :, 2], axes[:, :, 1]
+    return np.linalg.eigh(about.mT @ about)[1]
 
 
-def _nearest(
-    points: Points, cloud: Points, count: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distances (N, k) and positions (N, k, 3) of the nearest points of a cloud, itself first."""
-    from scipy.spatial import cKDTree
+def _fit(
+    offsets: NDArray[np.float64], distance: NDArray[np.float64], sizes: NDArray[np.intp]
+) -> tuple[Points, NDArray[np.float64]]:
+    """Normals, (n, 3), and the heights, residuals and remaining variances, (3, n, P).
 
-    distance, index = cKDTree(cloud).query(points, k=min(count, len(cloud)))
-    return distance, cloud[index]
-
-
-def _fit(points: Points, distance: NDArray[np.float64], neighbors: NDArray[np.float64]) -> Fit:
-    radius = np.maximum(distance[:, -1:], np.finfo(float).tiny)
-    offsets = (neighbors - points[:, None]) / radius[..., None]
-    normal, first, second = axes_of(offsets)
-    x, y, z = np.moveaxis(offsets @ np.stack([first, second, normal], axis=2), 2, 0)
-    weights = np.exp(-((distance / radius) ** 2))
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    All sizes share the products of their terms, whose weighted sums (moments) are all that least
+    squares need.
+    """
+    axes = axes_of(offsets[:, :NORMAL_NEIGHBORS])
+    radii = np.maximum(distance[:, sizes - 1], np.finfo(float).tiny + 1e-6 * distance[:, -1:])
+    z, x, y = np.moveaxis(offsets @ axes / radii[:, -1:, None], 2, 0)
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, z], axis=1)
+    products = (terms[:, :, None] * terms[:, None]).reshape(len(terms), 49, -1)
+    weights = np.exp(-((distance[..., None] / radii[:, None]) ** 2))
+    weights *= np.arange(sizes[-1])[:, None] < sizes
+    moments = products @ np.concatenate([weights, weights**2], axis=2)
+    unit = (radii / radii[:, -1:])[..., None] ** [0, 1, 1, 2, 2, 2, 1]  # of a patch's own size
+    moments = moments.mT.reshape(len(terms), 2, len(sizes), 7, 7)
+    first, second = np.moveaxis(moments / (unit[..., None] * unit[..., None, :])[:, None], 1, 0)
+    matrix, right, spread = first[..., :6, :6], first[..., :6, 6], second[..., :6, :6]
     # The small diagonal regularises patches whose points lie on a line.
-    small = np.diag([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
-    weighted = terms * weights[:, None]
-    shares = np.linalg.inv(weighted @ terms.mT + small) @ weighted
-    solution = shares @ z[..., None]
-    misfit = z - (terms.mT @ solution)[..., 0]
-    own = (shares * terms).sum(axis=1)
-    free = np.maximum((weights * (1.0 - own)).sum(axis=1), 1e-9)
-    return Fit(
-        displacement=(solution[:, 0] * radius) * normal,
-        residual=(weights * misfit**2).sum(axis=1) / free * radius[:, 0] ** 2,
-        left=np.minimum((shares[:, 0] ** 2).sum(axis=1), 1.0),
-    )
+    inverse = np.linalg.inv(matrix + np.diag([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3]))
+    solution = (inverse @ right[..., None])[..., 0]
+    fitted = (matrix @ solution[..., None])[..., 0]
+    misfit = first[..., 6, 6] + ((fitted - 2.0 * right) * solution).sum(axis=-1)
+    free = matrix[..., 0, 0] - (inverse * spread).sum(axis=(-2, -1))
+    left = np.einsum("npi,npij,npj->np", inverse[..., 0], spread, inverse[..., 0])
+    residual = np.maximum(misfit, 0.0) / np.maximum(free, 1e-9) * radii**2
+    return axes[..., 0], np.stack([solution[..., 0] * radii, residual, np.minimum(left, 1.0)])

@@ -75,7 +75,9 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
     least = 0.3 * covered(DISC_RADII[0] * unit)
     found = covered(DISC_RADII[0] * unit)
     for _ in range(12):
-        unit = float(np.sqrt(found / len(points)))
+        before, unit = unit, float(np.sqrt(found / len(points)))
+        if abs(unit - before) < 1e-7 * unit:
+            break
         own_share = covered(0.5 * unit) / (len(points) * np.pi * (0.5 * unit) ** 2)
         even = np.clip(
             (own_share - RANDOM_OWN_SHARE) / (EVEN_OWN_SHARE - RANDOM_OWN_SHARE), 0.0, 1.0
@@ -106,15 +108,12 @@ def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]
     for first in range(0, len(points), BLOCK):
         part = slice(first, first + BLOCK)
         offsets = points[neighbors[part]] - points[part, None]
-        _, *along = axes_of(offsets[:, :PLANE_NEIGHBORS])
-        flat = np.stack([np.einsum("nki,ni->nk", offsets, axis) for axis in along], -1)
+        flat = offsets @ axes_of(offsets[:, :PLANE_NEIGHBORS])[..., 1:]
         length = np.linalg.norm(flat, axis=2)
         true_length = np.sqrt(np.maximum(distance[part] ** 2 - variance, length**2))
-        flat *= (true_length / np.maximum(length, 1e-300))[..., None]
-        flat[length <= 0.5 * distance[part]] = far
         # A neighbour at q ends the cell where |p|² = |p - q|², in direction w at |q|² / 2 w·q.
-        toward = flat @ directions
-        ends = (flat**2).sum(axis=2)[..., None] / (2.0 * np.maximum(toward, 1e-9 * far))
-        cells[part] = np.where(toward > 0.0, ends, far).min(axis=1)
+        upright = length <= 0.5 * distance[part]
+        flat *= np.where(upright, 0.0, 2.0 / np.maximum(length * true_length, 1e-300))[..., None]
+        cells[part] = 1.0 / np.maximum((flat @ directions).max(axis=1), 1.0 / far)
     # The median distance to the sixth neighbour in a plane is 1.343 / √λ.
     return float(np.median(distance[:, min(5, distance.shape[1] - 1)])) / 1.343, cells

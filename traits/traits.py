@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from traits.axis import axis_of
 from traits.organs import Organ, samples_at
-from traits.smooth import noise_of, smoothed
+from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import Surface, surface_of
 
 if TYPE_CHECKING:
     from gclip import Clip
 
-HULL_SUBSAMPLES = 16  # random halves of an organ's points, to extrapolate the volume of its hull
+HULL_SUBSAMPLES = 4  # random halves of an organ's points, to extrapolate the volume of its hull
 HULL_EXTRAPOLATION = 1.5  # times the difference to half the points: the deficit falls as count^-0.7
 MIXING_DEFICIT = 1.0  # likewise, of points that come half from one scan and half from another
 HULL_NOISE_LIFT = 0.5  # standard deviations of the noise by which it moves the hull outwards
@@ -126,13 +126,9 @@ class _Plant:
             for track, organ in sorted(seen.items())
             if track in needed and (day not in self.scans or self.born[track] <= day)
         }
-        noise = noise_of(
-            {track: (one.points, one.cloud) for track, one in alive.items()},
-            known={track: one.known for track, one in alive.items()},
-        )
-        smooth = {
-            track: smoothed(one.points, one.cloud, noise.of(track)) for track, one in alive.items()
-        }
+        patches = {track: fit_patches(one.points, one.cloud) for track, one in alive.items()}
+        noise = noise_of(patches, known={track: one.known for track, one in alive.items()})
+        smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
         found, nothing = [], np.zeros((0, 3))
         for track, organ in ((track, organ) for track, organ in alive.items() if track in wanted):
             (points, left), own = smooth[track], noise.of(track)
@@ -262,11 +258,12 @@ def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    rng, half = np.random.default_rng(0), len(points) // 2
-    parts = [points[rng.permutation(len(points))[:half]] for _ in range(HULL_SUBSAMPLES)]
+    rng = np.random.default_rng(0)
+    orders = [rng.permutation(len(points)) for _ in range(HULL_SUBSAMPLES // 2)]
+    parts = [half for order in orders for half in np.array_split(order, 2)]
     try:
         hull = ConvexHull(points)
-        deficit = float(hull.volume - np.mean([ConvexHull(part).volume for part in parts]))
+        deficit = float(hull.volume - np.mean([ConvexHull(points[half]).volume for half in parts]))
     except (QhullError, ValueError):
         return _Hull(None, False)
     volume, taken = float(hull.volume), HULL_NOISE_LIFT * noise * float(hull.area)

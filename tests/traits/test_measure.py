@@ -18,7 +18,7 @@ from grow import plant
 from grow.series import Plan, write_series
 from traits import measure, measure_days, write_table
 from traits.axis import axis_of
-from traits.smooth import noise_of, smoothed
+from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import area
 from traits.table import COLUMNS, Namer
 from traits.traits import _hull
@@ -69,13 +69,12 @@ def test_smoothing_takes_noise_away_and_leaves_a_stem_its_radius() -> None:
     stem = np.column_stack([8 * np.cos(turn), 8 * np.sin(turn), height])
     noisy = stem + rng.normal(0, 0.4, stem.shape)
     inner = (height > 5) & (height < 95)
-    before, after = (
-        np.hypot(p[inner, 0], p[inner, 1]) for p in (noisy, smoothed(noisy, noisy, 0.4).points)
-    )
+    smooth = smoothed(fit_patches(noisy, noisy), 0.4).points
+    before, after = (np.hypot(p[inner, 0], p[inner, 1]) for p in (noisy, smooth))
     assert after.mean() == pytest.approx(8.0, rel=0.02)
     assert after.std() < 0.6 * before.std()
-    assert noise_of({0: (noisy, noisy)}).usual == pytest.approx(0.4, rel=0.1)
-    assert noise_of({0: (stem, stem)}).usual < 0.04
+    assert noise_of({0: fit_patches(noisy, noisy)}).usual == pytest.approx(0.4, rel=0.1)
+    assert noise_of({0: fit_patches(stem, stem)}).usual < 0.04
 
 
 def test_the_axis_of_a_bent_strip_starts_at_its_parent_and_ends_at_its_tip() -> None:
