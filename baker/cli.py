@@ -19,7 +19,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 PANELS = {
     "Input": "times label_field drop_label columns scale unit ground voxel outliers resample every",
     "Alignment": "align up root",
-    "Organs": "labels segment graph_neighbors bifurcation",
+    "Organs": "labels corrections segment graph_neighbors bifurcation",
     "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",
     "Output": "report traits colors precision holdout cache cluster workers force quiet verbose",
 }
@@ -30,7 +30,11 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
     own = signature(command, eval_str=True).parameters
     parameters = [own[name].replace(kind=Parameter.KEYWORD_ONLY) for name in own if name != "flags"]
-    hints = get_type_hints(Options) | get_type_hints(Outputs) | {"root": str | None}
+    hints = (
+        get_type_hints(Options)
+        | get_type_hints(Outputs)
+        | {"root": str | None, "corrections": str | None}
+    )
     panels = {name: panel for panel, names in PANELS.items() for name in names.split()}
     by_name = {one.name: one for one in (*fields(Options), *fields(Outputs))}
     for one in (by_name[name] for name in panels):

@@ -6,7 +6,11 @@ from math import inf
 from pathlib import Path
 from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 
+from msgspec import to_builtins
+
 from baker.errors import InputError
+from gclip.corrections import Correction, read_corrections
+from gclip.errors import UserError
 
 Align = Literal["auto", "turn", "icp", "none"]
 Labels = Literal["auto", "consistent", "independent", "ignore"]
@@ -53,6 +57,14 @@ def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
     return x, y, z
 
 
+def parse_corrections(text: str) -> tuple[Correction, ...]:
+    """The corrections in the file that `--corrections` names. Raises InputError."""
+    try:
+        return () if text == "none" else read_corrections(Path(text))
+    except UserError as error:
+        raise InputError(str(error)) from None
+
+
 @dataclass(frozen=True)
 class Options:
     """What may be chosen about a bake, with its defaults, in the words of `bake --help`.
@@ -93,6 +105,13 @@ class Options:
     )
     columns: str = option(
         "", "The columns of a text, such as x,y,z,r,g,b,-,label.", metavar="NAMES"
+    )
+    corrections: tuple[Correction, ...] | None = option(
+        None,
+        "What was put right about organs; by default OUT.corrections.toml where there is one, none "
+        "leaves it out.",
+        parser=parse_corrections,
+        metavar="FILE",
     )
     scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
     ground: Ground = option("auto", "Soil or table under the plant: auto takes it out.")
@@ -194,6 +213,11 @@ class Options:
             raise InputError(
                 f"--unit has {len(self.unit)} characters; at most {MAX_UNIT_LENGTH} are allowed."
             )
+        if self.corrections and (self.paper or self.whole or self.segment == "thin"):
+            raise InputError(
+                "Corrections are of organs that are followed, not for --paper, --segment thin or "
+                "--transport whole; --corrections none bakes without them."
+            )
         named = [name for name in self.columns.split(",") if name not in ("-", "_", "")]
         if named and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
             raise InputError(
@@ -250,5 +274,6 @@ class Options:
         chosen = asdict(self)
         del chosen["workers"]
         chosen["times"] = None if self.times is None else self.times.name
+        chosen["corrections"] = to_builtins(self.corrections or ())
         chosen["root"] = list(self.root) if isinstance(self.root, tuple) else self.root
         return chosen

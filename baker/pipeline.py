@@ -40,6 +40,15 @@ from baker.matching import (
     label_policy,
     match_series,
 )
+from baker.matching.corrections import (
+    PointCorrection,
+    confirmed_organs,
+    corrections_finding,
+    locate_corrections,
+    organ_names,
+    relinked,
+    with_corrected_organs,
+)
 from baker.options import Options, worker_count
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.hierarchy import Hierarchy
@@ -73,6 +82,7 @@ class Survey:
     aligned: AlignedSeries
     held_out: tuple[HeldOut, ...]
     labels: LabelUse
+    corrections: tuple[PointCorrection, ...] = ()
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -126,7 +136,7 @@ def bake_recorded(
         choices = options.resolved()
 
         # Segmentation (3.2); organs that labels do not name are tracked through the series (3.3)
-        labels, hierarchies = _segment(survey.labels, aligned, choices, progress, map)
+        labels, hierarchies = _segment(survey, choices, progress, map)
         keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
         aligned = replace(aligned, keyframes=tuple(keyframes))
 
@@ -165,7 +175,10 @@ def bake_recorded(
                 survey.found, series, survey.alignment, labels, hierarchies, options
             ),
         )
-        followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, tracks, labels.found)
+        confirmed = confirmed_organs(labels.given, survey.corrections)
+        followed = FollowedOrgans(
+            aligned.clouds, aligned.bases, matches, tracks, labels.found, confirmed
+        )
         named = labels.consistent and not labels.renamed
         contacts = [job.attachments for job in jobs]
         clip = judged(clip, contacts, None if named else followed, map)
@@ -205,7 +218,10 @@ def survey_series(
     read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
     where = (aligned.clouds, aligned.bases)
     labels = label_policy(read, names, *where, choices.labels, found.label_field)
-    return Survey(found, series, options, alignment, aligned, tuple(held_out), labels)
+    corrections = options.corrections or ()
+    labels = replace(labels, findings=(*labels.findings, *corrections_finding(corrections)))
+    located = locate_corrections(corrections, found, series, aligned, options.scale)
+    return Survey(found, series, options, alignment, aligned, tuple(held_out), labels, located)
 
 
 def _measure(
@@ -231,9 +247,10 @@ def _measure(
 
 
 def _segment(
-    labels: LabelUse, aligned: AlignedSeries, options: Options, progress: Progress, map: MapLike
+    survey: Survey, options: Options, progress: Progress, map: MapLike
 ) -> tuple[LabelUse, list[Hierarchy]]:
     """Each scan's hierarchy, under labels that name the same organs in all scans."""
+    labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
         return labels, whole_hierarchies(clouds)
@@ -249,9 +266,16 @@ def _segment(
             organs if given is None else given
             for given, organs in zip(labels.labels, found, strict=True)
         ]
+    own = with_corrected_organs(own, aligned, corrections)
+    given = zip(labels.labels, own, strict=True)
+    labels = replace(labels, labels=tuple(None if was is None else is_ for was, is_ in given))
     if not is_complete or not (labels.consistent or options.paper):
-        labels = follow_labels(labels, clouds, coarse_hierarchies(clouds, own, bases), bases)
+        hierarchies = coarse_hierarchies(clouds, own, bases)
+        labels = follow_labels(labels, clouds, hierarchies, bases, corrections)
         own = labels.given
+    if corrections:
+        own = relinked(own, corrections)
+        labels = replace(labels, labels=tuple(own), names=organ_names(own, corrections))
     return labels, labelled_hierarchies(
         clouds,
         own,

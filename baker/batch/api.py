@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from baker.errors import InputError
-from baker.options import Options
+from baker.options import Options, parse_corrections
 from baker.pipeline import Progress, bake_recorded
 from gclip import Clip
+from gclip.corrections import Correction
 
 PointData = dict[str, NDArray]
 """Arrays by the names that an NPZ file has them under; ``"points"`` is (N, 3)."""
@@ -30,6 +31,7 @@ def bake(
     times: Sequence[float | str | date] | None = None,
     labels: str | Sequence[ArrayLike | None] | None = None,
     colors: str | Sequence[ArrayLike | None] | None = None,
+    corrections: str | PathLike[str] | Sequence[Correction] | None = None,
     **choices: Any,
 ) -> Clip:
     """Bake scans into a growth clip.
@@ -47,6 +49,8 @@ def bake(
         Of each scan in memory the organ of each point; or the option of that name.
     colors : sequence of (N, 3) uint8 array or None, or str, optional
         Of each scan in memory sRGB; or the option of that name.
+    corrections : path, or sequence of gclip.corrections.Correction, optional
+        What was put right about the organs, such as the file that the window wrote.
     **choices
         Fields of `Options`, such as ``align="none"``.
 
@@ -69,6 +73,10 @@ def bake(
             choices[name] = value
         elif value is not None:
             beside[name] = value
+    if isinstance(corrections, str | PathLike):
+        choices["corrections"] = parse_corrections(fspath(corrections))
+    elif corrections is not None:
+        choices["corrections"] = tuple(corrections)
     if all(own is not None for own in beside.get("labels", [None])):
         choices = {"label_field": "label"} | choices  # taken at their word
     options = replace(options or Options(), **choices)

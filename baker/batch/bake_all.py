@@ -37,6 +37,10 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
         Where nothing can be begun with.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # what it holds stays known
+    if options.corrections:
+        raise InputError(
+            "--corrections is for one plant; of many, each one's are found beside its clip."
+        )
     for folder in filter(None, (outputs.clip, outputs.report)):
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None

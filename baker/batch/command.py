@@ -11,7 +11,7 @@ from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
 from baker.batch.listing import finding_lines, list_plants
 from baker.batch.outputs import Outputs, check_output
-from baker.batch.plant import bake_into
+from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
@@ -20,6 +20,7 @@ from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
 from baker.scans import Finding
 from baker.transport.compile import compile_kernels
+from gclip.corrections import corrections_file
 from traits.plants import write_traits
 
 MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
@@ -60,6 +61,9 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
     cache = Cache(folder) if folder else None
     remarks: list[str | None] = []
+    if (corrected := with_corrections(options, outputs.clip)) is not options:
+        remarks.append(f"corrections: {corrections_file(outputs.clip)}")
+        options = corrected
     with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
 
         def announce(findings: Sequence[Finding]) -> None:

@@ -6,7 +6,7 @@ import os
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Literal
@@ -17,7 +17,7 @@ from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
-from baker.options import Options, worker_count
+from baker.options import Options, parse_corrections, worker_count
 from baker.pipeline import Progress, Register, bake_recorded
 from baker.report import write_report
 from baker.report.verification import HoldoutError, verify
@@ -25,6 +25,7 @@ from baker.scans import Finding
 from baker.scans.read import list_series
 from baker.scans.unchanged import digest
 from gclip.clip import Clip
+from gclip.corrections import corrections_file
 from gclip.terminal.command import OUR_FAULT, verdict
 from traits.table import Namer, measure_days, provenance, write_table
 
@@ -78,6 +79,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
     """
     began, outputs = time.perf_counter(), job.outputs
     try:
+        job = replace(job, options=with_corrections(job.options, outputs.clip))
         clip = None if outputs.force else current_clip(job)
         state: Literal["baked", "unchanged"] = "unchanged" if clip else "baked"
         if clip is None:
@@ -104,6 +106,14 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         notes=(*clip.provenance["decisions"], *clip.provenance["notes"], line),
         looks=line.partition(";")[0].rstrip("."),
     )
+
+
+def with_corrections(options: Options, clip: Path) -> Options:
+    """The options with the corrections that lie beside the clip, where they name none."""
+    beside = corrections_file(clip)
+    if options.corrections is not None or not beside.exists():
+        return options
+    return replace(options, corrections=parse_corrections(str(beside)))
 
 
 def bake_into(

@@ -46,6 +46,8 @@ def describe_tracks(
     numbers = {organ: number for number, organ in enumerate(ordered, start=1)}
 
     def name(index: int, organ: Organ) -> str:
+        if organ.label is not None and organ.label in labels.names:
+            return labels.names[organ.label]
         if by_label and organ.label in series.label_words:
             return series.label_words[organ.label]
         if index == 0:
@@ -106,6 +108,7 @@ def describe_provenance(
         **software((scan.path for scan in found.scans), options.outliers),
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
+        "origins": [scan.origin.tolist() for scan in found.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
         "decisions": [found.sentence for found in findings],
         "notes": notes,

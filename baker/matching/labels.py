@@ -4,14 +4,15 @@ Labels that are not consistent are made so by following the organs through the s
 (`baker.matching.tracking`), and so are the organs of scans that have no labels.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.matching.corrections import PointCorrection
 from baker.matching.tracking import track_organs
 from baker.scans.finding import Finding
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
@@ -38,6 +39,7 @@ class LabelUse:
     findings: tuple[Finding, ...] = ()  # what was decided about the labels
     renamed: bool = False  # they are track numbers, not the scans' own labels
     found: bool = False  # the organs themselves were found without labels
+    names: Mapping[int, str] = field(default_factory=dict)  # given to organs by hand, by label
 
     @property
     def given(self) -> list[Labels]:
@@ -126,6 +128,7 @@ def follow_labels(
     clouds: Sequence[Points],
     hierarchies: Sequence[Hierarchy],
     root_points: Sequence[int],
+    corrections: Sequence[PointCorrection] = (),
 ) -> LabelUse:
     """Consistent labels from independent ones, or from organs that were found without labels.
 
@@ -133,8 +136,8 @@ def follow_labels(
     ----------
     use : LabelUse
         What `label_policy` decided.
-    clouds, hierarchies, root_points
-        Of each scan, as in `baker.matching.tracking.track_organs`.
+    clouds, hierarchies, root_points, corrections
+        As in `baker.matching.tracking.track_organs`.
 
     Returns
     -------
@@ -143,7 +146,7 @@ def follow_labels(
         some scans have none, these get them by the tracks, from the nearest scan that has them.
     """
     found = not use.given
-    tracks = track_organs(clouds, hierarchies, root_points, stem=found)
+    tracks = track_organs(clouds, hierarchies, root_points, found, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_completed(use.labels, tracks)))
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, found=found)

@@ -11,12 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.matching.corrections import PointCorrection
 from baker.matching.descriptors import describe_organs
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 
 # Factor of the score of a successor in the next scan, and in the two after it.
 GAP_FACTORS = (1.0, 0.9, 0.8)
+CERTAIN = 1e6  # score of organs that are said to be the same: more than all others together
 
 
 def track_organs(
@@ -24,11 +26,13 @@ def track_organs(
     hierarchies: Sequence[Hierarchy],
     root_points: Sequence[int],
     stem: bool = False,
+    corrections: Sequence[PointCorrection] = (),
 ) -> list[NDArray[np.int64]]:
     """Number the organs of a series the same in all scans, whatever their labels.
 
     clouds: (N, 3) aligned scans. hierarchies: their organs. root_points: the point of each scan at
-    the plant base. stem: whether the organ there is known to be the stem of all others. Returns
+    the plant base. stem: whether the organ there is known to be the stem of all others.
+    corrections: where they are of successive scans, and what isn't the same, are kept to. Returns
     each point's track number, (N,), from 0 by first appearance; each organ of a scan has its own.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
@@ -39,6 +43,11 @@ def track_organs(
         for gap, factor in enumerate(GAP_FACTORS, start=1)
         if k + gap < len(organs)
     }
+    for one in corrections:
+        same, (k, later) = one.kind == "same", one.scans
+        if (k, later) in scores and (later == k + 1 or not same):
+            pair = tuple(_organ_of(hierarchies[scan], point) for scan, point in one.places)
+            scores[k, later][pair] = CERTAIN if same else -np.inf
     tracks = []
     for numbers, hierarchy in zip(follow([*map(len, organs)], scores), hierarchies, strict=True):
         sizes = [len(segment) for segment in hierarchy.segments if len(segment)]
@@ -46,6 +55,11 @@ def track_organs(
         track[np.concatenate(hierarchy.segments)] = np.repeat(numbers, sizes)
         tracks.append(track)
     return tracks
+
+
+def _organ_of(hierarchy: Hierarchy, point: int) -> int:
+    """Which of the organs that have points holds one."""
+    return next(i for i, own in enumerate(filter(len, hierarchy.segments)) if point in own)
 
 
 def follow(

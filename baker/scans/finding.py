@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "labels")
+TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "labels", "organs")
 
 
 @dataclass(frozen=True)

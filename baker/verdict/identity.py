@@ -1,6 +1,6 @@
 """Whether organs that were followed by their shape are the same organs in the next scan."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,6 +30,8 @@ class FollowedOrgans:
     matches: Sequence[Match]  # of each interval
     tracks: Sequence[IntervalOrgans]
     stem: bool  # whether the organ at the plant base is known to be the stem
+    # (interval, label) of organs that someone said are the same at both ends
+    confirmed: Collection[tuple[int, int | None]] = ()
 
 
 class IdentityDoubt(NamedTuple):
@@ -65,6 +67,8 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
     came_from = {b: a for a, b in became.items()}
     for a, b in match.pairs:
         shares = first.share[a], second.share[b]
+        if (index, match.first.labels[a]) in series.confirmed:
+            continue
         if a == match.first.root or min(shares) == 0.0 or max(shares) < MIN_SHARE:
             continue
         organ, growth = tracks.first[a], float(second.size[b] / first.size[a])

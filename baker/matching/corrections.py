@@ -1,0 +1,245 @@
+"""What people put right about the organs, applied to the labels of the scans' points.
+
+A cut changes the organs of one scan, and so does what is said of two places in one scan: that comes
+before organs are followed. A "same" or "different" of two scans is heeded by who follows organs, so
+that their neighbors fall into place too; and it holds whatever the labels come from.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.alignment.keyframes import AlignedSeries
+from baker.errors import InputError
+from baker.geometry.graph import connected_knn_graph, geodesic_distances
+from baker.geometry.neighbors import NEIGHBORS
+from baker.scans import Finding, Series
+from gclip.corrections import Correction, Place
+
+Labels = NDArray[np.int64]
+
+MAX_DISTANCE = 20.0  # of a place from the scan's nearest point, in point spacings
+MAX_POINTS_CUT = 5000  # of an organ, between two of which the fewest edges are searched for
+SEED_SHARE = 0.4  # of the way between these two, that belongs to the nearer one
+
+
+@dataclass(frozen=True)
+class PointCorrection:
+    """A correction whose places are points of the scans to bake."""
+
+    said: str  # "correction 2 (same)"
+    kind: str
+    places: tuple[tuple[int, int], ...]  # (scan, point), by scan
+    name: str = ""
+
+    @property
+    def scans(self) -> tuple[int, int]:
+        """The first and the last of its scans."""
+        return self.places[0][0], self.places[-1][0]
+
+    @property
+    def spans_scans(self) -> bool:
+        """Whether it says which organ of a scan is which of another one."""
+        return self.scans[0] < self.scans[1]
+
+
+def locate_corrections(
+    corrections: Sequence[Correction],
+    found: Series,
+    series: Series,
+    aligned: AlignedSeries,
+    scale: float,
+) -> tuple[PointCorrection, ...]:
+    """Find the points that corrections name, of the scans to bake.
+
+    Parameters
+    ----------
+    corrections : sequence of Correction
+    found, series : Series
+        All scans, and those to bake: what is said of others does not count.
+    aligned : AlignedSeries
+        Of the scans to bake.
+    scale : float
+        Factor of the scans' points on what their files say.
+
+    Raises
+    ------
+    InputError
+        Where a scan is not in the series, or a place is far from it.
+    """
+    numbers = {scan.name: k for k, scan in enumerate(series.scans)}
+    known, located = [scan.name for scan in found.scans], []
+
+    def point(place: Place, said: str) -> tuple[int, int]:
+        k = numbers[place.scan]
+        scan, spacing = series.scans[k], aligned.neighbors[k].spacing
+        distances = np.linalg.norm(
+            scan.points + (scan.origin - scale * np.array(place.point)), axis=1
+        )
+        nearest = int(distances.argmin())
+        if distances[nearest] > MAX_DISTANCE * spacing:
+            where = ", ".join(f"{axis:g}" for axis in place.point)
+            raise InputError(
+                f"{said}: ({where}) is {distances[nearest] / scale:.3g} from the nearest point of "
+                f"'{place.scan}'; a place on the plant is needed, in that file's own coordinates."
+            )
+        return k, nearest
+
+    for number, one in enumerate(corrections, start=1):
+        said = f"Correction {number} ({one.kind})"
+        if unknown := [place.scan for place in one.places if place.scan not in known]:
+            raise InputError(
+                f"{said} names the scan '{unknown[0]}', which is not in the series; "
+                f"these are: {', '.join(known)}."
+            )
+        if all(place.scan in numbers for place in one.places):
+            places = tuple(sorted((point(p, said) for p in one.places), key=itemgetter(0)))
+            located.append(PointCorrection(said, one.kind, places, one.name))
+    return tuple(located)
+
+
+def corrections_finding(corrections: Sequence[Correction]) -> tuple[Finding, ...]:
+    """How much was put right by hand, if anything was."""
+    counts = Counter(one.kind for one in corrections)
+    kinds = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+    return (Finding("organs", f"put right by hand: {kinds}"),) if corrections else ()
+
+
+def with_corrected_organs(
+    labels: Sequence[Labels], aligned: AlignedSeries, corrections: Sequence[PointCorrection]
+) -> list[Labels]:
+    """Cut organs off, join those of one scan that are the same, and part those that are not.
+
+    Parameters
+    ----------
+    labels : sequence of (N,) int64 ndarray
+        The organ of each point of each scan.
+    aligned : AlignedSeries
+    corrections : sequence of PointCorrection
+
+    Returns
+    -------
+    list of (N,) int64 ndarray
+        What is cut off has labels of its own.
+    """
+    corrected, unused = list(labels), 1 + max(int(own.max()) for own in labels)
+    for one in corrections:
+        if one.kind == "cut":
+            ((k, point),) = one.places
+            own = corrected[k]
+            beyond = _beyond(aligned, k, own == own[point], point, one.said)
+            corrected[k] = np.where(beyond, unused, own)
+            unused += 1
+    for one in corrections:
+        if one.kind in ("same", "different") and not one.spans_scans:
+            (k, a), (_, b) = one.places
+            own = corrected[k]
+            if one.kind == "same":
+                corrected[k] = np.where(own == own[b], own[a], own)
+            elif own[a] == own[b]:
+                organ = np.flatnonzero(own == own[a])
+                corrected[k] = own.copy()
+                corrected[k][organ[_nearer_to_second(aligned.clouds[k], organ, (a, b))]] = unused
+                unused += 1
+    return corrected
+
+
+def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> list[Labels]:
+    """Give organs of different scans the same label, or different ones, as corrections say.
+
+    From the later of two scans on, the two organs change labels: each of them stays whole. Organs
+    that are not the same get a label of their own there.
+
+    Raises
+    ------
+    InputError
+        Where corrections contradict each other.
+    """
+    corrected, unused = list(labels), 1 + max(int(own.max()) for own in labels)
+    links = sorted((c for c in corrections if c.spans_scans), key=lambda c: c.places[1][0])
+    for one in links:
+        (k, point), (later, other) = one.places
+        a, b = corrected[k][point], corrected[later][other]
+        if (a == b) == (one.kind == "same"):
+            continue
+        b, unused = (b, unused) if one.kind == "same" else (unused, unused + 1)
+        for scan in range(later, len(corrected)):
+            own = corrected[scan]
+            corrected[scan] = np.where(own == a, b, np.where(own == b, a, own))
+    for one in links:
+        (k, point), (later, other) = one.places
+        if (corrected[k][point] == corrected[later][other]) != (one.kind == "same"):
+            raise InputError(f"{one.said} contradicts the others; take one of them out.")
+    return corrected
+
+
+def organ_names(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> dict[int, str]:
+    """What organs are called, by label; the last word counts."""
+    named = (one for one in corrections if one.kind == "name")
+    return {int(labels[k][point]): one.name for one in named for k, point in one.places}
+
+
+def confirmed_organs(
+    labels: Sequence[Labels], corrections: Sequence[PointCorrection]
+) -> frozenset[tuple[int, int]]:
+    """The organs that are known to be the same through an interval: (interval, label)."""
+    same = [one.places for one in corrections if one.kind == "same" and one.spans_scans]
+    return frozenset(
+        (interval, int(labels[k][point]))
+        for (k, point), (later, _) in same
+        for interval in range(k, later)
+    )
+
+
+def _beyond(
+    aligned: AlignedSeries, scan: int, organ: NDArray[np.bool_], point: int, said: str
+) -> NDArray[np.bool_]:
+    """(N,) what is connected to a point in its organ, and as far from the plant base or farther."""
+    from scipy.sparse.csgraph import connected_components
+
+    cloud, base = aligned.clouds[scan], aligned.bases[scan]
+    graph, _, _ = connected_knn_graph(cloud, NEIGHBORS, aligned.neighbors[scan])
+    distance = geodesic_distances(graph, np.array([base]))
+    beyond = np.flatnonzero(organ & (distance >= distance[point]))
+    _, component = connected_components(graph[beyond][:, beyond], directed=False)
+    part = np.zeros(len(cloud), bool)
+    part[beyond[component == component[np.searchsorted(beyond, point)]]] = True
+    if part.sum() == organ.sum():
+        raise InputError(f"{said}: all of the organ is as far from the plant's base, or farther.")
+    return part
+
+
+def _nearer_to_second(
+    cloud: NDArray[np.floating], organ: NDArray[np.intp], places: tuple[int, int]
+) -> NDArray[np.bool_]:
+    """(n,) which of an organ's points are on the second place's side of where it is thinnest.
+
+    What is within a share of the way between the places belongs to the nearer of them for certain;
+    between them the fewest edges of the kNN graph are cut (a minimum cut).
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+    from scipy.spatial import KDTree
+
+    rest = np.setdiff1d(organ, places)
+    some = np.random.default_rng(0).permutation(rest)[: MAX_POINTS_CUT - 2]
+    sample = np.array([*places, *some])
+    graph, _, _ = connected_knn_graph(cloud[sample], NEIGHBORS)
+    first, second = (geodesic_distances(graph, np.array([place])) for place in (0, 1))
+    seeds = [np.flatnonzero(d <= SEED_SHARE * first[1]) for d in (first, second)]
+    edges, n, certain = graph.tocoo(), len(sample), np.iinfo(np.int32).max
+    ends = np.concatenate([[edges.row, edges.col], [edges.col, edges.row]], axis=1)
+    for node, seed in zip((n, n + 1), seeds, strict=True):
+        there = [np.full(len(seed), node), seed]
+        ends = np.concatenate([ends, there, there[::-1]], axis=1)
+    capacity = np.where((ends >= n).any(axis=0), certain // n, 1).astype(np.int32)
+    network = coo_array((capacity, ends), (n + 2, n + 2)).tocsr()
+    left = network - maximum_flow(network, n, n + 1).flow
+    left.eliminate_zeros()
+    on_second = np.ones(n + 2, bool)
+    on_second[breadth_first_order(left, n, return_predecessors=False)] = False
+    return on_second[KDTree(cloud[sample]).query(cloud[organ])[1]]
