@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gclip.corrections import Correction, Place
 from player.view.choices import SIZES, Compare, Wish
+from player.view.edits import Edits, sentence
 from player.view.style import NO_HOLDOUT, ColorMode
 
 if TYPE_CHECKING:
@@ -23,6 +25,9 @@ FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
+NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
+NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
+BAKE_AGAIN = "bake again to see it"
 QUIT_NEXT = "Press Esc again to quit."
 
 
@@ -156,9 +161,22 @@ def next_shading(scene: Scene) -> Scene:
     return scene.with_style(eye_dome=stronger[0] if stronger else SHADINGS[0])
 
 
-def pick(track: int | None) -> Move:
-    """A click on an organ, or beside the plant; a second one lets it go."""
-    return lambda scene: scene.with_style(picked=None if track == scene.style.picked else track)
+def pick(track: int | None, place: Place | None = None, more: bool = False) -> Move:
+    """A click on an organ, or beside the plant; a second one lets it go.
+
+    place: where it was clicked; more: it is chosen besides the picked one.
+    """
+
+    def pick_it(scene: Scene) -> Scene:
+        places = () if place is None else (place,)
+        if more and scene.chosen and places:
+            chosen = (scene.chosen[0], *places)
+            return replace(scene.with_style(second=track), chosen=chosen)
+        picked = None if track == scene.style.picked else track
+        scene = scene.with_style(picked=picked, second=None)
+        return replace(scene, chosen=() if picked is None else places)
+
+    return pick_it
 
 
 def pick_next(step: int) -> Move:
@@ -169,9 +187,38 @@ def pick_next(step: int) -> Move:
             return scene
         now = scene.style.picked
         start = (-1 if step > 0 else scene.organs) if now is None else now
-        return scene.with_style(picked=(start + step) % scene.organs)
+        return pick((start + step) % scene.organs)(scene)
 
     return pick_it
+
+
+def correct(kind: str, name: str = "") -> Move:
+    """Say of the chosen organs that they are the same, or not; of one, its name, or cut it."""
+
+    def put_right(scene: Scene) -> Scene:
+        needed = 2 if kind in ("same", "different") else 1
+        if len(scene.chosen) < needed:
+            return scene.with_notice(NO_PAIR if needed == 2 else NO_ORGAN)
+        if scene.edits is None:
+            return scene.with_notice(NO_EDITS)
+        correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
+        return edit(scene.edits.changed((*scene.edits.now, correction)))(scene).with_notice(
+            f"{sentence(correction)}: {BAKE_AGAIN}"
+        )
+
+    return put_right
+
+
+def edit(edits: Edits) -> Move:
+    return lambda scene: replace(scene, edits=edits)
+
+
+def undo(scene: Scene) -> Scene:
+    return scene if scene.edits is None else edit(scene.edits.undone())(scene)
+
+
+def redo(scene: Scene) -> Scene:
+    return scene if scene.edits is None else edit(scene.edits.redone())(scene)
 
 
 def hide_picked(scene: Scene) -> Scene:
@@ -255,7 +302,7 @@ def escape(scene: Scene) -> Scene:
     if scene.help:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:
-        return scene.with_style(picked=None, alone=None)
+        return replace(scene.with_style(picked=None, alone=None), chosen=())
     if scene.fullscreen and not scene.kiosk:
         return replace(scene, fullscreen=False)
     if scene.kiosk or scene.notice == QUIT_NEXT:

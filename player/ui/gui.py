@@ -17,6 +17,17 @@ from player.view.fonts import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = -1e6
+WRITING = {
+    "backspace": imgui.Key.backspace,
+    "delete": imgui.Key.delete,
+    "left": imgui.Key.left_arrow,
+    "right": imgui.Key.right_arrow,
+    "home": imgui.Key.home,
+    "end": imgui.Key.end,
+    "enter": imgui.Key.enter,
+    "kp_enter": imgui.Key.enter,
+    "escape": imgui.Key.escape,
+}
 BUTTONS = ("left", "right", "middle")  # in ImGui's order
 
 
@@ -96,9 +107,19 @@ class Gui:
     def turn_wheel(self, notches: float) -> None:
         self._heard().add_mouse_wheel_event(0.0, notches)
 
-    def press_escape(self) -> None:
-        for down in (True, False):
-            self._heard().add_key_event(imgui.Key.escape, down)
+    def type(self, key: str) -> None:
+        """A character, or a key by its name, for a field that is written in."""
+        if len(key) == 1:
+            self._heard().add_input_character(ord(key))
+        elif key in WRITING:
+            for down in (True, False):
+                self._heard().add_key_event(WRITING[key], down)
+
+    @property
+    def writes(self) -> bool:
+        """Whether a field is written in."""
+        imgui.set_current_context(self._own)
+        return bool(imgui.get_io().want_text_input)
 
     @property
     def holds_mouse(self) -> bool:

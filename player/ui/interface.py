@@ -104,6 +104,11 @@ class Interface:
         """Where the plant was clicked in the last picture."""
         return self._mouse.clicked
 
+    @property
+    def more(self) -> bool:
+        """Whether Shift was held then."""
+        return self._mouse.more
+
     def draw(
         self,
         framebuffer: moderngl.Framebuffer,

@@ -26,6 +26,7 @@ KEYED = "add, remove a camera key"
 SIZED = "smaller, larger points"
 ORGANS = "next, previous organ"
 WIPED = "move the wipe"
+UNDONE = "undo, redo a correction"
 ZOOM_STEP = 1.12  # factor of one wheel notch
 TURN = math.radians(180.0)  # orbit of a drag over the window's height
 
@@ -155,6 +156,14 @@ ACTIONS: tuple[Action, ...] = (
     Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
     Action("alone", "Organs", ("z",), "the organ alone", actions.isolate_picked),
     Action("show all", "Organs", ("shift+x",), "show all organs", actions.show_all),
+    Action("same", "Organs", ("w",), "two organs are the same", actions.correct("same")),
+    Action(
+        "different", "Organs", ("shift+w",), "two organs are not the same",
+        actions.correct("different"),
+    ),
+    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", actions.correct("cut")),
+    Action("undo", "Organs", ("ctrl+z",), "undo a correction", actions.undo, UNDONE),
+    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", actions.redo, UNDONE),
     Action("compare", "Compare", ("v",), "with the nearest scan", actions.next_compare),
     Action(
         "wipe left", "Compare", ("<",), "wipe to the left",
@@ -234,6 +243,7 @@ def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
             rows.update(_mouse_rows())
         if entry.section == "Organs" and not rows:
             rows["pick an organ"] = ["Click"]
+            rows["choose a second one"] = ["Shift click"]
         if entry.section == "Compare" and not rows:
             rows["move the wipe"] = ["Drag line"]
         rows.setdefault(entry.row or entry.help, []).extend(entry.labels)

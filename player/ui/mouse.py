@@ -11,11 +11,12 @@ from player.view.state import Scene
 
 
 class PlantMouse:
-    """What it holds. clicked: where the plant was clicked in the last picture."""
+    """What it holds. clicked: where the plant was clicked in the last picture; more: with Shift."""
 
     def __init__(self) -> None:
         self._held: tuple[int, keys.Drag] | None = None
         self.clicked: tuple[float, float] | None = None
+        self.more = False
 
     @property
     def drags(self) -> bool:
@@ -32,7 +33,7 @@ class PlantMouse:
             if not imgui.is_mouse_down(number):
                 self._held = None
                 if number == 0 and io.mouse_drag_max_distance_sqr[0] <= STILL**2:
-                    self.clicked = (x, y)
+                    self.clicked, self.more = (x, y), drag.shift
         if io.want_capture_mouse or scene.help or x == NOWHERE:
             return scene
         for number, name in enumerate(BUTTONS):

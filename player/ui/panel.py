@@ -6,15 +6,17 @@ from collections.abc import Mapping, Sequence
 
 from imgui_bundle import imgui, imgui_ctx
 
-from gclip import Clip, Track
+from gclip import Clip
 from player.export.formats import FORMATS
 from player.ui import actions, keys
 from player.ui.actions import Move
+from player.ui.corrections import draw_corrections, draw_name
 from player.ui.gui import Gui
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR, PADDING, Theme, faint, packed, rgb
 from player.ui.widgets import button, key_labels, tip
 from player.view.choices import SIZES, Compare
+from player.view.organ_place import organ_place
 from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
 
@@ -77,11 +79,14 @@ class Panel:
                 ("View", _view),
                 ("Compare", _compare),
                 ("Export", lambda scene, pen: _export(scene, pen, exporting)),
+                ("Corrections", draw_corrections),
                 ("Organs", self._organs),
             ):
                 with imgui_ctx.push_font(gui.bold, 15.0):
                     opened = title in ("Look", "Export", "Organs")
                     imgui.set_next_item_open(opened, imgui.Cond_.once)
+                    if title == "Corrections" and len(scene.chosen) > 1:
+                        imgui.set_next_item_open(True)
                     shown = imgui.collapsing_header(title)
                 if shown:
                     scene = section(scene, pen)
@@ -92,38 +97,40 @@ class Panel:
         active = "alone" if scene.style.alone is not None else ""
         scene = _buttons(scene, pen.theme, names, active)
         table = self._clip.track_table
+        scene = draw_name(scene, table)
         with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.0, 0.0)):
             clipper = imgui.ListClipper()
             clipper.begin(len(table), ROW)
             while clipper.step():
                 for row in range(clipper.display_start, clipper.display_end):
                     with imgui_ctx.push_id(str(row)):
-                        scene = _organ(scene, pen, row, table[row])
+                        scene = self._organ(scene, pen, row)
         return scene
 
-
-def _organ(scene: Scene, pen: Pen, number: int, organ: Track) -> Scene:
-    """A row of the list: a click on the name picks the organ, one on the eye hides it."""
-    style, theme = scene.style, pen.theme
-    visible = style.alone == number if style.alone is not None else number not in style.hidden
-    x, y = imgui.get_cursor_screen_pos()
-    width = imgui.get_content_region_avail().x - KEY
-    imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*faint(theme.accent, 0.22)))
-    if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
-        scene = actions.pick(number)(scene)
-    imgui.pop_style_color()
-    imgui.same_line()
-    icon = EYE if visible else EYE_CLOSED
-    imgui.push_style_color(imgui.Col_.button, CLEAR)
-    imgui.push_style_color(imgui.Col_.text, theme.muted)
-    if imgui.button(f"{icon}##eye", (KEY, ROW)):
-        scene = actions.switch_organ(number)(scene)
-    imgui.pop_style_color(2)
-    dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
-    pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
-    name = pen.fitted(organ.name, 15.0, width - 34.0)
-    pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
-    return scene
+    def _organ(self, scene: Scene, pen: Pen, number: int) -> Scene:
+        """A row of the list: a click on the name picks the organ, one on the eye hides it."""
+        style, theme, organ = scene.style, pen.theme, self._clip.track_table[number]
+        name = scene.edits.name_of(organ.name) if scene.edits else organ.name
+        visible = style.alone == number if style.alone is not None else number not in style.hidden
+        x, y = imgui.get_cursor_screen_pos()
+        width = imgui.get_content_region_avail().x - KEY
+        imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*faint(theme.accent, 0.22)))
+        if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
+            place = organ_place(self._clip, number, scene.timeline.day)
+            scene = actions.pick(number, place, imgui.get_io().key_shift)(scene)
+        imgui.pop_style_color()
+        imgui.same_line()
+        icon = EYE if visible else EYE_CLOSED
+        imgui.push_style_color(imgui.Col_.button, CLEAR)
+        imgui.push_style_color(imgui.Col_.text, theme.muted)
+        if imgui.button(f"{icon}##eye", (KEY, ROW)):
+            scene = actions.switch_organ(number)(scene)
+        imgui.pop_style_color(2)
+        dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
+        pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
+        name = pen.fitted(name, 15.0, width - 34.0)
+        pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
+        return scene
 
 
 def _look(scene: Scene, pen: Pen) -> Scene:

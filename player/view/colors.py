@@ -149,7 +149,7 @@ class Colors:
         kept = np.ones(len(light))
         if style.picked is not None:
             kept[:] = BACK
-            kept[style.picked] = 1.0
+            kept[[style.picked if style.second is None else style.second, style.picked]] = 1.0
         grey = 0.35 * (light @ LUMINANCE)[:, None]
         light = kept[:, None] * light + (1.0 - kept[:, None]) * grey
         kept[[track for track in style.hidden if track < len(kept)]] = 0.0

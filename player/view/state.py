@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from gclip import Clip
+from gclip.corrections import Place
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Output, Wish
+from player.view.edits import Edits
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
 
@@ -22,6 +24,8 @@ class Scene:
     has_errors: whether it carries scans that were left out, to compare with.
     organs:     how many tracks the clip has.
     clips:      how many are shown, 1 or 2.
+    chosen:     where the picked organs were clicked, two at most.
+    edits:      what was put right about organs; None where the clip comes from no file.
     turning:    the camera goes round the plant by itself; following: along its path.
     guides:     scale bar and axes; legend: what the colours mean.
     wipe:       share of the width where the wipe's line stands.
@@ -38,6 +42,8 @@ class Scene:
     has_errors: bool = False
     organs: int = 0
     clips: int = 1
+    chosen: tuple[Place, ...] = ()
+    edits: Edits | None = None
     turning: bool = False
     following: bool = False
     path: CameraPath = field(default_factory=CameraPath)
@@ -97,7 +103,8 @@ def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
     clip, style = clips[0], scene.style
     organs, compare = len(clip.track_table), scene.compare
     if scene.organs != organs and style.marked:
-        scene = scene.with_style(scene.notice, picked=None, alone=None, hidden=frozenset())
+        scene = scene.with_style(scene.notice, picked=None, second=None, alone=None)
+        scene = replace(scene.with_style(scene.notice, hidden=frozenset()), chosen=())
     if style.color_by == "error" and not clip.held_out:
         scene = scene.with_style(scene.notice, color_by=ColorMode.AUTO)
     if len(clips) != scene.clips:
@@ -121,4 +128,6 @@ def reopened(scene: Scene, clips: Sequence[Clip], fresh: bool) -> Scene:
     timeline = timeline.at(times[0] if fresh else timeline.day)
     path = CameraPath() if fresh else scene.path
     following = bool(path and scene.following)
+    if fresh:
+        scene = replace(scene, edits=None, chosen=())
     return clamped(replace(scene, timeline=timeline, path=path, following=following), clips)

@@ -60,7 +60,7 @@ class Style:
     show_ground: a soft floor with the plant's shadow.
     pixels:      diameter of all points in pixels of a picture 720 high, whatever their distance;
                  None gives them the size in the world that closes the surfaces.
-    picked:      the track that is highlighted: all others stand back.
+    picked:      the track that is highlighted, and a second one: all others stand back.
     hidden:      tracks that are not drawn; alone: the only track that is.
     """
 
@@ -72,6 +72,7 @@ class Style:
     show_ground: bool = True
     pixels: float | None = None
     picked: int | None = None
+    second: int | None = None
     hidden: frozenset[int] = frozenset()
     alone: int | None = None
 

@@ -25,6 +25,7 @@ from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.dates import date_at
+from player.view.organ_place import organ_place
 from player.view.playback import Timeline
 from player.view.split_view import Pair, Pane, panes_of
 from player.view.state import Scene, clamped, reopened
@@ -32,6 +33,7 @@ from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
+from player.window.kept_edits import KeptEdits
 from player.window.opened_clip import FileWatch, OpenClip
 from player.window.organ_info import OrganInfo
 from player.window.viewports import Viewports, fitted, home_camera
@@ -111,6 +113,7 @@ class Window:
             self._pass_time(min(now - then, LONGEST_STEP), now)
             then = now
             self._look_at_files()
+            self.scene = self._kept.written(self.scene)
             self._follow_window()
             self._draw()
             if self._lively:
@@ -137,6 +140,7 @@ class Window:
             max(len(interval) for clip in bare for interval in clip.intervals)
         )
         self._colors, self._organs = Colors(bare[0]), OrganInfo(bare[0])
+        self._kept = KeptEdits(clips[0])
         self._files = FileWatch([one.file for one in clips if one.file is not None])
         self._pair: Pair | None = None
         self._fitted: tuple[float, float] | None = None
@@ -205,10 +209,10 @@ class Window:
             self.scene = replace(self.scene, camera=self.scene.home)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
-        if key == "escape" and self._interface.popup:
-            self._gui.press_escape()
+        if self._gui.writes or (key == "escape" and self._interface.popup):
+            self._gui.type(key)
         else:
-            self.scene = keys.pressed(self.scene, key, shift, repeated)
+            self.scene = keys.pressed(self.scene, key.lower(), shift, repeated)
 
     def _follow_window(self) -> None:
         """Take over the window's present size, and give it the state that the scene asks for."""
@@ -277,9 +281,11 @@ class Window:
         if at is None or self.scene.kiosk:
             return
         area = (width - self._aside, height)
-        over, track = self.viewports.organ_under(panes, self.scene.style, at, area)
-        if over:
-            self.scene = actions.pick(track)(self.scene)
+        if found := self.viewports.organ_under(panes, self.scene.style, at, area):
+            pane, track, aspect, spot = found
+            seen = pane.camera, aspect, spot
+            place = None if track is None else organ_place(self._bare[0], track, pane.day, seen)
+            self.scene = actions.pick(track, place, self._interface.more)(self.scene)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
         style, day = self.scene.style, self.scene.timeline.day

@@ -132,7 +132,8 @@ def listen(
     gui : Gui
         Gets the mouse's.
     key : callable
-        Gets a key's name, or the character typed; whether shift is held; whether it repeats.
+        Gets a key's name, after "ctrl+" where that is held, or the character typed; whether shift
+        is held; whether it repeats.
     draw_again : callable
         Called when the system needs the picture anew.
     dropped : callable
@@ -156,10 +157,13 @@ def listen(
         shortcut = modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER)
         if action != glfw.RELEASE and code in named and not shortcut:
             key(named[code], shifted, repeating)
+        elif action != glfw.RELEASE and shortcut and not modifiers & glfw.MOD_ALT:
+            # By the layout: Z and Y change places from country to country.
+            key(f"ctrl+{glfw.get_key_name(code, scancode)}".lower(), shifted, repeating)
 
     def on_character(_: Any, code: int) -> None:
         # Characters, not key codes: "?" and "+" are elsewhere on every keyboard layout.
-        key(chr(code).lower(), shifted, repeating)
+        key(chr(code), shifted, repeating)
 
     def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
         if code in buttons:

@@ -144,8 +144,8 @@ class Viewports:
         style: Style,
         at: tuple[float, float],
         size: tuple[float, float],
-    ) -> tuple[bool, int | None]:
-        """Whether a place is over a pane of the first clip, and the organ seen there.
+    ) -> tuple[Pane, int | None, float, tuple[float, float]] | None:
+        """The pane of the first clip that a place is over, and the organ seen there.
 
         Parameters
         ----------
@@ -155,6 +155,12 @@ class Viewports:
             The place, from the top left corner.
         size : tuple of float
             Width and height of the window, in the same unit.
+
+        Returns
+        -------
+        Pane, int or None, float, (float, float)
+            The organ's track; the picture's width by its height, and the place in it: right and up
+            from its middle, from -1 to 1. None over another clip.
         """
         width, height = size
         for pane in panes:
@@ -163,8 +169,10 @@ class Viewports:
                 whole = (right - left, height) if pane.own else size
                 inside = (at[0] - (left if pane.own else 0.0), at[1])
                 renderer = self._renderer(pane, style)
-                return True, renderer.organ_at(pane.day, pane.camera, style, inside, whole)
-        return False, None
+                track = renderer.organ_at(pane.day, pane.camera, style, inside, whole)
+                spot = 2 * inside[0] / whole[0] - 1, 1 - 2 * inside[1] / whole[1]
+                return pane, track, whole[0] / whole[1], spot
+        return None
 
     @property
     def timers(self) -> list[PassTimers]:

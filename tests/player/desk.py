@@ -45,7 +45,7 @@ class Places:
 
         for module in (widgets, panel):
             patch.setattr(module, "tip", placed)
-        for name in ("invisible_button", "collapsing_header", "selectable"):
+        for name in ("invisible_button", "collapsing_header", "selectable", "input_text_with_hint"):
             patch.setattr(imgui, name, self._noting(getattr(imgui, name)))
 
     def note(self, name: str) -> None:

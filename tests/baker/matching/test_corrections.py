@@ -147,7 +147,7 @@ def test_what_can_not_be_is_said(folder, said, places):
 def test_bake_finds_them_beside_the_clip(folder, tmp_path, capsys):
     clip, file = tmp_path / "plant.gclip", tmp_path / "plant.corrections.toml"
     words = [str(folder), "-o", str(clip), "--align", "none", "--up", "z", "--cache"]
-    command = [*words, str(tmp_path / "cache")]
+    command = [*words, str(tmp_path / "cache"), "--force"]
     assert main(command) == 0
     plain = clip.read_bytes()
     capsys.readouterr()
@@ -170,6 +170,7 @@ def test_bake_finds_them_beside_the_clip(folder, tmp_path, capsys):
 def test_only_intervals_that_change_are_solved_again(folder, tmp_path, capsys):
     words = [str(folder), "-o", str(tmp_path / "plant.gclip"), "--align", "none", "--up", "z"]
     command = [*words, "--paths", "straight", "--cache", str(tmp_path / "cache")]
+    command += ["--force"]
     assert main(command) == 0
     different = Correction("different", (place(folder, 2, 1), place(folder, 3, 1)))
     write_corrections(tmp_path / "plant.corrections.toml", [different])

@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from player.ui import keys
+from gclip.corrections import Place
+from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera
 from player.view.choices import Compare
+from player.view.edits import Edits
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
@@ -39,6 +41,12 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
     if action.name in ("whole", "fit", "show all"):
         scene = scene.with_style(hidden=frozenset({0})).with_camera(lambda camera: camera.zoom(2.0))
         scene = scene.with_timeline(lambda timeline: timeline.begun_here())
+    places = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
+    scene = replace(scene, chosen=places, edits=Edits())
+    if action.name in ("undo", "redo"):
+        scene = actions.correct("same")(scene)
+    if action.name == "redo":
+        scene = actions.undo(scene)
     wanted = action.do(scene)
     assert wanted != scene
     for key in action.keys:
@@ -112,3 +120,29 @@ def test_from_above_the_whole_plant_is_seen_unless_someone_came_nearer(scene: Sc
             scene = pressed(scene, "5")
     nearer = scene.with_camera(lambda camera: camera.zoom(1.5))
     assert pressed(nearer, "4").camera.distance == nearer.camera.distance
+
+
+def test_corrections_are_undone_and_made_again(scene: Scene) -> None:
+    one, two = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
+    scene = replace(scene, edits=Edits())
+    assert "first" in actions.correct("cut")(scene).notice
+    scene = actions.pick(0, one)(scene)
+    assert "another" in actions.correct("same")(scene).notice
+    scene = actions.pick(1, two, more=True)(scene)
+    assert (scene.style.picked, scene.style.second, scene.chosen) == (0, 1, (one, two))
+    scene = pressed(scene, "shift+w", "shift+c")
+    scene = actions.correct("name", "flag leaf")(scene)
+    assert scene.edits is not None
+    different, cut, name = scene.edits.now
+    assert (different.kind, different.places) == ("different", (one, two))
+    assert (cut.kind, cut.places) == ("cut", (one,))
+    assert (name.kind, name.places, name.name) == ("name", (one,), "flag leaf")
+    assert scene.edits.name_of("leaf 1") == "flag leaf"
+    assert scene.edits.name_of("leaf 2") == "leaf 2"
+    undone = pressed(scene, "ctrl+z", "ctrl+z")
+    assert undone.edits is not None
+    assert undone.edits.now == (different,)
+    assert pressed(undone, "shift+ctrl+z").edits.now == (different, cut)  # type: ignore[union-attr]
+    assert pressed(undone, "w", "shift+ctrl+z").edits.now[0] == different  # type: ignore[union-attr]
+    assert actions.pick(0)(scene).chosen == (), "a second click lets go"
+    assert pressed(replace(scene, edits=None), "w").edits is None, "no file to keep them in"

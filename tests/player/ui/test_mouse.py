@@ -6,10 +6,12 @@ from dataclasses import replace
 import moderngl
 import pytest
 
+from gclip.corrections import Correction, Place
 from player.ui import keys
 from player.ui.panel import WIDTH
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare
+from player.view.edits import Edits
 from tests.player.desk import Desk, scene_of
 from tests.player.shown import small_clip
 
@@ -18,7 +20,7 @@ PLANT = (300.0, 250.0)
 # What has no control of its own: the timeline, or a control for the neighbour, does as much.
 KEYS_ALONE = {
     "back", "on", "frame back", "frame on", "first", "last", "begin", "end", "whole", "next organ",
-    "last organ", "wipe left", "wipe right", "leave", "quit",
+    "last organ", "wipe left", "wipe right", "leave", "quit", "undo", "redo",
 }  # fmt: skip
 CHOICES = {"color", "compare", "format", "size"}  # lists, where the key goes through the choices
 
@@ -126,7 +128,7 @@ def opened(desk: Desk) -> None:
     output = replace(desk.scene.output, example="still.png")
     desk.scene = replace(desk.scene, panel=True, path=path, style=style, output=output)
     desk.draw(3)
-    for title in ("View", "Compare"):
+    for title in ("View", "Compare", "Corrections"):
         desk.click(title)
 
 
@@ -169,7 +171,7 @@ def test_lists_choose(desk: Desk, action: str) -> None:
     before = desk.scene
     desk.click(action)
     assert desk.interface.popup
-    desk.gui.press_escape()
+    desk.gui.type("escape")
     desk.draw(3)
     assert not desk.interface.popup, "Esc closes it"
     assert desk.scene == before
@@ -210,4 +212,34 @@ def test_in_a_narrow_window_the_panel_lies_over_the_plant(context: moderngl.Cont
     before = desk.scene
     assert desk.click("floor").style.show_ground != before.style.show_ground
     assert desk.scene.camera == before.camera
+    desk.release()
+
+
+def test_what_was_put_right_is_listed_and_taken_out(desk: Desk) -> None:
+    places = [Place(f"{day}.ply", (0.0, 0.0, 1.0), f"leaf {day}") for day in (1, 2)]
+    said = Correction("same", tuple(places)), Correction("cut", (places[0],))
+    picked = replace(desk.scene.style, picked=1)
+    desk.scene = replace(desk.scene, panel=True, style=picked, chosen=tuple(places))
+    desk.scene = replace(desk.scene, edits=Edits(said))
+    desk.draw(3)
+    assert {"same", "different", "cut"} <= desk.places.keys(), "two organs open the section"
+    left, _, _, bottom = desk.places["same"]
+    desk.click((left + 10.0, bottom + 20.0))
+    assert desk.scene.edits == Edits(said).changed(said[1:])
+
+
+def test_an_organ_is_named_in_the_panel(context: moderngl.Context) -> None:
+    desk = Desk(context, small_clip(), size=(900.0, 900.0), scale=0.25)
+    place = Place("a.ply", (0.0, 0.0, 1.0), "leaf")
+    picked = replace(desk.scene.style, picked=1)
+    desk.scene = replace(desk.scene, panel=True, style=picked, chosen=(place,), edits=Edits())
+    desk.draw(3)
+    desk.click("##called")
+    assert desk.gui.writes
+    for key in ("F", "l", "a", "g", "x", "backspace", "enter"):
+        desk.gui.type(key)
+        desk.draw(3)
+    assert not desk.gui.writes
+    assert desk.scene.edits is not None
+    assert desk.scene.edits.now == (Correction("name", (place,), "Flag"),)
     desk.release()

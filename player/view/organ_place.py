@@ -1,0 +1,73 @@
+"""Where on an organ someone clicked: a point of a scan, in its file's own coordinates."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gclip import Clip
+from gclip.corrections import Place
+from player.view.camera import Camera
+
+UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked
+
+
+def organ_place(
+    clip: Clip,
+    track: int,
+    day: float,
+    seen: tuple[Camera, float, tuple[float, float]] | None = None,
+) -> Place | None:
+    """A point of an organ in the scan nearest in time, or in the next one where that lacks it.
+
+    Parameters
+    ----------
+    clip : Clip
+    track : int
+    day : float
+    seen : (Camera, float, (float, float)), optional
+        How the organ is seen, the picture's width by its height, and where it was clicked: right
+        and up from the middle, from -1 to 1. Without it a point in the organ's middle is chosen.
+
+    Returns
+    -------
+    Place or None
+        None where neither scan has the organ.
+    """
+    for scan in sorted(clip.scans, key=lambda scan: abs(scan.time - day))[:2]:
+        frame = clip.at(scan.time)
+        points = frame.local[frame.tracks == track].astype(np.float64)
+        if len(points):
+            point = points[_clicked(points, *seen) if seen else _middle(points)]
+            x, y, z = _in_file(clip, scan.name, point).tolist()
+            return Place(scan.name, (x, y, z), clip.track_table[track].name)
+    return None
+
+
+def _middle(points: NDArray[np.float64]) -> int:
+    return int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmin())
+
+
+def _clicked(
+    points: NDArray[np.float64], camera: Camera, aspect: float, at: tuple[float, float]
+) -> int:
+    matrix = camera.matrix(aspect)
+    right, up, depth, scale = matrix[:, :3] @ points.T + matrix[:, 3:]
+    distance = np.hypot(aspect * (right / scale - at[0]), up / scale - at[1])
+    near = np.flatnonzero(distance <= distance.min() + UNDER_CURSOR)
+    return int(near[(depth / scale)[near].argmin()])
+
+
+def _in_file(clip: Clip, scan: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A point of the clip in the coordinates of a scan's own file."""
+    transform, origin, scale = np.eye(4), np.array(clip.origin), 1.0
+    with suppress(KeyError, TypeError, ValueError, IndexError):  # made by hand, or a stranger's
+        made = clip.provenance
+        index = [one["name"] for one in made["inputs"]].index(scan)
+        transform = np.array(made["transforms"][index], float).reshape(4, 4)
+        origin = np.array(made["origins"][index], float).reshape(3)
+        scale = float(made["options"]["scale"])
+    local = np.linalg.pinv(transform[:3, :3]) @ (point - transform[:3, 3])
+    return np.asarray((local + origin) / scale)
