@@ -27,16 +27,17 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
-    """Where to write the numbered files of `path`, like %04d.png: renamed once all are done.
+def whole_files(path: Path) -> Iterator[Callable[[int], Path]]:
+    """Where to write the numbered files of `path`, like %04d.png, or its one: renamed once all are
+    done.
 
-    The folder they go to is made if only itself is missing. What else is in it stays. Raises
-    PlayerError where nothing can be written there.
+    The folder that numbered ones go to is made if only itself is missing. What else is in it stays.
+    Raises PlayerError where nothing can be written there.
     """
     home, names = path.parent, list[str]()
 
     def file(number: int) -> Path:
-        names.append(path.name % number)
+        names.append(path.name % number if is_numbered(path) else path.name)
         return draft / names[-1]
 
     with _said(path), folder_beside(path if home.exists() else home) as draft:
@@ -46,6 +47,14 @@ def whole_sequence(path: Path) -> Iterator[Callable[[int], Path]]:
         home.mkdir(exist_ok=True)
         for name in names:
             os.replace(draft / name, home / name)
+
+
+def is_numbered(path: Path) -> bool:
+    """Whether the name has a place for a number, like %04d. Raises PlayerError for any other %."""
+    rest = NUMBER.sub("", path.name, count=1)
+    if "%" in rest:
+        raise PlayerError(f'{path.name}: one number, like "%04d", is the only "%" that is allowed.')
+    return rest != path.name
 
 
 def check_sequence(path: Path, force: bool) -> None:

@@ -55,11 +55,13 @@ def _list(wanted: bool) -> None:
 
 
 def _in_panels(command: Callable[..., None]) -> Callable[..., None]:
-    """Have the options listed by what they are about."""
-    for panel, names in PANELS.items():
-        for name in names.split():
-            (option,) = command.__annotations__[name].__metadata__
-            option.rich_help_panel = panel
+    """Have the options listed by what they are about, and switches without a --no-."""
+    panels = {name: panel for panel, names in PANELS.items() for name in names.split()}
+    for name, annotation in command.__annotations__.items():
+        for option in getattr(annotation, "__metadata__", ()):
+            option.rich_help_panel = panels.get(name)
+            if annotation.__origin__ is bool and option.default is ...:  # no name was given
+                option.param_decls = (f"--{name.replace('_', '-')}",)
     return command
 
 
@@ -77,17 +79,13 @@ def play_command(
     export: Annotated[
         str | None,
         typer.Option(
-            "--export",
-            metavar="PATH",
-            help="Write film.mp4, still.png, plant.html, ...; see --list-exports.",
+            metavar="PATH", help="Write film.mp4, still.png, plant.html, ...; see --list-exports."
         ),
     ] = None,
-    info: Annotated[bool, typer.Option("--info", help="Print what the clip holds.")] = False,
+    info: Annotated[bool, typer.Option(help="Print what the clip holds.")] = False,
     list_exports: Annotated[
         bool,
-        typer.Option(
-            "--list-exports", help="List what can be exported.", is_eager=True, callback=_list
-        ),
+        typer.Option(help="List what can be exported.", is_eager=True, callback=_list),
     ] = False,
     size: Annotated[
         str | None,
@@ -152,25 +150,17 @@ def play_command(
         bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
     ] = True,
     title: Annotated[str, typer.Option(help="Written into pictures, on pages and in tables.")] = "",
-    date: Annotated[bool, typer.Option("--date", help="Write the date into pictures.")] = False,
-    scale_bar: Annotated[
-        bool, typer.Option("--scale-bar", help="Draw a scale bar into pictures.")
-    ] = False,
-    legend: Annotated[
-        bool, typer.Option("--legend", help="Explain the colours in pictures.")
-    ] = False,
-    transparent: Annotated[
-        bool, typer.Option("--transparent", help="PNG pictures of the plant alone.")
-    ] = False,
+    date: Annotated[bool, typer.Option(help="Write the date into pictures.")] = False,
+    scale_bar: Annotated[bool, typer.Option(help="Draw a scale bar into pictures.")] = False,
+    legend: Annotated[bool, typer.Option(help="Explain the colours in pictures.")] = False,
+    transparent: Annotated[bool, typer.Option(help="PNG pictures of the plant alone.")] = False,
     kiosk: Annotated[
-        bool, typer.Option("--kiosk", help="Full screen, over and over, nothing to press.")
+        bool, typer.Option(help="Full screen, over and over, nothing to press.")
     ] = False,
     profile: Annotated[
-        bool, typer.Option("--profile", help="Tell at the window's end what its frames cost.")
+        bool, typer.Option(help="Tell at the window's end what its frames cost.")
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Overwrite an output that exists.")
-    ] = False,
+    force: Annotated[bool, typer.Option(help="Overwrite an output that exists.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
     version: VersionOption = False,
 ) -> None:

@@ -48,24 +48,10 @@ def annotated(
     clip: Clip,
     values: ValueRange | None,
 ) -> NDArray[np.uint8]:
-    """Write a film's title and annotations into a picture.
+    """A picture of a film, (height, width, 4) uint8 sRGB, with its title and annotations.
 
-    Parameters
-    ----------
-    picture : (height, width, 4) uint8
-        sRGB, top row first.
-    day : float
-        The moment shown.
-    camera : Camera
-        From where, for the scale bar.
-    film : Film
-    clip : Clip
-    values : ValueRange or None
-        What the legend explains, if not the organs' colours.
-
-    Returns
-    -------
-    (height, width, 4) uint8
+    camera: from where it was seen, for the scale bar; values: what the legend explains, if not the
+    organs' colours.
     """
     from PIL import Image, ImageDraw
 

@@ -87,9 +87,8 @@ class Film:
         return [first + min(max(share, 0.0), 1.0) * (last - first) for share in shares]
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
-        """(height, width, 4) uint8 pictures, one after the other; memory stays constant.
-
-        While film and camera rest, the same picture comes again, undrawn.
+        """(height, width, 4) uint8 pictures, one after the other; while film and camera rest, the
+        same one comes again, undrawn.
         """
         draw = self.painter(clip, offscreen)
         views = zip(self.days(clip), self.cameras(clip), strict=True)

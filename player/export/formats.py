@@ -10,7 +10,7 @@ from typing import Any
 
 from gclip import Clip
 from gclip.terminal.atomic import check_output
-from player.atomic_write import check_sequence
+from player.atomic_write import check_sequence, is_numbered
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
@@ -108,7 +108,7 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     if not known:
         names = ", ".join(one.example for one in FORMATS)
         raise PlayerError(f'{path}: "{suffix}" is no known suffix; these are: {names}.')
-    numbered = any(one.sequence for one in known) and image.is_sequence(path)
+    numbered = any(one.sequence for one in known) and is_numbered(path)
     fitting = [one for one in known if one.sequence == numbered]
     if not fitting:
         raise PlayerError(
@@ -135,23 +135,23 @@ def _check_moments(chosen: Format, film: Film, path: Path) -> None:
 
 FORMATS: tuple[Format, ...] = (
     Format(
-        "film.mp4", "film that plays everywhere (H.264)", video.write_mp4,
+        "film.mp4", "film that plays everywhere (H.264)", video.write,
         video.check_h264, picture=True, also=(".mov",),
     ),
     Format("film.gif", "film for pages and slides", video.write_gif, video.check_gif, picture=True),
-    Format("film.webm", "film for web pages (VP9)", video.write_webm, picture=True),
+    Format("film.webm", "film for web pages (VP9)", video.write, picture=True),
     Format(
         "still.png", "one picture", image.write, picture=True, days=1, also=image.JPEG_SUFFIXES
     ),
     Format(
-        "frames/%04d.png", "pictures, one a frame", image.write_sequence,
+        "frames/%04d.png", "pictures, one a frame", image.write,
         sequence=True, picture=True, days=2, also=image.JPEG_SUFFIXES,
     ),
     Format("plant.html", "one page to turn and play in any browser, offline", page.write),
     Format("cloud.ply", "one point cloud, for any program", ply.write, points=True, days=1),
     Format(
         "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
-        ply.write_sequence, sequence=True, points=True, days=2,
+        ply.write, sequence=True, points=True, days=2,
     ),
     Format(
         "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", gltf.write,

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,6 @@ from player.atomic_write import whole_file
 from player.export.film import Film, Progress
 from player.view.camera import axes
 from player.view.dates import date_at
-
-if TYPE_CHECKING:
-    import pygltflib
 
 CURVED_KEYS = 17  # an interval, where weights are no straight lines in time
 DISSOLVE = 8  # parts in which an organ that fades goes: glTF can't animate opacity
@@ -54,16 +51,10 @@ class Part:
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """Write the plant; the animation takes as long as the film would."""
-    document, blob = build(clip, film, progress)
-    document.set_binary_blob(blob)
-    with whole_file(path) as part:
-        document.save_binary(str(part))
+    """Write the plant; the animation takes as long as the film would.
 
-
-def build(clip: Clip, film: Film, progress: Progress) -> tuple[pygltflib.GLTF2, bytes]:
-    """The document and its one buffer. Positions are local to the clip; the root node turns the
-    plant's up axis to glTF's (y) and scales to metres where the unit is known.
+    Positions are local to the clip; the root node turns the plant's up axis to glTF's (y) and
+    scales to metres where the unit is known.
     """
     import pygltflib as gltf
 
@@ -83,19 +74,18 @@ def build(clip: Clip, film: Film, progress: Progress) -> tuple[pygltflib.GLTF2, 
         ],
         animations=[gltf.Animation(name="growth", samplers=[], channels=[])],
     )
-    store = _Store(document)
-    parts = list(_parts(clip))
+    store, parts = _Store(document), list(_parts(clip))
     progress(0, len(parts))
-    for done, part in enumerate(parts, start=1):
-        _add(document, store, clip, part, film.length(clip))
+    for done, movers in enumerate(parts, start=1):
+        _add(document, store, clip, movers, film.length(clip))
         progress(done, len(parts))
-    blob = b"".join(store.pieces)
-    document.buffers = [gltf.Buffer(byteLength=len(blob))]
-    return document, blob
+    document.buffers = [gltf.Buffer(byteLength=store.size)]
+    document.set_binary_blob(b"".join(store.pieces))
+    with whole_file(path) as part:
+        document.save_binary(str(part))
 
 
 def _parts(clip: Clip) -> Iterator[Part]:
-
     for index, interval in enumerate(clip.intervals):
         last = index == len(clip.intervals) - 1
         for group in interval.groups:
@@ -110,30 +100,24 @@ def _parts(clip: Clip) -> Iterator[Part]:
                 yield Part(index, slice(group.first, group.stop), group, until)
 
 
-def weights_at(interval: Interval, group: Group, share: float) -> list[float]:
-    """The morph targets' weights when `share` of the interval has passed."""
-    parameter = share**2 if group.motion is Motion.FALL else share
-    return bernstein(interval.degree, parameter)[1:].tolist()
-
-
-def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, seconds: float) -> None:
+def _add(document: Any, store: _Store, clip: Clip, part: Part, seconds: float) -> None:
     """One node with its mesh and its two animation channels."""
     import pygltflib as gltf
 
-    interval = clip.intervals[part.interval]
+    interval, box = clip.intervals[part.interval], clip.intervals[part.interval].box
     check_whole(interval.tracks)
-    step = np.ones(3) if interval.box is None else interval.box.step
-    low = np.zeros(3) if interval.box is None else np.asarray(interval.box.low)
+    low, step = (np.zeros(3), np.ones(3)) if box is None else (np.asarray(box.low), box.step)
     start, *others = (p[part.movers].astype(np.float64) for p in interval.curve)
-    target = gltf.Attributes
-    attributes = target(
+    attributes = gltf.Attributes(
         POSITION=store.positions(low + step * start),
         COLOR_0=store.array(_linear_colors(clip, interval, part.movers), normalized=True),
     )
     attributes._LABEL = store.array(interval.tracks[part.movers].astype(np.float32))
     primitive = gltf.Primitive(
         attributes=attributes,
-        targets=[target(POSITION=store.positions(step * (other - start))) for other in others],
+        targets=[
+            gltf.Attributes(POSITION=store.positions(step * (other - start))) for other in others
+        ],
         material=0,
         mode=gltf.POINTS,
     )
@@ -150,15 +134,16 @@ def _add(document: pygltflib.GLTF2, store: _Store, clip: Clip, part: Part, secon
         )
     )
 
-    straight = interval.degree == 1 and part.group.motion is not Motion.FALL
-    shares = np.linspace(0.0, 1.0, 2 if straight else CURVED_KEYS)
+    falls = part.group.motion is Motion.FALL
+    shares = np.linspace(0.0, 1.0, CURVED_KEYS if falls or interval.degree > 1 else 2)
+    eased = shares**2 if falls else shares
     first, last = clip.times[0], clip.times[-1]
     rate = seconds / (last - first)
     begin, length = (interval.start - first) * rate, (interval.end - interval.start) * rate
     store.channel(
         "weights",
         begin + length * shares,
-        np.array([weights_at(interval, part.group, share) for share in shares.tolist()]).ravel(),
+        np.array([bernstein(interval.degree, share)[1:] for share in eased.tolist()]).ravel(),
         gltf.ANIM_LINEAR,
     )
     changes = [(begin, 1.0)] if begin == 0.0 else [(0.0, 0.0), (begin, 1.0)]
@@ -193,7 +178,7 @@ def _placed(clip: Clip) -> NDArray[np.float64]:
 class _Store:
     """The buffer in the making, and the accessors that say what lies where."""
 
-    document: pygltflib.GLTF2
+    document: Any  # pygltflib's
     pieces: list[bytes] = field(default_factory=list)
     size: int = 0
 
@@ -201,11 +186,6 @@ class _Store:
         """An accessor with the bounds that glTF wants of positions."""
         exact = points.astype(np.float32)
         return self.array(exact, min=exact.min(axis=0).tolist(), max=exact.max(axis=0).tolist())
-
-    def times(self, seconds: NDArray[np.float64]) -> int:
-        exact = seconds.astype(np.float32)
-        bounds = {"min": [float(exact[0])], "max": [float(exact[-1])]}
-        return self.array(exact, vertices=False, **bounds)
 
     def array(self, values: NDArray[Any], vertices: bool = True, **about: Any) -> int:
         """Put an array of float32 or uint16 into the buffer; gives its accessor."""
@@ -236,7 +216,10 @@ class _Store:
         import pygltflib as gltf
 
         animation = self.document.animations[0]
-        times, output = self.times(seconds), self.array(values.astype(np.float32), vertices=False)
+        exact = seconds.astype(np.float32)
+        bounds = {"min": [float(exact[0])], "max": [float(exact[-1])]}
+        times = self.array(exact, vertices=False, **bounds)
+        output = self.array(values.astype(np.float32), vertices=False)
         animation.samplers.append(
             gltf.AnimationSampler(input=times, output=output, interpolation=how)
         )

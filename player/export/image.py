@@ -12,42 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import NUMBER, free_name, whole_file, whole_sequence
-from player.errors import PlayerError
+from player.atomic_write import free_name, is_numbered, whole_file, whole_files
 from player.export.film import Film, Progress
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
 JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour
 
 
-def is_sequence(path: Path) -> bool:
-    """Whether the name has a place for a number, like %04d. Raises PlayerError for any other %."""
-    rest = NUMBER.sub("", path.name, count=1)
-    if "%" in rest:
-        raise PlayerError(f'{path.name}: one number, like "%04d", is the only "%" that is allowed.')
-    return rest != path.name
-
-
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """One picture, of the film's --day or the last scan's.
+    """One picture, of the film's --day or the last scan's; or its frames, numbered from 0.
 
     The text "view" in a PNG's metadata is what it takes to draw on top of it: the (4, 4) matrix
     from the clip's local coordinates to OpenGL's clip coordinates, M @ column, as JSON row by row.
     """
-    still = replace(film, at=film.at or (clip.times[-1],), every=None)
-    camera = still.camera(clip, still.at[0])
-    with closing(still.pictures(clip, progress)) as pictures, whole_file(path) as part:
-        _save(next(pictures), part, camera.matrix(film.aspect))
-    progress(1, 1)
-
-
-def write_sequence(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """Frames are numbered from 0, with metadata as above; all appear once the last one is drawn.
-
-    The folder they go to is made if only itself is missing.
-    """
+    if not is_numbered(path):
+        film = replace(film, at=film.at or (clip.times[-1],), every=None)
     views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
-    with closing(film.pictures(clip, progress)) as pictures, whole_sequence(path) as file:
+    with closing(film.pictures(clip, progress)) as pictures, whole_files(path) as file:
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
             _save(picture, file(index), view)
 

@@ -9,35 +9,29 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
-from player.atomic_write import whole_file, whole_sequence
+from player.atomic_write import is_numbered, whole_files
 from player.export.film import Film, Progress
 from player.view.dates import date_at
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """One moment: the film's --day, or the last scan."""
-    with whole_file(path) as part:
-        day = film.at[0] if film.at else clip.times[-1]
-        vertices = cloud_at(clip, day)
-        _save(clip, day, vertices[vertices["alpha"] > 0], part)
-    progress(1, 1)
-
-
-def write_sequence(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """The film's moments, evenly from the first scan to the last, numbered from 0."""
-    days = moments(clip, film)
-    with whole_sequence(path) as file:
+    """One moment, the film's --day or the last scan; or the film's moments, numbered from 0: then
+    evenly from the first scan to the last, without its rests at both ends.
+    """
+    if not is_numbered(path):
+        days = list(film.at) or clip.times[-1:]
+    elif film.at or film.every is not None:
+        days = film.days(clip)
+    else:
+        ends = clip.times[0], clip.times[-1]
+        days = np.linspace(*ends, max(film.frame_count(clip), 2)).tolist()
+    with whole_files(path) as file:
         progress(0, len(days))
         for number, day in enumerate(days):
-            _save(clip, day, cloud_at(clip, day), file(number))
+            vertices = cloud_at(clip, day)
+            seen = vertices["alpha"] > 0
+            _save(clip, day, vertices if is_numbered(path) else vertices[seen], file(number))
             progress(number + 1, len(days))
-
-
-def moments(clip: Clip, film: Film) -> list[float]:
-    """The film's days without its rests at both ends: nobody needs the same cloud twice."""
-    if film.at or film.every is not None:
-        return film.days(clip)
-    return np.linspace(clip.times[0], clip.times[-1], max(film.frame_count(clip), 2)).tolist()
 
 
 def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:

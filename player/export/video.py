@@ -50,16 +50,12 @@ def check_gif(film: Film) -> None:
         raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
 
 
-def write_mp4(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264 plays everywhere. The suffix says whether ffmpeg puts it into .mp4 or .mov."""
+def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm."""
+    webm = path.suffix.lower() == ".webm"
+    codec, options = ("libvpx-vp9", VP9) if webm else ("libx264", X264)
     with closing(film.pictures(clip, progress)) as pictures:
-        encode(pictures, film, path, "libx264", [*X264, *BT709])
-
-
-def write_webm(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """VP9 is free of patents."""
-    with closing(film.pictures(clip, progress)) as pictures:
-        encode(pictures, film, path, "libvpx-vp9", [*VP9, *BT709])
+        encode(pictures, film, path, codec, [*options, *BT709])
 
 
 def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -85,25 +81,12 @@ def encode(
     pixels: str = "yuv420p",
     unseen: int = 0,
 ) -> None:
-    """Send pictures to ffmpeg.
+    """Pipe pictures, (height, width, 4) uint8 of the film's size, through ffmpeg into a file.
 
-    Parameters
-    ----------
-    pictures : iterable of (height, width, 4) uint8
-        In sRGB, taken one at a time.
-    film : Film
-        Tells size and frames a second.
-    path : Path
-        Appears whole or not at all.
-    codec, arguments, pixels
-        As ffmpeg names them: the encoder, its options, the format of its pixels.
-    unseen : int
-        How many of the pictures are no frames of the film.
-
-    Raises
-    ------
-    PlayerError
-        If ffmpeg is missing or gives up, or the file can't be written.
+    codec, arguments, pixels: as ffmpeg names them: the encoder, its options, the format of its
+                              pixels.
+    unseen:                   how many of the pictures are no frames of the film.
+    Raises PlayerError if ffmpeg is missing or gives up, or the file can't be written.
     """
     from imageio_ffmpeg import write_frames
 
