@@ -108,7 +108,7 @@ def time_process(folder: Path, options: dict) -> float:
     arguments = [f"--{name}={value}" for name, value in options.items()]
     command = [sys.executable, "-m", "baker", str(folder), "-q", *arguments]
     began = time.perf_counter()
-    subprocess.run([*command, "-o", str(folder.parent / "plant.gclip")], check=True)
+    subprocess.run([*command, "-o", str(folder.parent / "plant.gclip"), "--force"], check=True)
     return time.perf_counter() - began
 
 

@@ -155,7 +155,8 @@ def test_sums_are_rounded_alike_on_every_machine():
 
 def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans, tmp_path):
     folder, out = write_scans(days=(0, 1)), tmp_path / "plant.gclip"
-    command = [sys.executable, "-m", "baker", str(folder), "-o", str(out), "--align", "none"]
+    command = [sys.executable, "-m", "baker", str(folder), "-o", str(out), "--force"]
+    command += ["--align", "none"]
     empty = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "code")}
     first, second = (
         subprocess.run(command, capture_output=True, text=True, env=empty) for _ in range(2)
