@@ -27,34 +27,24 @@ HELD_FIRST, HELD_LAST = 0.04, 0.12  # shares of the film that rest on the first 
 
 @dataclass(frozen=True)
 class Film:
-    """A film, or with `at` a still picture.
+    """A film, or with `at` a still picture."""
 
-    size:    (width, height) in pixels.
-    fps:     frames a second.
-    seconds: length; None fits it to the number of scans.
-    turning: the camera goes round the plant once, and ends where it began.
-    at:      the days of still pictures, one each; empty films real time, first to last scan.
-    every:   the time between two frames, in the clip's unit, from the first scan on; None spreads
-             the frames over the film's length.
-    title:   written into the picture or on the page, "" where nothing was said.
-    annotations: what else is written into the picture.
-    transparent: the plant alone, on no ground.
-    name:    what the plant is called where it needs a name: its clip's.
-    path:    the camera on every day; None shows the whole plant.
-    """
-
-    size: tuple[int, int] = (1280, 720)
-    fps: int = 30
-    seconds: float | None = None
-    turning: bool = False
+    size: tuple[int, int] = (1280, 720)  #: (width, height) in pixels
+    fps: int = 30  #: frames a second
+    seconds: float | None = None  #: length; None fits it to the number of scans
+    turning: bool = False  #: the camera goes round the plant once, and ends where it began
     style: Style = field(default_factory=Style)
+    #: the days of still pictures, one each; empty films real time, first to last scan
     at: tuple[float, ...] = ()
+    #: the time between two frames, in the clip's unit, from the first scan on; None spreads the
+    #: frames over the film's length
     every: float | None = None
-    title: str = ""
+    title: str = ""  #: written into the picture or on the page, "" where nothing was said
+    #: what else is written into the picture
     annotations: Annotations = field(default_factory=Annotations)
-    transparent: bool = False
-    name: str = "plant"
-    path: CameraPath | None = None
+    transparent: bool = False  #: the plant alone, on no ground
+    name: str = "plant"  #: what the plant is called where it needs a name: its clip's
+    path: CameraPath | None = None  #: the camera on every day; None shows the whole plant
 
     @property
     def aspect(self) -> float:

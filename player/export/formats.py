@@ -27,27 +27,18 @@ Check = Callable[[Film], None]
 
 @dataclass(frozen=True)
 class Format:
-    """One way out.
+    """One of the kinds of files that a clip can be written as."""
 
-    example:  a name that asks for it; `about` says what it is and whom it is for.
-    write:    does it: whole or not at all.
-    check:    raises PlayerError, before any work, for a film that it can't hold.
-    sequence: numbered files, one a moment: the name has a place for a number.
-    picture:  drawn, so that size, colours and stamps count.
-    points:   one colour for each of the movers is all that it holds of colours.
-    days:     how many --day it takes: 0, 1, or 2 for any number.
-    also:     other suffixes that ask for it.
-    """
-
-    example: str
+    example: str  #: a name that asks for it; `about` says what it is and whom it is for
     about: str
-    write: Writer
+    write: Writer  #: does it: whole or not at all
+    #: raises PlayerError, before any work, for a film that it can't hold
     check: Check = lambda film: None
-    sequence: bool = False
-    picture: bool = False
-    points: bool = False
-    days: int = 0
-    also: tuple[str, ...] = ()
+    sequence: bool = False  #: numbered files, one a moment: the name has a place for a number
+    picture: bool = False  #: drawn, so that size, colours and stamps count
+    points: bool = False  #: one colour for each of the movers is all that it holds of colours
+    days: int = 0  #: how many --day it takes: 0, 1, or 2 for any number
+    also: tuple[str, ...] = ()  #: other suffixes that ask for it
 
     @property
     def suffix(self) -> str:

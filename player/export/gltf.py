@@ -39,15 +39,12 @@ VERTICES = 34962  # and its ARRAY_BUFFER
 
 @dataclass(frozen=True)
 class Part:
-    """Movers that move by the same weights and vanish together.
-
-    until: share of the interval until which they are there; infinite for those that stay.
-    """
+    """Movers that move by the same weights and vanish together."""
 
     interval: int
     movers: slice
     group: Group
-    until: float
+    until: float  #: share of the interval until which they are there; infinite for those that stay
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:

@@ -26,16 +26,12 @@ RGB = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Annotations:
-    """What to write into a picture; a film's title besides.
+    """What to write into a picture; a film's title besides."""
 
-    date:   the moment's date and the time since the first scan, below on the left.
-    scale:  a bar of a round length, as it appears at the middle of the plant, below on the right.
-    legend: what the colours mean, above on the right.
-    """
-
-    date: bool = False
+    date: bool = False  #: the moment's date and the time since the first scan, below on the left
+    #: a bar of a round length, as it appears at the middle of the plant, below on the right
     scale: bool = False
-    legend: bool = False
+    legend: bool = False  #: what the colours mean, above on the right
 
 
 class Pen(Protocol):

@@ -34,24 +34,18 @@ def axes(up: str) -> Vector:
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera on a sphere about its target; every move gives a new one.
+    """A camera on a sphere about its target; every move gives a new one."""
 
-    target:        the point looked at, in the clip's local coordinates.
-    distance:      from the eye to the target, in the clip's length unit.
-    yaw, pitch:    the eye's direction seen from the target, in radians; pitch 0 is level.
-    field_of_view: the picture's height as an angle, in radians; so narrow a one as ORTHOGRAPHIC is
-                   a parallel projection of what is as high at the target.
-    up:            x, y, z, -x, -y or -z.
-    radius:        of the scene, from which near and far plane follow.
-    """
-
+    #: the point looked at, in the clip's local coordinates
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    distance: float = 5.0
-    yaw: float = YAW
-    pitch: float = PITCH
+    distance: float = 5.0  #: from the eye to the target, in the clip's length unit
+    yaw: float = YAW  #: the eye's direction seen from the target, in radians
+    pitch: float = PITCH  #: the same upwards; 0 is level
+    #: the picture's height as an angle, in radians; so narrow a one as ORTHOGRAPHIC is a parallel
+    #: projection of what is as high at the target
     field_of_view: float = FIELD_OF_VIEW
-    up: str = "z"
-    radius: float = 1.0
+    up: str = "z"  #: x, y, z, -x, -y or -z
+    radius: float = 1.0  #: of the scene, from which near and far plane follow
 
     @classmethod
     def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Camera:

@@ -33,13 +33,10 @@ class Wish(StrEnum):
 
 @dataclass(frozen=True)
 class Output:
-    """What the next picture or export is to be.
+    """What the next picture or export is to be."""
 
-    example:     the example of a format in player/export/formats.py, which names it.
-    size:        (width, height) in pixels, None for the window's own.
-    transparent: the plant alone, in PNG pictures.
-    """
-
-    example: str = "film.mp4"
-    size: tuple[int, int] | None = None
-    transparent: bool = False
+    example: str = (
+        "film.mp4"  #: the example of a format in player/export/formats.py, which names it
+    )
+    size: tuple[int, int] | None = None  #: (width, height) in pixels, None for the window's own
+    transparent: bool = False  #: the plant alone, in PNG pictures

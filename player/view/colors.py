@@ -40,13 +40,10 @@ class ScalarField(IntEnum):
 
 @dataclass(frozen=True)
 class ValueRange:
-    """What the ends of a ramp stand for.
-
-    mode: the colouring; low, high: its values at the ends, in `unit`.
-    """
+    """What the ends of a ramp stand for."""
 
     mode: ColorMode
-    low: float
+    low: float  #: value at the ramp's first end, in `unit`
     high: float
     unit: str
 

@@ -22,24 +22,18 @@ class AtEnd(StrEnum):
 
 @dataclass(frozen=True)
 class Timeline:
-    """A clock over a series of scans; every move gives a new one.
+    """A clock over a series of scans; every move gives a new one."""
 
-    times:     the scans' times, ascending, at least two, in the clip's unit.
-    day:       where the clock stands, from times[0] to times[-1].
-    speed:     factor on the natural speed, one of SPEEDS.
-    backwards: on its way back (PING_PONG).
-    rest:      seconds that the clock still waits at an end.
-    begin, end: of the part that is played; None for the series' own.
-    """
-
-    times: tuple[float, ...]
-    day: float
+    times: tuple[float, ...]  #: the scans' times, ascending, at least two, in the clip's unit
+    day: float  #: where the clock stands, from times[0] to times[-1]
     playing: bool = False
-    speed: float = 1.0
+    speed: float = 1.0  #: factor on the natural speed, one of SPEEDS
     at_end: AtEnd = AtEnd.LOOP
-    backwards: bool = False
-    rest: float = field(default=0.0, compare=False)
-    begin: float | None = None
+    backwards: bool = False  #: on its way back (PING_PONG)
+    rest: float = field(default=0.0, compare=False)  #: seconds that the clock still waits at an end
+    begin: float | None = (
+        None  #: of the part that is played; None for the series' own, as for `end`
+    )
     end: float | None = None
 
     @classmethod

@@ -20,35 +20,28 @@ NEAR = 0.3  # of its radius: how near plants stand to count as the same one
 
 @dataclass(frozen=True)
 class Pane:
-    """A part of the window that shows a clip on a day.
+    """A part of the window that shows a clip on a day."""
 
-    clip:        its number among those shown.
-    left, right: the part, in shares of the width.
-    own:         the part holds a whole picture; else it is cut out of one as wide as all of them.
-    caption:     what is seen there, "" where there is nothing to tell.
-    left_out:    number of the scan that is seen instead, of those left out of the clip.
-    """
-
-    clip: int
+    clip: int  #: its number among those shown
     day: float
     camera: Camera
-    left: float = 0.0
+    left: float = 0.0  #: where the part begins, and ends, in shares of the width
     right: float = 1.0
+    #: the part holds a whole picture; else it is cut out of one as wide as all of them
     own: bool = True
-    caption: str = ""
+    caption: str = ""  #: what is seen there, "" where there is nothing to tell
+    #: number of the scan that is seen instead, of those left out of the clip
     left_out: int | None = None
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two clips, seen alike.
+    """Two clips, seen alike."""
 
-    homes: of each the camera that shows all of it, at the same scale if they are of like size.
-    shift: from the first one's local coordinates to the second's, where both show the same plant
-           in the same place; None where they show different ones.
-    """
-
+    #: of each the camera that shows all of it, at the same scale if they are of like size
     homes: tuple[Camera, Camera]
+    #: from the first one's local coordinates to the second's, where both show the same plant in the
+    #: same place; None where they show different ones
     shift: tuple[float, float, float] | None
 
     @classmethod

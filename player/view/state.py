@@ -17,47 +17,32 @@ from player.view.style import ColorMode, Style
 
 @dataclass(frozen=True)
 class Scene:
-    """What the user has chosen so far; keys, mouse and buttons each turn it into a new one.
-
-    home:       the camera that shows the whole plant in the window's present shape.
-    has_colors: whether the clip carries the scans' own colours.
-    has_errors: whether it carries scans that were left out, to compare with.
-    organs:     how many tracks the clip has.
-    clips:      how many are shown, 1 or 2.
-    chosen:     where the picked organs were clicked, two at most.
-    edits:      what was put right about organs; None where the clip comes from no file.
-    turning:    the camera goes round the plant by itself; following: along its path.
-    guides:     scale bar and axes; legend: what the colours mean.
-    wipe:       share of the width where the wipe's line stands.
-    formats:    what can be exported, by an example's name.
-    kiosk:      nothing but the plant and the date.
-    notice:     a passing sentence for the user.
-    """
+    """What the user has chosen so far; keys, mouse and buttons each turn it into a new one."""
 
     timeline: Timeline
     camera: Camera
-    home: Camera
+    home: Camera  #: the camera that shows the whole plant in the window's present shape
     style: Style
-    has_colors: bool
-    has_errors: bool = False
-    organs: int = 0
-    clips: int = 1
-    chosen: tuple[Place, ...] = ()
-    edits: Edits | None = None
-    turning: bool = False
-    following: bool = False
+    has_colors: bool  #: whether the clip carries the scans' own colours
+    has_errors: bool = False  #: whether it carries scans that were left out, to compare with
+    organs: int = 0  #: how many tracks the clip has
+    clips: int = 1  #: how many are shown, 1 or 2
+    chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
+    edits: Edits | None = None  #: what was put right about organs; None for clips from no file
+    turning: bool = False  #: the camera goes round the plant by itself
+    following: bool = False  #: the camera goes along its path
     path: CameraPath = field(default_factory=CameraPath)
     compare: Compare = Compare.OFF
-    wipe: float = 0.5
+    wipe: float = 0.5  #: share of the width where the wipe's line stands
     output: Output = field(default_factory=Output)
-    formats: tuple[str, ...] = (Output.example,)
+    formats: tuple[str, ...] = (Output.example,)  #: what can be exported, by an example's name
     panel: bool = False
-    guides: bool = True
-    legend: bool = True
+    guides: bool = True  #: scale bar and axes
+    legend: bool = True  #: what the colours mean
     help: bool = False
     fullscreen: bool = False
-    kiosk: bool = False
-    notice: str = ""
+    kiosk: bool = False  #: nothing but the plant and the date
+    notice: str = ""  #: a passing sentence for the user
     wish: Wish | None = None
     closed: bool = False
 

@@ -11,14 +11,12 @@ NO_HOLDOUT = "the clip holds no scan that was left out of it; bake it with --hol
 
 
 class ColorMode(StrEnum):
-    """What movers are coloured by.
+    """What movers are coloured by."""
 
-    label:    what users read.
-    colormap: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own.
-    """
-
-    label: str
-    colormap: str
+    label: str  #: what users read
+    colormap: (
+        str  #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
+    )
 
     def __new__(cls, value: str, label: str = "", colormap: str = "") -> ColorMode:
         mode = str.__new__(cls, value)
@@ -49,32 +47,24 @@ class GroundChoice(StrEnum):
 
 @dataclass(frozen=True)
 class Style:
-    """The look of a picture.
+    """The look of a picture."""
 
-    color_by:    the scans' own colours, one for each organ, or by value (player/view/colors.py).
-    ground:      the background.
-    point_size:  factor on the clip's natural point size, 1 closes the surfaces.
-    depth_cue:   far parts recede into the background.
-    eye_dome:    strength of the shading found from depth alone, 0 switches it off
-                 (Boucheny 2009, eye-dome lighting).
-    show_ground: a soft floor with the plant's shadow.
-    pixels:      diameter of all points in pixels of a picture 720 high, whatever their distance;
-                 None gives them the size in the world that closes the surfaces.
-    picked:      the track that is highlighted, and a second one: all others stand back.
-    hidden:      tracks that are not drawn; alone: the only track that is.
-    """
-
+    #: the scans' own colours, one for each organ, or by value (player/view/colors.py)
     color_by: ColorMode = ColorMode.AUTO
-    ground: str = GroundChoice.DARK
-    point_size: float = 1.0
-    depth_cue: bool = True
+    ground: str = GroundChoice.DARK  #: the background
+    point_size: float = 1.0  #: factor on the clip's natural point size, 1 closes the surfaces
+    depth_cue: bool = True  #: far parts recede into the background
+    #: strength of the shading found from depth alone, 0 switches it off (Boucheny 2009, eye-dome
+    #: lighting)
     eye_dome: float = 1.0
-    show_ground: bool = True
+    show_ground: bool = True  #: a soft floor with the plant's shadow
+    #: diameter of all points in pixels of a picture 720 high, whatever their distance; None gives
+    #: them the size in the world that closes the surfaces
     pixels: float | None = None
-    picked: int | None = None
-    second: int | None = None
-    hidden: frozenset[int] = frozenset()
-    alone: int | None = None
+    picked: int | None = None  #: the track that is highlighted: all others stand back
+    second: int | None = None  #: another one that is highlighted
+    hidden: frozenset[int] = frozenset()  #: tracks that are not drawn
+    alone: int | None = None  #: the only track that is drawn
 
     @property
     def marked(self) -> bool:
@@ -84,25 +74,18 @@ class Style:
 
 @dataclass(frozen=True)
 class Ground:
-    """A background's colours and the lights that go with them, all in linear light.
+    """A background's colours and the lights that go with them, all in linear light."""
 
-    above, below: the wall at the picture's top and bottom; floor: the floor where it is lit.
-    shadow:       the floor where the plant keeps all light away.
-    haze:         what far parts of the plant recede into.
-    sky_light, floor_light, lamp_light: light on the plant from above, from below, from the lamp.
-    text, muted:  what is written over it, and what of that stays back, as #rrggbb.
-    """
-
-    top_color: Light
+    top_color: Light  #: of the wall
     bottom_color: Light
-    floor_color: Light
-    shadow_color: Light
-    fog_color: Light
-    ambient_top: Light
+    floor_color: Light  #: where it is lit
+    shadow_color: Light  #: of the floor where the plant keeps all light away
+    fog_color: Light  #: what far parts of the plant recede into
+    ambient_top: Light  #: light on the plant from above
     ambient_bottom: Light
-    key_light: Light
-    text: str
-    muted: str
+    key_light: Light  #: from the lamp
+    text: str  #: what is written over it, #rrggbb
+    muted: str  #: what of that stays back
 
 
 GROUNDS = {
