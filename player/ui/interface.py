@@ -13,7 +13,7 @@ from gclip import Clip
 from player.ui import actions
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
 from player.ui.gui import Gui
-from player.ui.help import Help
+from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
 from player.ui.panel import Panel, panel_place, panel_width
 from player.ui.pen import Pen
@@ -61,18 +61,12 @@ SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 
 @dataclass(frozen=True)
 class Facts:
-    """What is to be told beside the scene itself.
+    """What is to be told beside the scene itself."""
 
-    values:    what the colours stand for.
-    organ:     of the picked one, (what, value) pairs.
-    panes:     what is compared, from left to right; none where nothing is.
-    exporting: an export under way.
-    """
-
-    values: ValueRange | None = None
-    organ: tuple[tuple[str, str], ...] = ()
-    panes: Sequence[Pane] = ()
-    exporting: Exporting | None = None
+    values: ValueRange | None = None  #: what the colours stand for
+    organ: tuple[tuple[str, str], ...] = ()  #: of the picked one, (what, value) pairs
+    panes: Sequence[Pane] = ()  #: what is compared, from left to right; none where nothing is
+    exporting: Exporting | None = None  #: an export under way
 
 
 class Interface:
@@ -84,7 +78,7 @@ class Interface:
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._clip, self._name = gui, clip, name
-        self._panel, self._help = Panel(clip), Help()
+        self._panel = Panel(clip)
         self._timeline = TimelineView(clip)
         self._mouse = PlantMouse()
         self.popup = False
@@ -150,7 +144,7 @@ class Interface:
                 place = panel_place(size, (TOP, BOTTOM))
                 scene = self._panel.draw(scene, self._gui, theme, place, facts.exporting)
         if shown.help:
-            scene = self._help.draw(scene, self._gui, theme, size)
+            scene = draw_help(scene, self._gui, theme, size)
         if shown.notice:
             front = Pen(self._gui, theme, imgui.get_foreground_draw_list(), area)
             front.card(area[0] / 2, TOP - 12.0, shown.notice, 15.0, area[0] - 40.0)

@@ -6,7 +6,6 @@ A key is named as GLFW does, in lower case ("space", "page_up", "f11"), or by th
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -27,8 +26,17 @@ SIZED = "smaller, larger points"
 ORGANS = "next, previous organ"
 WIPED = "move the wipe"
 UNDONE = "undo, redo a correction"
-ZOOM_STEP = 1.12  # factor of one wheel notch
-TURN = math.radians(180.0)  # orbit of a drag over the window's height
+# What the mouse does (mouse.py), as the help tells it beside the keys.
+MOUSE = {
+    "Time": {"go to a day": ["Drag timeline"]},
+    "View": {
+        "turn the plant": ["Drag"],
+        "shift the plant": ["Shift drag", "Right drag", "Middle drag"],
+        "nearer, farther": ["Wheel"],
+    },
+    "Organs": {"pick an organ": ["Click"], "choose a second one": ["Shift click"]},
+    "Compare": {WIPED: ["Drag line"]},
+}
 
 _SHOWN = {
     "space": "Space",
@@ -48,41 +56,21 @@ _SHOWN = {
 
 @dataclass(frozen=True)
 class Action:
-    """Something that keys, and perhaps a button on the screen, do to the scene.
-
-    keys:    any of them does it.
-    help:    what it does, in a few words.
-    row:     the line of help that it shares with its neighbours, if it has no line of its own.
-    repeats: goes on while the key is held.
-    """
+    """Something that keys, and perhaps a button on the screen, do to the scene."""
 
     name: str
     section: str
-    keys: tuple[str, ...]
-    help: str
+    keys: tuple[str, ...]  #: any of them does it
+    help: str  #: what it does, in a few words
     do: Callable[[Scene], Scene]
+    #: the line of help that it shares with its neighbours, if it has no line of its own
     row: str = ""
-    repeats: bool = False
+    repeats: bool = False  #: goes on while the key is held
 
     @property
     def labels(self) -> tuple[str, ...]:
         """The keys as people read them: "Space", "Shift ←", "G"."""
         return tuple(label(key) for key in self.keys)
-
-
-@dataclass(frozen=True)
-class Drag:
-    """A mouse button held and moved over the plant.
-
-    do: from the scene and the way moved, (right, down) in window heights, to the next scene.
-    """
-
-    name: str
-    button: str
-    shift: bool
-    label: str
-    help: str
-    do: Callable[[Scene, float, float], Scene]
 
 
 def label(key: str) -> str:
@@ -189,30 +177,6 @@ ACTIONS: tuple[Action, ...] = (
 )  # fmt: skip
 
 
-def _orbited(scene: Scene, right: float, down: float) -> Scene:
-    return scene.with_camera(lambda c: c.orbit(-TURN * right, TURN * down))
-
-
-def _panned(scene: Scene, right: float, down: float) -> Scene:
-    return scene.with_camera(lambda c: c.pan(right, -down))
-
-
-DRAGS: tuple[Drag, ...] = (
-    Drag("orbit", "left", False, "Drag", "turn the plant", _orbited),
-    Drag("pan", "left", True, "Shift drag", "shift the plant", _panned),
-    Drag("pan", "right", False, "Right drag", "shift the plant", _panned),
-    Drag("pan", "middle", False, "Middle drag", "shift the plant", _panned),
-)
-
-
-def wheeled(scene: Scene, notches: float, right: float = 0.0, up: float = 0.0) -> Scene:
-    """The wheel over the window: nearer to what is under the cursor for a turn away from the user.
-
-    right, up: the cursor from the picture's middle, in shares of the picture's height.
-    """
-    return scene.with_camera(lambda c: c.zoom_at(ZOOM_STEP**notches, right, up))
-
-
 def action(name: str) -> Action:
     return next(action for action in ACTIONS if action.name == name)
 
@@ -228,38 +192,17 @@ def pressed(scene: Scene, key: str, shift: bool = False, repeated: bool = False)
     return found.do(scene) if found and (found.repeats or not repeated) else scene
 
 
-def drag_for(button: str, shift: bool) -> Drag | None:
-    """What a mouse button does; shift counts only where the table gives it a meaning of its own."""
-    fitting = [drag for drag in DRAGS if drag.button == button and drag.shift in (shift, False)]
-    return max(fitting, key=lambda drag: drag.shift, default=None)
-
-
 def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
     """What to show as help: for each section its rows (key labels, what they do)."""
     table: dict[str, dict[str, list[str]]] = {}
     for entry in ACTIONS:
-        rows = table.setdefault(entry.section, {})
-        if entry.section == "View" and not rows:
-            rows.update(_mouse_rows())
-        if entry.section == "Organs" and not rows:
-            rows["pick an organ"] = ["Click"]
-            rows["choose a second one"] = ["Shift click"]
-        if entry.section == "Compare" and not rows:
-            rows["move the wipe"] = ["Drag line"]
+        beside = {text: [*labels] for text, labels in MOUSE.get(entry.section, {}).items()}
+        rows = table.setdefault(entry.section, beside)
         rows.setdefault(entry.row or entry.help, []).extend(entry.labels)
-        if entry.name == "play":
-            rows["go to a day"] = ["Drag timeline"]
     return {
         section: [(tuple(labels), text) for text, labels in rows.items()]
         for section, rows in table.items()
     }
-
-
-def _mouse_rows() -> dict[str, list[str]]:
-    rows: dict[str, list[str]] = {}
-    for drag in DRAGS:
-        rows.setdefault(drag.help, []).append(drag.label)
-    return {**rows, "nearer, farther": ["Wheel"]}
 
 
 def help_text() -> str:

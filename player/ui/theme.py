@@ -38,32 +38,19 @@ def packed(color: Color) -> int:
 
 @dataclass(frozen=True)
 class Theme:
-    """text, muted:  writing, and writing that stays back.
-    halo:         about writing that may lie over the plant.
-    accent:       what has passed on the timeline, and what the cursor is on.
-    on_accent:    writing and icons on the accent.
-    track:        the timeline's line, where it has not passed yet.
-    card, edge:   bubbles, tips and the help, and their outline.
-    loss:         marks of lost organs.
-    hover:        behind the button under the cursor.
-    veil:         the ground's own colour, to calm it behind the timeline.
-    shade:        over everything else while the help is open.
-    axes:         of x, y and z.
-    """
-
-    text: Color
+    text: Color  #: writing, and writing that stays back
     muted: Color
-    halo: Color
-    accent: Color
-    on_accent: Color
-    track: Color
-    card: Color
+    halo: Color  #: about writing that may lie over the plant
+    accent: Color  #: what has passed on the timeline, and what the cursor is on
+    on_accent: Color  #: writing and icons on the accent
+    track: Color  #: the timeline's line, where it has not passed yet
+    card: Color  #: bubbles, tips and the help, and their outline
     edge: Color
-    loss: Color
-    hover: Color
-    veil: Color
-    shade: Color
-    axes: tuple[Color, Color, Color]
+    loss: Color  #: marks of lost organs
+    hover: Color  #: behind the button under the cursor
+    veil: Color  #: the ground's own colour, to calm it behind the timeline
+    shade: Color  #: over everything else while the help is open
+    axes: tuple[Color, Color, Color]  #: of x, y and z
 
 
 DARK = Theme(

@@ -30,16 +30,12 @@ EDGE = 8.0  # what texts keep from the window's
 
 @dataclass(frozen=True)
 class Line:
-    """Where the days stand.
+    """Where the days stand."""
 
-    left, right, height: its ends and its height, in units.
-    times:  of the scans; others: more days that a click means exactly.
-    """
-
-    left: float
+    left: float  #: its ends and its height, in units
     right: float
     height: float
-    times: tuple[float, ...]
+    times: tuple[float, ...]  #: of the scans; others: more days that a click means exactly
     others: tuple[float, ...] = ()
 
     def x_of(self, day: float) -> float:

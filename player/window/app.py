@@ -50,16 +50,13 @@ TIP = 0.45  # seconds that a tip takes to come
 
 @dataclass(frozen=True)
 class Picture:
-    """All that a picture depends on: what is drawn is compared with what is wanted.
-
-    events: how many the mouse has sent.
-    """
+    """All that a picture depends on: what is drawn is compared with what is wanted."""
 
     scene: Scene
     measures: Measures
     facts: Facts
     detail: Detail
-    events: int
+    events: int  #: how many the mouse has sent
 
     @property
     def view(self) -> object:

@@ -17,14 +17,10 @@ PATIENCE = 3  # slow or fast pictures in a row before the level changes
 
 @dataclass(frozen=True)
 class Detail:
-    """How much of a picture to draw.
+    """How much of a picture to draw."""
 
-    pixels: share of the window's width and height.
-    every:  of so many movers one.
-    """
-
-    pixels: float = 1.0
-    every: int = 1
+    pixels: float = 1.0  #: share of the window's width and height
+    every: int = 1  #: of so many movers one
 
 
 class DynamicResolution:

@@ -22,16 +22,11 @@ EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
 
 @dataclass(frozen=True)
 class Measures:
-    """The sizes of a window, which differ on displays of high density.
+    """The sizes of a window, which differ on displays of high density."""
 
-    window:      (width, height) in the system's own coordinates, those of the mouse.
-    framebuffer: (width, height) in pixels; zero while the window is minimised.
-    scale:       pixels in a unit of 1/96 inch (the system's content scale).
-    """
-
-    window: tuple[int, int]
-    framebuffer: tuple[int, int]
-    scale: float
+    window: tuple[int, int]  #: (width, height) in the system's own coordinates, those of the mouse
+    framebuffer: tuple[int, int]  #: (width, height) in pixels; zero while the window is minimised
+    scale: float  #: pixels in a unit of 1/96 inch (the system's content scale)
 
     @classmethod
     def of(cls, handle: Any) -> Measures:

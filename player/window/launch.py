@@ -31,19 +31,14 @@ RESETS = 3  # of the graphics driver that are put up with
 
 @dataclass(frozen=True)
 class LaunchOptions:
-    """What the command line asks for; None leaves it to the last time's settings.
-
-    path:  file of a camera path to follow.
-    kiosk: full screen, over and over, nothing to press.
-    profile: the time of each pass of a frame is printed at the end.
-    """
+    """What the command line asks for; None leaves it to the last time's settings."""
 
     size: tuple[int, int] | None = None
     ground: GroundChoice | None = None
     turning: bool = False
-    path: Path | None = None
-    kiosk: bool = False
-    profile: bool = False
+    path: Path | None = None  #: file of a camera path to follow
+    kiosk: bool = False  #: full screen, over and over, nothing to press
+    profile: bool = False  #: the time of each pass of a frame is printed at the end
 
 
 def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:

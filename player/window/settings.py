@@ -18,18 +18,12 @@ Side = Annotated[int, Meta(ge=320, le=16384)]  # units
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """Unset ones (None) are as on the first day.
+    """Unset ones (None) are as on the first day."""
 
-    size:     (width, height) of the window in units of 1/96 inch.
-    panel:    whether it is open.
-    ground:   the background.
-    guides, legend: whether they are shown.
-    """
-
-    size: tuple[Side, Side] | None = None
-    panel: bool | None = None
-    ground: GroundChoice | None = None
-    guides: bool | None = None
+    size: tuple[Side, Side] | None = None  #: (width, height) of the window in units of 1/96 inch
+    panel: bool | None = None  #: whether it is open
+    ground: GroundChoice | None = None  #: the background
+    guides: bool | None = None  #: whether they are shown
     legend: bool | None = None
 
 
