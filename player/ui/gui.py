@@ -57,17 +57,7 @@ class Gui:
         imgui.backends.opengl3_init("#version 330")
 
     def begin(self, size: tuple[float, float], scale: float, theme: Theme) -> None:
-        """Begin a picture.
-
-        Parameters
-        ----------
-        size : tuple of float
-            (width, height) of the window, in units.
-        scale : float
-            Pixels in a unit.
-        theme : Theme
-            Its colours.
-        """
+        """Begin a picture of a window of (width, height) units, of `scale` pixels each."""
         imgui.set_current_context(self._own)
         io, now = imgui.get_io(), time.perf_counter()
         io.delta_time = min(max(now - self._then, 1e-4), 1.0)

@@ -111,18 +111,9 @@ class Interface:
         scale: float,
         facts: Facts | None = None,
     ) -> Scene:
-        """Draw over `framebuffer`, and give the scene as the mouse changed it.
+        """Draw over a framebuffer that holds the plant, and give the scene as the mouse changed it.
 
-        Parameters
-        ----------
-        framebuffer : moderngl.Framebuffer
-            Holds the plant.
-        scene : Scene
-        size : tuple of float
-            (width, height) of the window in units.
-        scale : float
-            Pixels in a unit.
-        facts : Facts, optional
+        size, scale: (width, height) of the window in units, and the pixels in a unit.
         """
         shown, facts, theme = scene, facts or Facts(), theme_of(scene.style.ground)
         self._gui.begin(size, scale, theme)

@@ -38,14 +38,14 @@ def packed(color: Color) -> int:
 
 @dataclass(frozen=True)
 class Theme:
-    text: Color  #: writing, and writing that stays back
-    muted: Color
+    text: Color
+    muted: Color  #: writing that stays back
     halo: Color  #: about writing that may lie over the plant
     accent: Color  #: what has passed on the timeline, and what the cursor is on
     on_accent: Color  #: writing and icons on the accent
     track: Color  #: the timeline's line, where it has not passed yet
-    card: Color  #: bubbles, tips and the help, and their outline
-    edge: Color
+    card: Color  #: bubbles, tips and the help
+    edge: Color  #: their outline
     loss: Color  #: marks of lost organs
     hover: Color  #: behind the button under the cursor
     veil: Color  #: the ground's own colour, to calm it behind the timeline

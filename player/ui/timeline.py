@@ -32,11 +32,11 @@ EDGE = 8.0  # what texts keep from the window's
 class Line:
     """Where the days stand."""
 
-    left: float  #: its ends and its height, in units
+    left: float  #: its ends, and its height, in units
     right: float
     height: float
-    times: tuple[float, ...]  #: of the scans; others: more days that a click means exactly
-    others: tuple[float, ...] = ()
+    times: tuple[float, ...]  #: of the scans
+    others: tuple[float, ...] = ()  #: more days that a click means exactly
 
     def x_of(self, day: float) -> float:
         first, last = self.times[0], self.times[-1]
@@ -93,14 +93,8 @@ class TimelineView:
     def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float], least: float) -> Scene:
         """Draw it, and give the scene as the mouse changed it.
 
-        Parameters
-        ----------
-        pen : Pen
-        scene : Scene
-        ends : tuple of float
-            Where the line begins and ends, across the window that ImGui has begun.
-        least : float
-            The x that dates stay right of.
+        ends:  where the line begins and ends, across the window that ImGui has begun.
+        least: the x that dates stay right of.
         """
         height = pen.size[1] - 50.0
         line = Line(

@@ -119,21 +119,10 @@ class Exports:
     def execute(
         self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
     ) -> Scene:
-        """Do what a scene wishes for.
+        """Do what a scene wishes for; gives it without the wish, and with what came of that.
 
-        Parameters
-        ----------
-        scene : Scene
-        opened : OpenClip
-        area : tuple of int
-            (width, height) in pixels of the part of the window that shows the plant.
-        pixels : bytes
-            Its RGB, bottom row first.
-
-        Returns
-        -------
-        Scene
-            Without the wish, and with what came of it.
+        area, pixels: (width, height) in pixels of the part of the window that shows the plant, and
+                      its RGB, bottom row first.
         """
         wish, scene = scene.wish, replace(scene, wish=None)
         try:

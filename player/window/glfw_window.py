@@ -121,18 +121,11 @@ def listen(
 ) -> None:
     """Hand the window's events on.
 
-    Parameters
-    ----------
-    handle : GLFW window
-    gui : Gui
-        Gets the mouse's.
-    key : callable
-        Gets a key's name, after "ctrl+" where that is held, or the character typed; whether shift
-        is held; whether it repeats.
-    draw_again : callable
-        Called when the system needs the picture anew.
-    dropped : callable
-        Gets the names of files dropped on the window.
+    gui:        gets the mouse's.
+    key:        gets a key's name, after "ctrl+" where that is held, or the character typed; whether
+                shift is held; whether it repeats.
+    draw_again: called when the system needs the picture anew.
+    dropped:    gets the names of files dropped on the window.
     """
     named = {
         code: name.removeprefix("KEY_").lower()

@@ -29,19 +29,9 @@ class OrganInfo:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def lines(self, track: int, day: float) -> list[tuple[str, str]]:
-        """What to tell about an organ on a day.
+        """What to tell about an organ, by its row in the clip's table, on a day: (what, value).
 
-        Parameters
-        ----------
-        track : int
-            Its row in the clip's table.
-        day : float
-            In the clip's time.
-
-        Returns
-        -------
-        list of (str, str)
-            What and its value; the length may be of a moment ago while the plant grows.
+        The length may be of a moment ago while the plant grows.
         """
         clip, organ = self._clip, self._clip.track_table[track]
         self._ask(track, day)

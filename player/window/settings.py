@@ -23,7 +23,7 @@ class Settings(msgspec.Struct, frozen=True):
     size: tuple[Side, Side] | None = None  #: (width, height) of the window in units of 1/96 inch
     panel: bool | None = None  #: whether it is open
     ground: GroundChoice | None = None  #: the background
-    guides: bool | None = None  #: whether they are shown
+    guides: bool | None = None  #: whether they are shown, as `legend`
     legend: bool | None = None
 
 

@@ -37,20 +37,10 @@ def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
 def fitted(
     scene: Scene, clips: Sequence[Clip], size: tuple[float, float]
 ) -> tuple[Scene, Pair | None]:
-    """The scene with the home camera of a window, and its camera as it stood beside the last one.
+    """The scene with the home camera of a window, and its camera as it stood beside the last one;
+    and how two clips are seen alike.
 
-    Parameters
-    ----------
-    scene : Scene
-    clips : sequence of Clip
-    size : tuple of float
-        (width, height) in units of what a plant has of the window.
-
-    Returns
-    -------
-    Scene
-    Pair or None
-        How two clips are seen alike.
+    size: (width, height) in units of what a plant has of the window.
     """
     homes = [home_camera(clip, size) for clip in clips]
     pair = Pair.of(clips[0], clips[1], (homes[0], homes[1])) if len(clips) > 1 else None
@@ -94,19 +84,10 @@ class Viewports:
         detail: Detail,
         upload_budget: float | None,
     ) -> None:
-        """Bring the picture up to date.
+        """Bring a picture of (width, height) pixels up to date.
 
-        Parameters
-        ----------
-        size : tuple of int
-            Its width and height in pixels.
-        panes : sequence of Pane
-            What it shows, from left to right.
-        style : Style
-        detail : Detail
-            How much of it to draw.
-        upload_budget : float or None
-            Seconds that uploading may take; None waits for all of it.
+        panes: what it shows, from left to right; detail: how much of it to draw.
+        upload_budget: seconds that uploading may take; None waits for all of it.
         """
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
@@ -145,22 +126,11 @@ class Viewports:
         at: tuple[float, float],
         size: tuple[float, float],
     ) -> tuple[Pane, int | None, float, tuple[float, float]] | None:
-        """The pane of the first clip that a place is over, and the organ seen there.
+        """The pane of the first clip that a place is over; the track of the organ seen there; the
+        picture's width by its height, and the place in it: right and up from its middle, from -1
+        to 1. None over another clip.
 
-        Parameters
-        ----------
-        panes : sequence of Pane
-        style : Style
-        at : tuple of float
-            The place, from the top left corner.
-        size : tuple of float
-            Width and height of the window, in the same unit.
-
-        Returns
-        -------
-        Pane, int or None, float, (float, float)
-            The organ's track; the picture's width by its height, and the place in it: right and up
-            from its middle, from -1 to 1. None over another clip.
+        at: the place, from the top left corner; size: of the window, in the same unit.
         """
         width, height = size
         for pane in panes:

@@ -34,17 +34,9 @@ class Packed:
 def pack(interval: Interval, spacing: float) -> Packed:
     """Quantise and compress one interval's movers; they keep their order.
 
-    Parameters
-    ----------
-    interval : Interval
-    spacing : float
-        The clip's point spacing. Positions move by 1/64 of it at most along each axis, or by
-        1/131070 of the interval's side where that is more.
-
-    Raises
-    ------
-    ClipError
-        Where the clip's file was cut short after it was opened.
+    Positions move by 1/64 of the clip's point spacing at most along each axis, or by 1/131070 of
+    the interval's side where that is more. Raises ClipError where the clip's file was cut short
+    after it was opened.
     """
     check_whole(interval.tracks)
     (start, *controls, end), low, step = _quantised(interval, spacing)
