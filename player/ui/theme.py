@@ -38,6 +38,8 @@ def packed(color: Color) -> int:
 
 @dataclass(frozen=True)
 class Theme:
+    """The colours of one ground's interface."""
+
     text: Color
     muted: Color  #: writing that stays back
     halo: Color  #: about writing that may lie over the plant
