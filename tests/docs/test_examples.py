@@ -33,6 +33,7 @@ PAGES = (
     "docs/images.md",
     "docs/format.md",
     "docs/api.md",
+    "docs/corrections.md",
 )
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SMALL_PLANT = ["--points", "500", "--scans", "4"]
