@@ -5,28 +5,34 @@ import sys
 import threading
 from collections.abc import Callable
 from itertools import takewhile
+from subprocess import Popen
+from tempfile import TemporaryDirectory
 from traceback import walk_stack
 from types import FrameType
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 RETRY = 0.01  # seconds until a stop that came at a bad moment is sent again
+# What these have begun, nobody knows of before they return, and nobody would end.
+UNDISTURBED = {kind.__init__.__code__ for kind in (Popen, TemporaryDirectory)}
 
 
 def until_interrupted(work: Callable[[], int | None], received: list[int]) -> int | None:
     """Do `work`; the first signal to stop is a KeyboardInterrupt in it and told in `received`.
 
     Later ones are ignored: things are being put away. Python drops an exception that is raised in
-    ``__del__``, and extensions may swallow one that is raised while they load: then the signal is
-    sent again. Those that the process was started to ignore, as by nohup, stay ignored.
+    ``__del__``, extensions may swallow one that is raised while they load, and a process or folder
+    that is just being made would stay: then the signal is sent again. Those that the process was
+    started to ignore, as by nohup, stay ignored.
     """
     main_thread = threading.main_thread()
     if threading.current_thread() is not main_thread:
         return work()
 
     def on_signal(number: int, frame: FrameType | None) -> None:
-        files = (f.f_code.co_filename for f, _ in walk_stack(frame))
-        work_files = takewhile(lambda file: file != __file__, files)
-        if not received and "<frozen importlib._bootstrap>" in work_files:
+        codes = (above.f_code for above, _ in walk_stack(frame))
+        work = takewhile(lambda code: code.co_filename != __file__, codes)
+        loading = "<frozen importlib._bootstrap>"
+        if not received and any(c in UNDISTURBED or c.co_filename == loading for c in work):
             send_again(number)
         elif not received:
             received.append(number)

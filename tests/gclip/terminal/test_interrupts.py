@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import signal
 import time
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from gclip.terminal.atomic import folder_beside
 from gclip.terminal.command import run
 
 
@@ -50,6 +52,24 @@ def test_a_stop_while_a_module_loads_is_not_lost(
 
     assert run("bake", work) == 130
     assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
+
+
+def test_a_stop_while_a_folder_is_made_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make = os.mkdir
+
+    def make_and_stop(path: str, mode: int) -> None:
+        make(path, mode)
+        signal.raise_signal(signal.SIGINT)
+
+    def work() -> None:
+        with folder_beside(tmp_path / "plant.gclip"):
+            time.sleep(20)
+
+    monkeypatch.setattr(os, "mkdir", make_and_stop)
+    assert run("bake", work) == 130
+    assert not any(tmp_path.iterdir())
 
 
 def test_a_second_stop_does_not_disturb_putting_away(capsys: pytest.CaptureFixture[str]) -> None:
