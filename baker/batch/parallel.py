@@ -32,7 +32,7 @@ def process_pool(workers: int) -> Iterator[Submit]:
     """
     from pebble import CONSTS, ProcessPool
 
-    CONSTS.term_timeout = PATIENCE_OF_PARENT
+    patience, CONSTS.term_timeout = CONSTS.term_timeout, PATIENCE_OF_PARENT
     _start_fork_server()
     context = get_context(START_METHOD)
     reader, writer = context.Pipe(duplex=False)
@@ -48,6 +48,7 @@ def process_pool(workers: int) -> Iterator[Submit]:
         raise
     finally:
         pool.join()
+        CONSTS.term_timeout = patience
 
 
 def _start_fork_server() -> None:
