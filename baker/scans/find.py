@@ -80,8 +80,9 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     with asking(folder):
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
         for path in entries:
-            if path.is_symlink() and suffix_of(path) in READERS and not path.exists():
-                raise InputError(f"'{path}' is a link to a file that is not there.")
+            if _is_named_as_scan(path) and not (path.is_file() or path.is_dir()):
+                link = "a link to a file that is not there"
+                raise InputError(f"'{path}' is {link if path.is_symlink() else 'no regular file'}.")
         scans = [path for path in entries if _is_scan(path)]
         clouds = [path for path in scans if READERS[suffix_of(path)] not in BESIDE_SCANS]
         scans = clouds if len(clouds) > 1 else scans
@@ -124,12 +125,12 @@ def _unknown(entries: Sequence[Path]) -> str:
 
 
 def _is_scan(path: Path) -> bool:
-    return (
-        not path.name.startswith(".")
-        and suffix_of(path) in READERS
-        and path.stem.lower() not in NOT_SCANS
-        and path.is_file()
-    )
+    return _is_named_as_scan(path) and path.is_file()
+
+
+def _is_named_as_scan(path: Path) -> bool:
+    is_known = suffix_of(path) in READERS and path.stem.lower() not in NOT_SCANS
+    return is_known and not path.name.startswith(".")
 
 
 def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:

@@ -32,6 +32,8 @@ def read(path: Path) -> Columns:
     _check_beginning(path)
     with laspy.open(path, read_evlrs=False) as file:
         header, form = file.header, file.header.point_format
+        if not header.scales.all():
+            raise FormatError("has a LAS header with the scale 0, which puts all points into one.")
         room = path.stat().st_size - header.offset_to_point_data
         require_room(header.point_count, 0 if header.are_points_compressed else form.size, room)
         if header.are_points_compressed:

@@ -4,6 +4,7 @@ Not by Open3D, whose reader ends the process at damaged ascii files (docs/method
 """
 
 import re
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +25,14 @@ def read(path: Path) -> Columns:
     """
     from plyfile import PlyData, PlyElementParseError
 
-    _require_sound_header(path)
+    header = _sound_header(path)
+    known = re.sub(rb"^(property\s+)bool\b", rb"\1uchar", header, flags=re.MULTILINE)
+    body = b"" if known == header else path.read_bytes()[len(header) :]  # plyfile has no bool
     try:  # triangles, which need no loop over the faces
-        elements = PlyData.read(path, known_list_len={"face": dict.fromkeys(CORNERS, 3)})
+        triangles = {"face": dict.fromkeys(CORNERS, 3)}
+        elements = PlyData.read(BytesIO(known + body) if body else path, known_list_len=triangles)
     except PlyElementParseError:
-        elements = PlyData.read(path)
+        elements = PlyData.read(BytesIO(known + body) if body else path)
     names = [element.name for element in elements]
     if "vertex" not in names:
         found = excerpt(", ".join(names)) or "none"
@@ -43,8 +47,8 @@ def read(path: Path) -> Columns:
     return points_on_surface(columns, faces)
 
 
-def _require_sound_header(path: Path) -> None:
-    """Refuse a header that is none, or that announces more than the file can hold."""
+def _sound_header(path: Path) -> bytes:
+    """The header; refused where it is none, or announces more than the file can hold."""
     with path.open("rb") as file:
         header = file.read(MAX_HEADER_BYTES)
     if not re.match(rb"ply\s", header):
@@ -55,3 +59,4 @@ def _require_sound_header(path: Path) -> None:
     counts = re.findall(rb"^element\s+\S+\s+(\d{1,18})\b", header[: end.start()], re.MULTILINE)
     for count in filter(None, map(int, counts)):
         require_room(count, 1, path.stat().st_size - end.end())
+    return header[: end.end()]

@@ -1,5 +1,7 @@
 """What lies in a folder of scans."""
 
+import os
+
 import pytest
 
 from baker.errors import InputError
@@ -10,6 +12,16 @@ def test_links_to_files_that_are_not_there_are_named(make_folder):
     folder = make_folder({"day1.ply": "", "day2.ply": "", "day3.ply": ""})
     (folder / "day4.ply").symlink_to(folder / "annex" / "day4.ply")
     with pytest.raises(InputError, match=r"day4\.ply' is a link to a file that is not there\."):
+        find_scans([folder])
+    (folder / "day4.ply").unlink()
+    (folder / ".#day4.ply").symlink_to("as an editor does")
+    assert len(find_scans([folder]).paths) == 3
+
+
+def test_pipes_named_as_scans_are_named(make_folder):
+    folder = make_folder({"day1.ply": "", "day2.ply": ""})
+    os.mkfifo(folder / "day3.ply")
+    with pytest.raises(InputError, match=r"day3\.ply' is no regular file\."):
         find_scans([folder])
 
 

@@ -14,6 +14,7 @@ from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import READERS, read_columns
 from baker.scans.labels import choose_labels
+from tests.baker.sound_files import SOUND
 
 
 def read(path: Path, **options):
@@ -220,3 +221,26 @@ def test_faces_may_come_before_the_vertices_of_a_ply(tmp_path):
     header += "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
     (tmp_path / "a.ply").write_text(header + "3 0 0 0\n0 0 0\n1 0 0\n0 1 0\n")
     assert read(tmp_path / "a.ply").points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+def test_bools_of_a_ply_are_bytes(tmp_path):
+    header = "ply\nformat {} 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    header += "property float z\nproperty bool label\nend_header\n"
+    rows = np.zeros(3, [("xyz", "<f4", 3), ("label", "u1")])
+    rows["xyz"], rows["label"] = np.eye(3), [0, 1, 1]
+    binary = header.format("binary_little_endian").encode() + rows.tobytes()
+    (tmp_path / "a.ply").write_bytes(binary)
+    (tmp_path / "b.ply").write_text(header.format("ascii") + "1 0 0 0\n0 1 0 1\n0 0 1 1\n")
+    for name in ("a.ply", "b.ply"):
+        cloud = read(tmp_path / name)
+        assert cloud.points.tolist() == np.eye(3).tolist()
+        assert cloud.labels.tolist() == [0, 1, 1]
+
+
+def test_a_las_of_scale_zero_is_refused(tmp_path):
+    for kind in ("las 1.2", "laz 1.4"):
+        name, make = SOUND[kind]
+        content = make()
+        (tmp_path / name).write_bytes(content[:131] + bytes(8) + content[139:])
+        with pytest.raises(InputError, match="scale 0"):
+            read(tmp_path / name)
