@@ -1,5 +1,6 @@
 """What a bake writes, and whether it can be written."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,3 +51,11 @@ def check_output(path: Path | None, force: bool, what: str, *suffixes: str) -> N
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
     atomic.check_output(path, force)
+
+
+def check_apart(table: Path, inputs: Iterable[Path]) -> None:
+    """Raise InputError where a table would replace an input, or be a scan of the next bake."""
+    for given in inputs:
+        place = table.parent if given.is_dir() else table
+        if place.exists() and given.exists() and place.samefile(given):
+            raise InputError(f"{table} is among the inputs; write it elsewhere.")

@@ -289,6 +289,21 @@ def test_names_that_no_file_can_have_are_said(write_scans, tmp_path, capsys):
         assert list(tmp_path.iterdir()) == [folder]
 
 
+@pytest.mark.parametrize("many", [False, True])
+def test_a_table_never_takes_the_place_of_an_input(write_scans, tmp_path, capsys, many):
+    (tmp_path / "house").mkdir()
+    folder = write_scans(name="house/plant")
+    times = tmp_path / "times.csv"
+    times.write_text("day00.txt,0\nday01.txt,1\nday02.txt,2\n")
+    before = listing(tmp_path)
+    given, clip = (folder.parent, "clips/") if many else (folder, "p.gclip")
+    for table in (folder / "day00.csv", times, folder / ".." / "plant" / "new.csv"):
+        arguments = [given, "--times", times, "--traits", table, "-o", f"{tmp_path}/{clip}", "-q"]
+        assert main([*map(str, arguments)]) == 2
+        assert one_sentence(capsys.readouterr().err, str(table), "among the inputs")
+        assert listing(tmp_path) == before
+
+
 def test_what_can_never_be_saved_is_refused_before_the_work(write_scans, tmp_path, capsys):
     """Not after hours."""
     arguments = [str(write_scans()), "-o", str(tmp_path / "p.gclip")]
