@@ -21,6 +21,7 @@ from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
+from gclip.terminal.text import printable
 from traits.growth import growth_curves
 
 MAX_TICKS = 5  # of the growth curves' axis, above 0
@@ -57,7 +58,7 @@ def write_report(
     InputError
         Where the file can't be written. Where the player can't draw, the report says so.
     """
-    doubts = doubts_in(clip)
+    title, doubts = printable(title), doubts_in(clip)  # the name of a file need not be UTF-8
     by_interval = grouped(doubts)
     report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:

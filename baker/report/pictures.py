@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from baker.options import worker_count
 from baker.verdict import Doubt
-from gclip import Clip
+from gclip import Clip, ClipError
 
 PLAYER_TIMEOUT = 600.0  # seconds
 JPEG_QUALITY = 90  # a tenth of PNG's size, for the ground behind the plant is dithered
@@ -139,14 +139,16 @@ def _render(job: Job, path: Path) -> tuple[list[str], NDArray[np.float64]]:
     import imageio.v3 as iio
 
     clip, days, color = job
-    clip.save(path)
     folder = path.with_suffix("")
     command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet"]
     command += [f"--color={color}", f"--export={folder}/%d.png", f"--size={_picture_size(clip)}"]
     command += ["--legend"] if color == "error" else []
     command += [f"--day={day!r}" for day in days]
     try:
+        clip.save(path)
         done = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
+    except ClipError:
+        raise NoPicture("there is no room for the clip that they are drawn from") from None
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
     if done.returncode:

@@ -17,6 +17,7 @@ from baker.cli import main
 from baker.report import write_report
 from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
+from gclip import Clip, ClipError
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 
@@ -137,6 +138,20 @@ def test_without_opengl_the_report_says_so(baked, tmp_path, player_fails):
     assert "play: no EGL here." in page.text
     assert "img" not in page.tags
     assert [name for name in page.ids if name in SECTIONS] == SECTIONS
+
+
+def test_a_clip_whose_name_is_not_utf_8_has_a_report(baked, tmp_path, player_fails):
+    write_report(tmp_path / "r.html", *baked, verify(*baked), title="pl\udcff.gclip")
+    assert "pl\ufffd.gclip" in (tmp_path / "r.html").read_text()
+
+
+def test_a_report_without_room_for_its_pictures_says_so(baked, tmp_path, monkeypatch):
+    def no_room(clip: object, path: Path) -> None:
+        raise ClipError(f"{path} can't be written: No space left on device.")
+
+    monkeypatch.setattr(Clip, "save", no_room)
+    write_report(tmp_path / "r.html", *baked, verify(*baked))
+    assert "there is no room for the clip" in Page((tmp_path / "r.html").read_text()).text
 
 
 def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_fails):
