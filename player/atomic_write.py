@@ -14,6 +14,7 @@ from gclip.terminal.atomic import atomic_file, check_output, folder_beside, sync
 from player.errors import PlayerError
 
 NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
+PROBE = 1 << 20  # bytes
 
 
 @contextmanager
@@ -62,6 +63,16 @@ def check_sequence(path: Path, force: bool) -> None:
     numbered = NUMBER.sub("[0-9]*", escape(path.name))
     earlier, home = sorted(path.parent.glob(numbered)), path.parent
     check_output(earlier[0] if earlier else path if home.exists() else home, force)
+
+
+def failure(part: Path, path: Path, program: str) -> PlayerError:
+    """Why a program that can't tell gave up writing `part`, the draft of `path`.
+
+    On a full disk our own write raises OSError, with the system's reason.
+    """
+    with part.open("ab") as file:
+        file.write(bytes(PROBE))
+    return PlayerError(f"{path.name} can't be written: {program} gave up.")
 
 
 def free_name(stem: str, example: str, folder: Path | None = None) -> Path:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import positions_on_curve, srgb_to_linear
 from gclip.file import check_whole
-from player.atomic_write import whole_file
+from player.atomic_write import failure, whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.view.camera import axes
@@ -39,18 +39,21 @@ def check(film: Film) -> None:
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the plant; its time codes are the film's frames, from 0."""
-    from pxr import UsdUtils
+    from pxr import Tf, UsdUtils
 
     if not str(path).isprintable():
         raise PlayerError(f"{path}: OpenUSD writes files of plain names only.")
     with whole_file(path) as part:
         packed = path.suffix.lower() == ".usdz"
         stage = part.with_name("plant.usdc") if packed else part
-        _write_stage(clip, film, stage, progress)
-        if packed:
-            os.utime(stage, (ZIP_EPOCH.timestamp(),) * 2)
-            if not UsdUtils.CreateNewUsdzPackage(str(stage), str(part)):
-                raise PlayerError(f"{path} can't be written: OpenUSD could not pack it.")
+        try:
+            _write_stage(clip, film, stage, progress)
+            if packed:
+                os.utime(stage, (ZIP_EPOCH.timestamp(),) * 2)
+                if not UsdUtils.CreateNewUsdzPackage(str(stage), str(part)):
+                    raise failure(part, path, "OpenUSD")
+        except Tf.ErrorException:
+            raise failure(part, path, "OpenUSD") from None
 
 
 def _write_stage(clip: Clip, film: Film, path: Path, progress: Progress) -> None:

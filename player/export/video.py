@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import whole_file
+from player.atomic_write import failure, whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 
 PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
-PROBE = 1 << 20  # bytes
 
 # RGB is converted with the matrix of ITU-R BT.709 and tagged with it, or players would guess.
 BT709 = (
@@ -88,7 +87,7 @@ def encode(
     unseen:                   how many of the pictures are no frames of the film.
     Raises PlayerError if ffmpeg is missing or gives up, or the file can't be written.
     """
-    from imageio_ffmpeg import write_frames
+    from imageio_ffmpeg import get_ffmpeg_exe, write_frames
 
     with whole_file(path) as part:
         frames = write_frames(
@@ -111,7 +110,7 @@ def encode(
             ) from None
         sent = _send(pictures, frames)
         if _frame_count(part) != sent - unseen:
-            raise _failure(part, path)
+            raise failure(part, path, get_ffmpeg_exe())
 
 
 def _send(
@@ -142,12 +141,3 @@ def _frame_count(path: Path) -> int:
         return count_frames_and_secs(str(path.absolute()))[0]
     except RuntimeError:
         return 0
-
-
-def _failure(part: Path, path: Path) -> PlayerError:
-    """Why ffmpeg gave up. On a full disk our own write raises OSError, with the system's reason."""
-    from imageio_ffmpeg import get_ffmpeg_exe
-
-    with part.open("ab") as file:
-        file.write(bytes(PROBE))
-    return PlayerError(f"{path.name} can't be encoded: {get_ffmpeg_exe()} gave up.")

@@ -197,7 +197,7 @@ def test_an_encoder_that_fails_leaves_nothing(
     broken.chmod(broken.stat().st_mode | stat.S_IXUSR)
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(broken))
     (tmp_path / "film.mp4").write_text("an earlier film")
-    with pytest.raises(PlayerError, match=r"film\.mp4 can't be encoded: .*ffmpeg gave up"):
+    with pytest.raises(PlayerError, match=r"film\.mp4 can't be written: .*ffmpeg gave up"):
         export(clip, SMALL, tmp_path / "film.mp4")
     assert only(tmp_path) == ["ffmpeg", "film.mp4"]
     assert (tmp_path / "film.mp4").read_text() == "an earlier film"
