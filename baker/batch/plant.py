@@ -129,7 +129,7 @@ def bake_into(
     register: Register = align
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        register, solve = cache.kept(register), cache.kept_intervals(solve)
+        register, solve = cache.kept_alignment(register), cache.kept_intervals(solve)
     clip, record = bake_recorded(inputs, options, progress, register, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip)

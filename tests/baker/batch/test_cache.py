@@ -5,8 +5,10 @@ import shutil
 import threading
 from dataclasses import replace
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -20,7 +22,7 @@ PLAIN = Options(align="none", up="z", workers=1)
 
 
 def bake_with(cache, scans, options=PLAIN, solve=solve_intervals):
-    kept = {"register": cache.kept(align), "solve": cache.kept_intervals(solve)}
+    kept = {"register": cache.kept_alignment(align), "solve": cache.kept_intervals(solve)}
     return bake_recorded([*scans], options, **kept)[0]
 
 
@@ -112,6 +114,39 @@ def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
         assert first.read_bytes() == whole
 
 
+@pytest.mark.parametrize(
+    ("kind", "forged"),
+    [
+        ("interval", {"start": 7.0}),
+        ("interval", {"tracks": ["<u2", [3], b"\0" * 6]}),
+        ("interval", {"start_positions": ["<f8", [1], b"\0" * 8]}),
+        ("interval", {"end_positions": ["|O", [1], b"\0" * 8]}),
+        ("interval", {"tracks of 200": None}),
+        ("interval", {"groups": []}),
+        ("interval", {"box": {"low": [1, 1, 1], "high": [0, 0, 0]}}),
+        ("alignment", {"up": "q"}),
+        ("alignment", {"transforms": []}),
+        ("alignment", {"bases": [["<f8", [3], b"\xff" * 24]] * 5}),
+        ("alignment", {"bases": [["<f8", [1], b"\0" * 8]] * 5}),
+    ],
+    ids=str,
+)
+def test_a_forged_entry_is_solved_again(scans, baked, tmp_path, kind, forged):
+    """One with a digest that is right, of what the program would never write."""
+    baked(scans, clean=False)
+    clip = (tmp_path / "cached.gclip").read_bytes()
+    for path in (tmp_path / "cache").glob("*/*"):
+        found = msgspec.msgpack.decode(path.read_bytes()[32:])
+        if ("transforms" in found) == (kind == "alignment"):
+            if "tracks of 200" in forged:
+                dtype, shape, data = found["tracks"]
+                forged = {"tracks": [dtype, shape, b"\xc8" + data[1:]]}
+            payload = msgspec.msgpack.encode(found | forged)
+            path.write_bytes(sha256(path.name.encode() + payload).digest() + payload)
+    assert baked(scans, clean=False) == ((0, 4) if kind == "interval" else (4, 0))
+    assert (tmp_path / "cached.gclip").read_bytes() == clip
+
+
 def test_a_bake_that_is_stopped_goes_on_where_it_was(scans, baked, tmp_path):
     def two_intervals(jobs, report_progress):
         yield from solve_intervals(jobs[:2], report_progress)
@@ -152,7 +187,7 @@ def test_the_alignment_is_kept_too(tmp_path):
     reported = []
 
     def align_by_icp(number):
-        found = Cache(tmp_path).kept(align)(
+        found = Cache(tmp_path).kept_alignment(align)(
             clouds, "icp", "z", None, progress=lambda *progress: reported.append(number)
         )
         return [transform.tobytes() for transform in found.transforms], found.findings
