@@ -298,7 +298,17 @@ def test_a_table_never_takes_the_place_of_an_input(write_scans, tmp_path, capsys
     before = listing(tmp_path)
     given, clip = (folder.parent, "clips/") if many else (folder, "p.gclip")
     for table in (folder / "day00.csv", times, folder / ".." / "plant" / "new.csv"):
-        arguments = [given, "--times", times, "--traits", table, "-o", f"{tmp_path}/{clip}", "-q"]
+        arguments = [
+            given,
+            "--times",
+            times,
+            "--traits",
+            table,
+            "-o",
+            f"{tmp_path}/{clip}",
+            "-q",
+            "--force",
+        ]
         assert main([*map(str, arguments)]) == 2
         assert one_sentence(capsys.readouterr().err, str(table), "among the inputs")
         assert listing(tmp_path) == before
