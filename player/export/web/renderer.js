@@ -88,11 +88,11 @@ class Renderer {
     draw(day, camera, look, { every = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
-        const slope = Math.tan(camera.field_of_view / 2);
+        const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose();
         const up = camera.frame().map((row) => dot(row, camera.axes[2])), key = sum(up, KEY_LIGHT);
         const values = {
             ...clip.grounds[look.light ? "light" : "dark"],
-            view: camera.view(), projection: camera.projection(width / height),
+            view: pose.inverse().toFloat32Array(), projection: camera.projection(width / height),
             radius: clip.splat.radii * look.pointSize * Math.sqrt(every)
                 * clip.between(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
@@ -100,7 +100,7 @@ class Renderer {
             target_depth: camera.distance, scene_radius: clip.sceneRadius, perspective: 1,
             half_extent: [(slope * width) / height, slope],
             by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
-            to_floor: product(clip.shadow.toSquare, camera.pose()),
+            to_floor: new DOMMatrix(clip.shadow.toSquare).multiply(pose).toFloat32Array(),
             up_dir: up, key_light_dir: scaled(key, 1 / Math.hypot(...key)),
             dome: domeOffsets(Math.max(1, (1.2 * samples * height) / 720)),
             eye_dome: look.eyeDome, depth_cue: look.depthCue, floor_share: look.floor,
@@ -230,14 +230,6 @@ function domeOffsets(radius) {
 
 // The Bernstein weights of a Bezier curve's points.
 function bernstein(degree, u) {
-    const v = 1 - u;
-    if (degree === 1) return [v, u];
-    if (degree === 2) return [v * v, 2 * u * v, u * u];
-    return [v * v * v, 3 * u * v * v, 3 * u * u * v, u * u * u];
-}
-
-// The product of two column-major 4 x 4 matrices.
-function product(a, b) {
-    return b.map((_, at) => [0, 1, 2, 3].reduce(
-        (total, k) => total + a[4 * k + (at % 4)] * b[4 * Math.floor(at / 4) + k], 0));
+    const choose = [[], [1, 1], [1, 2, 1], [1, 3, 3, 1]][degree];
+    return choose.map((ways, j) => ways * u ** j * (1 - u) ** (degree - j));
 }

@@ -58,22 +58,14 @@ class Camera {
         this.pan(-x * kept, -y * kept);
     }
 
-    // Column-major matrices, as WebGL takes them: from the eye's coordinates to local ones, back, and
-    // to the picture.
+    // From the eye's coordinates to local ones.
     pose() {
         const [right, above, backward] = this.frame();
         const eye = sum(this.target, scaled(backward, this.distance));
-        return [...right, 0, ...above, 0, ...backward, 0, ...eye, 1];
+        return new DOMMatrix([...right, 0, ...above, 0, ...backward, 0, ...eye, 1]);
     }
 
-    view() {
-        const [r, a, b] = this.frame(), eye = this.pose().slice(12, 15);
-        return [
-            r[0], a[0], b[0], 0, r[1], a[1], b[1], 0, r[2], a[2], b[2], 0,
-            -dot(r, eye), -dot(a, eye), -dot(b, eye), 1,
-        ];
-    }
-
+    // From the eye's coordinates to the picture; column-major, as WebGL takes it.
     projection(aspect) {
         const near = Math.max(this.distance - 4 * this.radius, 0.02 * this.distance);
         const far = this.distance + 4 * this.radius;
