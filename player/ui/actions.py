@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from gclip.corrections import Correction, Place
 from player.view.choices import SIZES, Compare, Wish
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 Move = Callable[["Scene"], "Scene"]
+Choice = TypeVar("Choice")
 
 STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
@@ -49,11 +50,6 @@ def move_time(move: str, *given: float, notice: str = "") -> Move:
         return scene.with_notice(notice) if notice else scene
 
     return do
-
-
-def go_to(day: str) -> Move:
-    """To a day that the timeline names."""
-    return lambda scene: scene.with_timeline(lambda timeline: timeline.at(getattr(timeline, day)))
 
 
 def next_end(scene: Scene) -> Scene:
@@ -94,10 +90,6 @@ def switch_projection(scene: Scene) -> Scene:
     return scene.with_notice("Parallel projection" if scene.camera.orthographic else "Perspective")
 
 
-def switch_turning(scene: Scene) -> Scene:
-    return replace(scene, turning=not scene.turning, following=False)
-
-
 def add_key(scene: Scene) -> Scene:
     path = scene.path.with_key(scene.timeline.day, scene.camera)
     return replace(scene, path=path).with_notice(f"Camera key {len(path.keys)} added")
@@ -118,8 +110,7 @@ def follow_path(scene: Scene) -> Scene:
 
 
 def next_color(scene: Scene) -> Scene:
-    modes = scene.color_modes
-    return color_by(modes[(modes.index(scene.color_mode) + 1) % len(modes)])(scene)
+    return color_by(_after(scene.color_mode, scene.color_modes))(scene)
 
 
 def color_by(mode: ColorMode) -> Move:
@@ -150,10 +141,6 @@ def switch_pixels(scene: Scene) -> Scene:
     if scene.style.pixels is None:
         return scene.with_style("Points sized in pixels", pixels=PIXELS)
     return scene.with_style("Points sized in the world", pixels=None)
-
-
-def switch_ground(scene: Scene) -> Scene:
-    return scene.with_style(ground="dark" if scene.style.ground == "light" else "light")
 
 
 def next_shading(scene: Scene) -> Scene:
@@ -240,13 +227,8 @@ def isolate_picked(scene: Scene) -> Scene:
     return scene.with_style(alone=picked if scene.style.alone is None else None)
 
 
-def show_all(scene: Scene) -> Scene:
-    return scene.with_style(hidden=frozenset(), alone=None)
-
-
 def next_compare(scene: Scene) -> Scene:
-    choices = list(Compare)
-    return compare_by(choices[(choices.index(scene.compare) + 1) % len(choices)])(scene)
+    return compare_by(_after(scene.compare, list(Compare)))(scene)
 
 
 def compare_by(how: Compare) -> Move:
@@ -257,10 +239,6 @@ def wipe_to(share: float) -> Move:
     """The wipe's line, to a share of the width."""
     low, high = WIPE_ENDS
     return lambda scene: replace(scene, wipe=min(max(share, low), high))
-
-
-def move_wipe(step: float) -> Move:
-    return lambda scene: wipe_to(scene.wipe + step)(scene)
 
 
 def wish(what: Wish) -> Move:
@@ -279,13 +257,12 @@ def output(notice: str = "", **changes: object) -> Move:
 
 
 def next_format(scene: Scene) -> Scene:
-    chosen = scene.formats[(scene.formats.index(scene.output.example) + 1) % len(scene.formats)]
+    chosen = _after(scene.output.example, scene.formats)
     return output(f"Export: {chosen}", example=chosen)(scene)
 
 
 def next_size(scene: Scene) -> Scene:
-    known = SIZES.index(scene.output.size) if scene.output.size in SIZES else 0
-    size = SIZES[(known + 1) % len(SIZES)]
+    size = _after(scene.output.size, SIZES)
     text = f"{size[0]} × {size[1]} pixels" if size else "as large as the window"
     return output(f"Pictures: {text}", size=size)(scene)
 
@@ -293,6 +270,11 @@ def next_size(scene: Scene) -> Scene:
 def switch_transparent(scene: Scene) -> Scene:
     text = "opaque" if scene.output.transparent else "transparent"
     return output(f"Pictures: {text}", transparent=not scene.output.transparent)(scene)
+
+
+def _after(now: Choice, choices: Sequence[Choice]) -> Choice:
+    """The next choice, after the last one the first."""
+    return choices[(choices.index(now) + 1) % len(choices)]
 
 
 def escape(scene: Scene) -> Scene:

@@ -6,6 +6,7 @@ A key is named as GLFW does, in lower case ("space", "page_up", "f11"), or by th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -95,8 +96,8 @@ ACTIONS: tuple[Action, ...] = (
         "next", "Time", ("page_down", "shift+right"), "next scan",
         _time("stepped", 1), STEPPED, True,
     ),
-    Action("first", "Time", ("home",), "first scan", actions.go_to("first"), "first, last scan"),
-    Action("last", "Time", ("end",), "last scan", actions.go_to("last"), "first, last scan"),
+    Action("first", "Time", ("home",), "first scan", _time("at", -math.inf), "first, last scan"),
+    Action("last", "Time", ("end",), "last scan", _time("at", math.inf), "first, last scan"),
     Action("slower", "Time", ("[", "down"), "slower", _time("slower"), "slower, faster"),
     Action("faster", "Time", ("]", "up"), "faster", _time("faster"), "slower, faster"),
     Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.next_end),
@@ -118,7 +119,10 @@ ACTIONS: tuple[Action, ...] = (
     Action("behind", "View", ("3",), "from behind", actions.look_from(180.0), SIDES),
     Action("above", "View", ("4",), "from above", actions.look_from(0.0, 90.0), SIDES),
     Action("parallel", "View", ("5",), "perspective or parallel", actions.switch_projection),
-    Action("turn", "View", ("t",), "go round the plant", actions.switch_turning),
+    Action(
+        "turn", "View", ("t",), "go round the plant",
+        lambda s: replace(s, turning=not s.turning, following=False),
+    ),
     Action("add key", "View", ("k",), "add a camera key", actions.add_key, KEYED),
     Action("drop key", "View", ("shift+k",), "remove a camera key", actions.remove_key, KEYED),
     Action("follow", "View", ("j",), "follow the camera's path", actions.follow_path),
@@ -133,7 +137,10 @@ ACTIONS: tuple[Action, ...] = (
         "pixels", "Look", ("p",), "points sized in the world or in pixels",
         actions.switch_pixels,
     ),
-    Action("ground", "Look", ("g",), "light or dark ground", actions.switch_ground),
+    Action(
+        "ground", "Look", ("g",), "light or dark ground",
+        lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
+    ),
     Action("floor", "Look", ("b",), "floor and shadow", actions.switch_style("show_ground")),
     Action("depth", "Look", ("d",), "depth cue", actions.switch_style("depth_cue")),
     Action("shading", "Look", ("m",), "shading: none, soft, strong", actions.next_shading),
@@ -143,7 +150,10 @@ ACTIONS: tuple[Action, ...] = (
     Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
     Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
     Action("alone", "Organs", ("z",), "the organ alone", actions.isolate_picked),
-    Action("show all", "Organs", ("shift+x",), "show all organs", actions.show_all),
+    Action(
+        "show all", "Organs", ("shift+x",), "show all organs",
+        lambda s: s.with_style(hidden=frozenset(), alone=None),
+    ),
     Action("same", "Organs", ("w",), "two organs are the same", actions.correct("same")),
     Action(
         "different", "Organs", ("shift+w",), "two organs are not the same",
@@ -155,11 +165,11 @@ ACTIONS: tuple[Action, ...] = (
     Action("compare", "Compare", ("v",), "with the nearest scan", actions.next_compare),
     Action(
         "wipe left", "Compare", ("<",), "wipe to the left",
-        actions.move_wipe(-0.05), WIPED, True,
+        lambda s: actions.wipe_to(s.wipe - 0.05)(s), WIPED, True,
     ),
     Action(
         "wipe right", "Compare", (">",), "wipe to the right",
-        actions.move_wipe(0.05), WIPED, True,
+        lambda s: actions.wipe_to(s.wipe + 0.05)(s), WIPED, True,
     ),
     Action("picture", "Window", ("s",), "save a picture", actions.wish(Wish.PICTURE)),
     Action("export", "Window", ("e",), "export, or stop exporting", actions.wish(Wish.EXPORT)),

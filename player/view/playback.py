@@ -65,16 +65,6 @@ class Timeline:
         seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), SHORTEST), LONGEST)
         return self.speed * (self.last - self.first) / seconds
 
-    @property
-    def share(self) -> float:
-        """How much of the series has passed, in [0, 1]."""
-        return (self.day - self.first) / (self.last - self.first)
-
-    @property
-    def scan(self) -> int | None:
-        """The scan that the clock stands at exactly, None in between."""
-        return self.times.index(self.day) if self.day in self.times else None
-
     def tick(self, seconds: float) -> Timeline:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
         clock = self

@@ -59,7 +59,8 @@ def test_held_keys_repeat_only_where_that_makes_sense(scene: Scene) -> None:
     assert scene.style.ground == "light"
     for _ in range(3):
         scene = keys.pressed(scene, "right", repeated=True)
-    assert scene.timeline.share == pytest.approx(0.03)
+    timeline = scene.timeline
+    assert timeline.day == pytest.approx(timeline.first + 0.03 * (timeline.last - timeline.first))
 
 
 def test_shifted_keys_fall_back_to_the_bare_key(scene: Scene) -> None:

@@ -91,8 +91,6 @@ def test_a_step_from_between_goes_to_the_neighbours_and_pauses() -> None:
     clock = Timeline.of([0.0, 2.0, 5.0]).played().at(3.0)
     assert (clock.stepped(-1).day, clock.stepped(1).day) == (2.0, 5.0)
     assert not clock.stepped(1).playing
-    assert clock.scan is None
-    assert clock.stepped(1).scan == 2
 
 
 def test_seeking_is_clamped_and_ends_the_rest() -> None:
