@@ -70,38 +70,17 @@ class Facts:
 
 
 class Interface:
-    """Belongs to one clip in one window.
+    """Belongs to one clip in one window, where the user calls it `name`.
 
-    name:    what the user calls the clip, for the title.
-    popup:   whether a list is open that Esc is to close.
+    popup: whether a list is open that Esc is to close.
     """
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._clip, self._name = gui, clip, name
         self._panel = Panel(clip)
-        self._timeline = TimelineView(clip)
-        self._mouse = PlantMouse()
+        self.timeline = TimelineView(clip)
+        self.mouse = PlantMouse()
         self.popup = False
-
-    @property
-    def scrubs(self) -> bool:
-        """Whether the mouse holds the timeline."""
-        return self._timeline.held
-
-    @property
-    def drags(self) -> bool:
-        """Whether it turns or shifts the plant."""
-        return self._mouse.drags
-
-    @property
-    def clicked(self) -> tuple[float, float] | None:
-        """Where the plant was clicked in the last picture."""
-        return self._mouse.clicked
-
-    @property
-    def more(self) -> bool:
-        """Whether Shift was held then."""
-        return self._mouse.more
 
     def draw(
         self,
@@ -121,7 +100,7 @@ class Interface:
         back = imgui.get_background_draw_list()
         margin, below = _margin(area), BOTTOM + (CAPTION if facts.panes else 0.0)
         pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
-        scene = self._mouse.move(scene, area)
+        scene = self.mouse.move(scene, area)
         if shown.kiosk:
             self._draw_kiosk(pen, shown)
         else:
@@ -198,9 +177,9 @@ class Interface:
                     text, line = SPEEDS.get(speed, f"{speed:.0f}×"), height - 50.0
                     pen.write(right + SPEED / 2, line, text, 17.0, theme.text, True, 0.5)
             least = 8.0 if width >= NARROW else x
-            scene = self._timeline.draw(pen, scene, (x - GAP + margin, right - margin), least)
+            scene = self.timeline.draw(pen, scene, (x - GAP + margin, right - margin), least)
         if width >= ROOMY:
-            self._timeline.draw_key(pen, right + 8.0, height - 25.0)
+            self.timeline.draw_key(pen, right + 8.0, height - 25.0)
         return scene
 
     def _draw_annotations(self, pen: Pen, scene: Scene, facts: Facts) -> None:

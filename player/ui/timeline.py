@@ -110,7 +110,8 @@ class TimelineView:
         self._draw_line(pen, line, scene.timeline, hovered or self.held)
         self._draw_events(pen, line)
         for key, _ in scene.path.keys:
-            _diamond(pen, line.x_of(key), height + EVENT, pen.theme.text)
+            place = line.x_of(key), height + EVENT
+            pen.sheet.add_ngon_filled(place, 4.5, packed(pen.theme.text), 4)
         self._draw_dates(pen, line, day, least)
         if hovered and not self.held and abs(pointed - line.x_of(day)) > HANDLE:
             self._draw_preview(pen, line, pointed)
@@ -238,12 +239,6 @@ def _triangle(pen: Pen, x: float, base: float, side: float, color: Color) -> Non
     """On a base at a height, its tip up (side -1) or down (1)."""
     corners = (x - 4.0, base), (x + 4.0, base), (x, base + 6.0 * side)
     pen.sheet.add_triangle_filled(*corners, packed(color))
-
-
-def _diamond(pen: Pen, x: float, y: float, color: Color) -> None:
-    for side in (-1.0, 1.0):
-        corners = (x - 4.5, y), (x + 4.5, y), (x, y + 4.5 * side)
-        pen.sheet.add_triangle_filled(*corners, packed(color))
 
 
 def _stroke(pen: Pen, left: float, right: float, top: float) -> None:

@@ -146,7 +146,7 @@ class Window:
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
-        plays = self.scene.timeline.playing and not self._interface.scrubs
+        plays = self.scene.timeline.playing and not self._interface.timeline.held
         moves = plays or self.scene.turning or self.scene.notice != ""
         return moves or self._settles or not self.viewports.whole
 
@@ -158,9 +158,9 @@ class Window:
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
-        if not self._interface.scrubs:
+        if not self._interface.timeline.held:
             scene = scene.with_timeline(lambda t: t.tick(seconds))
-        if scene.turning and not self._interface.drags:
+        if scene.turning and not self._interface.mouse.drags:
             scene = scene.with_camera(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
@@ -274,7 +274,7 @@ class Window:
 
     def _pick(self, panes: Sequence[Pane]) -> None:
         """Pick the organ that was clicked."""
-        (width, height), at = self._measures.units, self._interface.clicked
+        (width, height), at = self._measures.units, self._interface.mouse.clicked
         if at is None or self.scene.kiosk:
             return
         area = (width - self._aside, height)
@@ -282,7 +282,7 @@ class Window:
             pane, track, aspect, spot = found
             seen = pane.camera, aspect, spot
             place = None if track is None else organ_place(self._bare[0], track, pane.day, seen)
-            self.scene = actions.pick(track, place, self._interface.more)(self.scene)
+            self.scene = actions.pick(track, place, self._interface.mouse.more)(self.scene)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
         style, day = self.scene.style, self.scene.timeline.day

@@ -94,7 +94,7 @@ class Desk:
             self.scene = self.interface.draw(
                 self.framebuffer, self.scene, self.size, self.scale, self.facts
             )
-            self.clicked = self.interface.clicked or self.clicked
+            self.clicked = self.interface.mouse.clicked or self.clicked
             assert self.context.error == "GL_NO_ERROR"
         return self.scene
 

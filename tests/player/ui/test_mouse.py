@@ -37,14 +37,14 @@ def test_a_press_on_the_timeline_goes_there_and_a_drag_follows(desk: Desk) -> No
     desk.point((line.x_of(1.0), line.height))
     desk.gui.press("left", True)
     assert desk.draw(2).timeline.day == pytest.approx(1.0, abs=0.01)
-    assert desk.interface.scrubs
+    assert desk.interface.timeline.held
     desk.gui.move_mouse(line.x_of(2.6), 10.0)
     assert desk.draw(2).timeline.day == pytest.approx(2.6, abs=0.01)
     desk.gui.move_mouse(-500.0, 10.0)
     assert desk.draw(2).timeline.day == 0.0
     desk.gui.press("left", False)
     desk.draw(2)
-    assert not desk.interface.scrubs
+    assert not desk.interface.timeline.held
     desk.gui.move_mouse(line.x_of(2.6), line.height)
     assert desk.draw(2).timeline.day == 0.0
 
