@@ -98,7 +98,7 @@ def _reworded(message: str, words: list[str]) -> str:
     )
 
 
-def _without_types(parser: Any) -> None:
+def without_types(parser: Any) -> None:
     """Leave Python's types out of a command's help, and have it say ranges in words."""
     from typer import Context
 
@@ -120,7 +120,7 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
 
     def work() -> int | None:
         parser = get_command(app)
-        _without_types(parser)
+        without_types(parser)
         words = sys.argv[1:] if argv is None else argv
         try:
             with parser.make_context(command, [*words]) as context:

@@ -28,6 +28,12 @@ from player.cli import main as play
 ROOT = Path(__file__).parents[2]
 PAGES = (
     "README.md",
+    "docs/howto/scans.md",
+    "docs/howto/wrong.md",
+    "docs/howto/film.md",
+    "docs/howto/traits.md",
+    "docs/howto/many.md",
+    "docs/cache.md",
     "docs/player.md",
     "docs/exports.md",
     "docs/images.md",
@@ -67,6 +73,11 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clip, images = folder / "plant.gclip", folder / "komatsuna"
     straight = ["--up", "z", "--paths", "straight", "-q"]
     assert bake([str(folder / "scans"), "-o", str(clip), *straight]) == 0
+    days = {path.name: path.stem.removeprefix("day") for path in (folder / "scans").iterdir()}
+    lines = (f"{name} {day}" for name, day in days.items())
+    (folder / "days.txt").write_text("\n".join(lines), "utf-8")
+    for name in ("maize_07", "maize_08"):
+        shutil.copytree(folder / "scans", folder / "greenhouse" / name)
     for name in ("monday", "tuesday"):
         (folder / f"{name}.gclip").write_bytes(clip.read_bytes())
     assert grow(["komatsuna", str(images), *SMALL_IMAGES, "-q"]) == 0
@@ -140,7 +151,7 @@ def test_options_that_pages_name_exist(capsys: pytest.CaptureFixture[str]) -> No
     for program in (bake, play, grow):
         assert program(["--help"]) == 0
     known = options(capsys.readouterr().out)
-    for page in ("README.md", "docs/player.md", "docs/exports.md", "docs/images.md"):
+    for page in PAGES:
         text = (ROOT / page).read_text("utf-8")
         unknown = options(" ".join(re.findall(r"`[^`\n]*`", text))) - known
         assert not unknown, page

@@ -27,8 +27,16 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_page_is_in_the_navigation(site: Path) -> None:
     first = (site / "index.html").read_text("utf-8")
-    for page in (ROOT / "docs").glob("*.md"):
-        assert page.stem == "index" or f'href="{page.stem}.html"' in first
+    for page in (ROOT / "docs").rglob("*.md"):
+        name = page.relative_to(ROOT / "docs").with_suffix(".html")
+        assert page.stem == "index" or f'href="{name}"' in first
+
+
+def test_every_option_has_its_place(site: Path) -> None:
+    text = (site / "options.html").read_text("utf-8")
+    for words in ("--align", "auto|turn|icp|none", "--camera", "--shuffle-labels"):
+        assert words in text
+    assert "options of" not in text
 
 
 def test_pictures_come_along_and_nothing_is_fetched(site: Path) -> None:
@@ -36,6 +44,6 @@ def test_pictures_come_along_and_nothing_is_fetched(site: Path) -> None:
     for picture in (ROOT / "docs" / "gallery").glob("*.[wjp][epn][bpg]*"):
         assert picture.name in first
         assert list(site.rglob(picture.name))
-    for page in site.glob("*.html"):
+    for page in site.rglob("*.html"):
         text = page.read_text("utf-8")
         assert not [tag for tag in ('src="http', 'rel="stylesheet" href="http') if tag in text]
