@@ -8,10 +8,18 @@ from typing import Annotated, Any
 import typer
 
 from baker.errors import InputError
-from gclip.terminal.command import run_app
+from gclip.terminal.command import in_panels, run_app
 from gclip.version import VersionOption
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
+app = typer.Typer(add_completion=False, rich_markup_mode="rich")
+
+
+PANELS = {
+    "Plant": "scans days seed points",
+    "Scanner": "noise unlabelled shuffle_labels pose colors suffix truth",
+    "Depth camera": "per_day size label_shift",
+}
+"""The options by what they are about, in the order of `grow --help`."""
 
 
 class Kind(StrEnum):
@@ -34,6 +42,7 @@ class Format(StrEnum):
 
 
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+@in_panels(PANELS)
 def grow_command(
     kind: Annotated[
         Kind,
@@ -61,8 +70,10 @@ def grow_command(
         float | None,
         typer.Option(metavar="MM", help="Standard deviation of the points' noise, in mm."),
     ] = None,
-    unlabelled: Annotated[bool, typer.Option("--unlabelled", help="Leave the labels out.")] = False,
-    colors: Annotated[bool, typer.Option(help="Write the plant's colours.")] = True,
+    unlabelled: Annotated[bool, typer.Option(help="Leave the labels out.")] = False,
+    colors: Annotated[
+        bool, typer.Option("--colors/--no-colors", help="Write the plant's colours.")
+    ] = True,
     suffix: Annotated[Format, typer.Option("--format", help="Format of the scans.")] = Format.ply,
     truth: Annotated[
         str | None,
@@ -72,20 +83,20 @@ def grow_command(
         ),
     ] = None,
     shuffle_labels: Annotated[
-        bool, typer.Option("--shuffle-labels", help="Renumber the organs in every scan.")
+        bool, typer.Option(help="Renumber the organs in every scan.")
     ] = False,
     pose: Annotated[
-        bool, typer.Option("--pose", help="Turn and shift every scan but the first at random.")
+        bool, typer.Option(help="Turn and shift every scan but the first at random.")
     ] = False,
     per_day: Annotated[
-        int | None, typer.Option(metavar="N", help="komatsuna: images a day, 6 unless told.")
+        int | None, typer.Option(metavar="N", help="Images a day of komatsuna; 6 unless told.")
     ] = None,
     size: Annotated[
-        str | None, typer.Option(metavar="WxH", help="komatsuna: pixels, 480x360 unless told.")
+        str | None, typer.Option(metavar="WxH", help="Pixels of its images; 480x360 unless told.")
     ] = None,
     label_shift: Annotated[
         float | None,
-        typer.Option(metavar="PIXELS", help="komatsuna: how badly labels are misplaced; 0."),
+        typer.Option(metavar="PIXELS", help="How badly its labels are misplaced; 0."),
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Overwrite the scans that OUTDIR holds.")

@@ -3,7 +3,6 @@
 import math
 import re
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +13,7 @@ import gclip
 import player.export
 import player.view
 import player.window
-from gclip.terminal.command import run_app
+from gclip.terminal.command import in_panels, run_app
 from gclip.terminal.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
@@ -54,22 +53,11 @@ def _list(wanted: bool) -> None:
         raise typer.Exit
 
 
-def _in_panels(command: Callable[..., None]) -> Callable[..., None]:
-    """Have the options listed by what they are about, and switches without a --no-."""
-    panels = {name: panel for panel, names in PANELS.items() for name in names.split()}
-    for name, annotation in command.__annotations__.items():
-        for option in getattr(annotation, "__metadata__", ()):
-            option.rich_help_panel = panels.get(name)
-            if annotation.__origin__ is bool and option.default is ...:  # no name was given
-                option.param_decls = (f"--{name.replace('_', '-')}",)
-    return command
-
-
 EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\n\n"
 
 
 @app.command(epilog=EPILOG + help_text())
-@_in_panels
+@in_panels(PANELS)
 def play_command(
     clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
     second: Annotated[
@@ -149,7 +137,9 @@ def play_command(
     floor: Annotated[
         bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
     ] = True,
-    title: Annotated[str, typer.Option(help="Written into pictures, on pages and in tables.")] = "",
+    title: Annotated[
+        str, typer.Option(metavar="TEXT", help="Written into pictures, on pages and in tables.")
+    ] = "",
     date: Annotated[bool, typer.Option(help="Write the date into pictures.")] = False,
     scale_bar: Annotated[bool, typer.Option(help="Draw a scale bar into pictures.")] = False,
     legend: Annotated[bool, typer.Option(help="Explain the colours in pictures.")] = False,

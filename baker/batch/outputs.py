@@ -49,7 +49,7 @@ def check_output(path: Path | None, force: bool, what: str, *suffixes: str) -> N
     if path is None:
         return
     if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: {what}'s name ends in {suffixes[0]}.")
+        raise InputError(f"{path}: the name of {what} ends in {suffixes[0]}.")
     atomic.check_output(path, force)
 
 

@@ -98,6 +98,24 @@ def _reworded(message: str, words: list[str]) -> str:
     )
 
 
+def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """List a command's options by what they are about, and its switches without a --no-.
+
+    panels: the options' names under each title.
+    """
+    titles = {name: panel for panel, names in panels.items() for name in names.split()}
+
+    def listed(command: Callable[..., Any]) -> Callable[..., Any]:
+        for name, annotation in command.__annotations__.items():
+            for option in getattr(annotation, "__metadata__", ()):
+                option.rich_help_panel = titles.get(name)
+                if annotation.__origin__ is bool and option.default is ...:  # no name was given
+                    option.param_decls = (f"--{name.replace('_', '-')}",)
+        return command
+
+    return listed
+
+
 def without_types(parser: Any) -> None:
     """Leave Python's types out of a command's help, and have it say ranges in words."""
     from typer import Context
