@@ -19,7 +19,7 @@ from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.info import print_info
 from player.ui.keys import help_text
-from player.view.style import ColorMode, GroundChoice, Style
+from player.view.style import ColorMap, ColorMode, GroundChoice, Style
 from traits.dates import day_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for texture
 
 
 PANELS = {
-    "View": "size camera color ground point_size shading depth_cue floor",
+    "View": "size camera color colormap ground point_size shading depth_cue floor",
     "Export": "export force list_exports fps seconds every day title date scale_bar legend "
     "transparent",
     "Window": "kiosk profile",
@@ -118,6 +118,9 @@ def play_command(
             "scan left out, needs a clip of bake --holdout."
         ),
     ] = ColorMode.AUTO,
+    colormap: Annotated[
+        ColorMap, typer.Option(help="The colours of values, such as heights or growth rates.")
+    ] = ColorMap.AUTO,
     ground: Annotated[
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
     ] = None,
@@ -165,6 +168,7 @@ def play_command(
         _check_baked(file)
     style = Style(
         color_by=color,
+        color_map=colormap,
         ground=ground or GroundChoice.DARK,
         point_size=point_size,
         depth_cue=depth_cue,

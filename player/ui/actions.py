@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from gclip.corrections import Correction, Place
 from player.view.choices import SIZES, Compare, Wish
 from player.view.edits import Edits, sentence
-from player.view.style import NO_HOLDOUT, ColorMode
+from player.view.style import NO_HOLDOUT, ColorMap, ColorMode
 
 if TYPE_CHECKING:
     from player.view.camera import Camera
@@ -122,6 +122,16 @@ def color_by(mode: ColorMode) -> Move:
         return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
 
     return color
+
+
+def color_map(map: ColorMap) -> Move:
+    """Show values in the colours of a map."""
+    return lambda scene: scene.with_style(f"Colour map: {map}", color_map=map)
+
+
+def next_color_map(scene: Scene) -> Scene:
+    maps = list(ColorMap)
+    return color_map(maps[(maps.index(ColorMap(scene.style.color_map)) + 1) % len(maps)])(scene)
 
 
 def resize_points(factor: float) -> Move:

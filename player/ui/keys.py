@@ -131,6 +131,7 @@ ACTIONS: tuple[Action, ...] = (
         actions.wish(Wish.SAVE_PATH),
     ),
     Action("color", "Look", ("c",), "colour by something else", actions.next_color),
+    Action("colormap", "Look", ("shift+m",), "other colours of values", actions.next_color_map),
     Action("smaller", "Look", ("-",), "smaller points", _resize(1 / STEP), SIZED, True),
     Action("larger", "Look", ("+", "="), "larger points", _resize(STEP), SIZED, True),
     Action(

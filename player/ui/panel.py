@@ -18,7 +18,7 @@ from player.ui.widgets import button, key_labels, tip
 from player.view.choices import SIZES, Compare
 from player.view.organ_place import organ_place
 from player.view.state import Exporting, Scene
-from player.view.style import ColorMode
+from player.view.style import ColorMap, ColorMode
 
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
@@ -139,6 +139,9 @@ def _look(scene: Scene, pen: Pen) -> Scene:
     colors = {mode.label: actions.color_by(mode) for mode in modes}
     scene = _choice(scene, pen, "Colour", colors, scene.color_mode.label, "color")
     style = scene.style
+    if scene.color_mode.colormap:
+        maps = {str(map): actions.color_map(map) for map in ColorMap}
+        scene = _choice(scene, pen, "Colours", maps, style.color_map, "colormap")
     if style.pixels is None:
         limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
         scene = _slider(scene, pen, "Points", "point_size", limits, "larger", text)

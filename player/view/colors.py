@@ -1,13 +1,14 @@
 """What colours mean: the one place that the window, its legend and every export ask.
 
 A mover wears its scan's colours, its organ's, or the colour of a value: the organ's age, the
-mover's height or speed, or its error. Age is one value an organ, so it comes as another palette of
-tracks; height and speed are found in the shaders (value.glsl), which read their colours off a ramp;
-errors stand in the clip's own colours, in a copy of it (against.py).
+mover's height or speed, its growth rate or its error. Age is one value an organ, so it comes as
+another palette of tracks; height and speed are found in the shaders (scalar_field.glsl), which read
+their colours off a ramp; other values stand in a copy of the clip as its own colours (painted.py).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
@@ -20,8 +21,10 @@ from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
 from player.view.camera import axes, outline
+from player.view.growth_rate import growth_rates
 from player.view.holdout_error import Errors
-from player.view.style import ColorMode, Style
+from player.view.painted import painted
+from player.view.style import ColorMap, ColorMode, Style
 
 STEPS = 256  # texels of a ramp
 SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
@@ -46,6 +49,7 @@ class ValueRange:
     low: float  #: value at the ramp's first end, in `unit`
     high: float
     unit: str
+    color_map: str  #: the colours, by a name in `cmap`
 
     @property
     def title(self) -> str:
@@ -61,7 +65,7 @@ class ValueRange:
         """(STEPS, 3) uint8 sRGB, from low to high."""
         from cmap import Colormap
 
-        ramp = np.asarray(Colormap(self.mode.colormap)(np.linspace(0.0, 1.0, STEPS)))
+        ramp = np.asarray(Colormap(self.color_map)(np.linspace(0.0, 1.0, STEPS)))
         return np.round(255.0 * ramp[:, :3]).astype(np.uint8)
 
 
@@ -82,37 +86,53 @@ class Colors:
         Raises PlayerError for errors where the clip holds no scan that was left out.
         """
         clip, mode = self._clip, resolved_color_mode(self._clip, style)
-        unit = clip.unit or "units"
+        unit, time = clip.unit or "units", clip.time_unit.removesuffix("s")
         match mode:
             case ColorMode.AGE:
-                return ValueRange(mode, 0.0, clip.times[-1] - clip.times[0], clip.time_unit)
+                found = 0.0, clip.times[-1] - clip.times[0], clip.time_unit
             case ColorMode.HEIGHT:
-                return ValueRange(mode, 0.0, self._heights[1] - self._heights[0], unit)
+                found = 0.0, self._heights[1] - self._heights[0], unit
             case ColorMode.SPEED:
-                speed = f"{unit} a {clip.time_unit.removesuffix('s')}"
-                return ValueRange(mode, 0.0, self._fastest, speed)
+                found = 0.0, self._fastest, f"{unit} a {time}"
+            case ColorMode.GROWTH:
+                found = 0.0, _high_end(self._growth), f"% a {time}"
             case ColorMode.ERROR:
-                return ValueRange(mode, 0.0, nice_ceil(max(self._errors.high, 1e-9)), unit)
-        return None
+                found = 0.0, nice_ceil(max(self._errors.high, 1e-9)), unit
+            case _:
+                return None
+        map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
+        return ValueRange(mode, *found, str(map))
 
     def clip_with_colors(self, style: Style) -> Clip:
-        """The clip to draw: a copy with its errors as colours where a style shows them.
+        """The clip to draw: a copy with values as colours where a style shows such.
 
         Raises PlayerError as `color_scale` does.
         """
-        scale = self._error_scale(style)
+        scale = self._painted_scale(style)
         if scale is None:
             return self._clip
-        return self._errors.clip_with_error_colors(scale.colors(), scale.high)
+        values, span = self._painted_values(scale.mode), scale.high - scale.low
+        intervals = [
+            painted(interval, scale.colors(), *((value - scale.low) / span for value in ends))
+            for interval, ends in zip(self._clip.intervals, values, strict=True)
+        ]
+        return replace(self._clip, intervals=tuple(intervals))
+
+    def _painted_values(self, mode: ColorMode) -> list[list[NDArray[np.float64]]]:
+        """For each interval its movers' values, at its start and its end where they differ."""
+        return [
+            [one] for one in (self._growth if mode is ColorMode.GROWTH else self._errors.values)
+        ]
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
-        scale = self._error_scale(style)
+        shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
+        scale = self.color_scale(style) if shown else None
         ramp, highest = (None, 1.0) if scale is None else (scale.colors(), scale.high)
         return self._errors.scan_as_clip(number, ramp, highest)
 
-    def _error_scale(self, style: Style) -> ValueRange | None:
-        shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
+    def _painted_scale(self, style: Style) -> ValueRange | None:
+        shown = resolved_color_mode(self._clip, style).painted
         return self.color_scale(style) if shown else None
 
     def clip_with_constant_colors(self, style: Style) -> Clip:
@@ -184,6 +204,10 @@ class Colors:
         return scale.colors()[np.round((STEPS - 1) * share).astype(int)]
 
     @cached_property
+    def _growth(self) -> list[NDArray[np.float64]]:
+        return growth_rates(self._clip)
+
+    @cached_property
     def _errors(self) -> Errors:
         return Errors(self._clip)
 
@@ -211,6 +235,12 @@ class Colors:
             way = np.linalg.norm((end - start) * step, axis=1)
             speeds.append(way / (interval.end - interval.start))
         return nice_ceil(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
+
+
+def _high_end(values: Sequence[NDArray[np.float64]]) -> float:
+    """A round value that few exceed."""
+    known = np.concatenate([np.zeros(1), *(one[np.isfinite(one)] for one in values)])
+    return nice_ceil(max(float(np.quantile(known, FAST)), 1e-9))
 
 
 def format_number(value: float) -> str:

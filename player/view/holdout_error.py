@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.errors import PlayerError
+from player.view.painted import painted
 from player.view.style import NO_HOLDOUT
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
-UNKNOWN = (150, 150, 150)  # sRGB of movers whose interval has no scan to compare with
 
 
 class Errors:
@@ -39,22 +39,17 @@ class Errors:
         """
         return {index: self._of(index) for index in self._scans}
 
+    @property
+    def values(self) -> list[NDArray[np.float64]]:
+        """As `intervals`, of all of them: NaN where there is no scan to compare with."""
+        unknown = (np.full(len(interval), np.nan) for interval in self._clip.intervals)
+        return [self.intervals.get(index, nothing) for index, nothing in enumerate(unknown)]
+
     @cached_property
     def high(self) -> float:
         """An error that few movers exceed."""
         known = np.concatenate([errors[np.isfinite(errors)] for errors in self.intervals.values()])
         return float(np.quantile(known, HIGH)) if len(known) else 0.0
-
-    def clip_with_error_colors(self, ramp: NDArray[np.uint8], highest: float) -> Clip:
-        """The clip with its movers' errors as colours, so that all that shows colours shows them.
-
-        ramp: (steps, 3) uint8 sRGB, from no error to the highest and beyond.
-        """
-        intervals = [
-            _painted(interval, self.intervals.get(index, np.zeros(0)) / highest, ramp)
-            for index, interval in enumerate(self._clip.intervals)
-        ]
-        return replace(self._clip, intervals=tuple(intervals))
 
     def scan_as_clip(self, number: int, ramp: NDArray[np.uint8] | None, highest: float) -> Clip:
         """A scan that was left out, by its number, as a clip that stands still: to be seen beside
@@ -77,7 +72,7 @@ class Errors:
             tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
         )
         if ramp is not None:
-            interval = _painted(interval, missed / highest, ramp)
+            interval = painted(interval, ramp, missed / highest)
         elif clip.has_colors:
             paint = frame.colors[nearest]
             interval = replace(interval, start_colors=paint, end_colors=paint)
@@ -97,12 +92,3 @@ class Errors:
                 local = evaluate_layer(clip, layer)[0]
                 errors[layer.group.first : layer.group.stop] = nearest.query(local)[0]
         return errors
-
-
-def _painted(interval: Interval, shares: NDArray[np.float64], ramp: NDArray[np.uint8]) -> Interval:
-    paint = np.full((len(interval), 4), 255, np.uint8)
-    paint[:, :3] = UNKNOWN
-    known = np.flatnonzero(np.isfinite(shares))
-    steps = np.minimum(shares[known], 1.0) * (len(ramp) - 1)
-    paint[known, :3] = ramp[np.round(steps).astype(int)]
-    return replace(interval, start_colors=paint, end_colors=paint)

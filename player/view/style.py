@@ -27,15 +27,33 @@ class ColorMode(StrEnum):
     SCAN = "scan", "scan colours"
     TRACK = "track", "organs"
     AGE = "age", "age", "crameri:imola_r"
-    SPEED = "speed", "growth speed", "colorbrewer:YlOrRd"
+    GROWTH = "growth", "growth rate", "colorbrewer:YlOrRd"
+    SPEED = "speed", "speed of motion", "colorbrewer:YlOrRd"
     HEIGHT = "height", "height", "viridis"
     ERROR = "error", "error", "plasma"
+
+    @property
+    def painted(self) -> bool:
+        """Whether a clip is given the values' colours as its own (player/view/painted.py)."""
+        return self in (ColorMode.GROWTH, ColorMode.ERROR)
 
     def resolved(self, has_colors: bool) -> ColorMode:
         """What it comes to with a clip that has scans' colours, or has none."""
         if self in (ColorMode.AUTO, ColorMode.SCAN):
             return ColorMode.SCAN if has_colors else ColorMode.TRACK
         return self
+
+
+class ColorMap(StrEnum):
+    """The colours of values: those that suit the value, or a map by its name in `cmap`."""
+
+    AUTO = "auto"
+    VIRIDIS = "viridis"
+    MAGMA = "magma"
+    CIVIDIS = "cividis"
+    BATLOW = "batlow"
+    TURBO = "turbo"
+    GREYS = "gray"
 
 
 class GroundChoice(StrEnum):
@@ -51,6 +69,7 @@ class Style:
 
     #: the scans' own colours, one for each organ, or by value (player/view/colors.py)
     color_by: ColorMode = ColorMode.AUTO
+    color_map: ColorMap = ColorMap.AUTO  #: the colours of values
     ground: str = GroundChoice.DARK  #: the background
     point_size: float = 1.0  #: factor on the clip's natural point size, 1 closes the surfaces
     depth_cue: bool = True  #: far parts recede into the background

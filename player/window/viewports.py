@@ -17,7 +17,7 @@ from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.split_view import Pair, Pane
 from player.view.state import Scene
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 
 ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
@@ -54,8 +54,8 @@ def fitted(
 
 
 class Viewports:
-    """One renderer for each clip, in one context; others, made when first wanted, for its errors
-    and for the last scan shown of those left out.
+    """One renderer for each clip, in one context; others, made when first wanted, for values that
+    it wears as colours and for the last scan shown of those left out.
 
     whole:   whether the last picture showed every mover.
     loading: whether movers came to the GPU for it, or their size is not known yet.
@@ -66,8 +66,8 @@ class Viewports:
         self._context = context
         self._clips = clips
         self._colors = [Colors(clip) for clip in clips]
-        self._renderers: dict[tuple[int, bool, int | None], Renderer] = {
-            (number, False, None): Renderer(context, clip) for number, clip in enumerate(clips)
+        self._renderers: dict[tuple[int, str, int | None], Renderer] = {
+            (number, "", None): Renderer(context, clip) for number, clip in enumerate(clips)
         }
         self._passes = Passes(context)
         self._pictures: dict[str, tuple[moderngl.Framebuffer, moderngl.Texture]] = {}
@@ -169,11 +169,15 @@ class Viewports:
         return sum(renderer.loaded for renderer in self._renderers.values())
 
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
-        """Errors, and scans that were left out, are clips of their own."""
-        errors = style.color_by == "error" and bool(self._clips[pane.clip].held_out)
-        key = (pane.clip, errors, pane.left_out)
+        """What wears values as colours, and scans that were left out, are clips of their own."""
+        mode = ColorMode(style.color_by)
+        known = mode is not ColorMode.ERROR or bool(self._clips[pane.clip].held_out)
+        paint = f"{mode} {style.color_map}" if mode.painted and known else ""
+        key = (pane.clip, paint, pane.left_out)
         if key not in self._renderers:
             colors = self._colors[pane.clip]
+            for other in [k for k in self._renderers if k[1] and k[1] != paint]:
+                self._renderers.pop(other).release()
             if pane.left_out is None:
                 clip = colors.clip_with_colors(style)
             else:

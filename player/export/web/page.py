@@ -75,8 +75,8 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
     first, last = clip.times[0], clip.times[-1]
     dates = short_dates([scan.date for scan in clip.scans])
     places = [100.0 * (time - first) / (last - first) for time in clip.times]
-    colors, by_error = Colors(clip), resolved_color_mode(clip, film.style) is ColorMode.ERROR
-    scale = colors.color_scale(film.style) if by_error else None
+    painted = resolved_color_mode(clip, film.style).painted
+    scale = Colors(clip).color_scale(film.style) if painted else None
     ramp = [] if scale is None else scale.colors()[:: len(scale.colors()) // 16].tolist()
     return environment.get_template("page.html").generate(
         title=film.title or film.name,

@@ -87,15 +87,19 @@ def test_escape_once_leaves_a_kiosk(scene: Scene) -> None:
     assert pressed(replace(scene, kiosk=True), "escape").closed
 
 
+def test_shift_m_goes_through_the_colour_maps(scene: Scene) -> None:
+    assert pressed(scene, "shift+m").style.color_map == "viridis"
+
+
 def test_c_goes_through_the_colourings_that_the_clip_has(scene: Scene) -> None:
     seen = []
-    for _ in range(5):
+    for _ in range(6):
         scene = pressed(scene, "c")
         seen.append(scene.color_mode)
-    assert seen == ["track", "age", "speed", "height", "scan"]
+    assert seen == ["track", "age", "growth", "speed", "height", "scan"]
     scene = replace(scene, has_colors=False)
     assert scene.color_mode == "track"
-    for _ in range(4):
+    for _ in range(5):
         scene = pressed(scene, "c")
         assert scene.color_mode != "scan"
     assert scene.color_mode == "track"

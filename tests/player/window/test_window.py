@@ -99,7 +99,7 @@ def test_keys_change_the_look_the_speed_and_the_end(shown: Shown) -> None:
     assert (was["color_by"], now["color_by"]) == ("scan", "track")
     assert now["point_size"] > was["point_size"]
     assert now["speed"] == 2 * was["speed"]
-    shown.key("g", "c", "c", "c", "c", "minus", "bracketleft", "l", "l")
+    shown.key("g", "c", "c", "c", "c", "c", "minus", "bracketleft", "l", "l")
     now = shown.until(lambda state: state["at_end"] == was["at_end"])
     same = ("ground", "color_by", "point_size", "speed")
     assert [now[name] for name in same] == [was[name] for name in same]
