@@ -20,7 +20,7 @@ def clip() -> Clip:
     leaf = np.random.default_rng(0).uniform(-1, 1, (900, 3)) * [20.0, 10.0, 0.5]
     turned = leaf @ np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     start = np.concatenate([leaf, leaf, 1e-3 * leaf])
-    end = np.concatenate([turned + [90.0, 0.0, 0.0], 1.2 * leaf, leaf])
+    end = np.concatenate([turned + np.array([90.0, 0.0, 0.0]), 1.2 * leaf, leaf])
     movers = Movers(Motion.MOVE, (start, end), np.repeat([0, 1, 2], 900))
     tracks = tuple(Track(i, f"leaf {i}", (9, 9, 9), born=2.0 * (i == 2)) for i in range(3))
     return Clip(
