@@ -67,7 +67,7 @@ def sentence(correction: Correction) -> str:
 
 def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
     """Those that a clip was baked with; none where it does not say so."""
-    with suppress(KeyError, TypeError, ValueError):  # a stranger's clip may say anything
+    with suppress(KeyError, TypeError, msgspec.ValidationError):  # a clip may say anything
         found = clip.provenance["options"]["corrections"]
         return msgspec.convert(found, tuple[Correction, ...])
     return ()

@@ -62,12 +62,13 @@ def _clicked(
 
 def _in_file(clip: Clip, scan: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
     """A point of the clip in the coordinates of a scan's own file."""
-    transform, origin, scale = np.eye(4), np.array(clip.origin), 1.0
-    with suppress(KeyError, TypeError, ValueError, IndexError):  # made by hand, or a stranger's
-        made = clip.provenance
+    made = clip.provenance
+    with suppress(KeyError, TypeError, ValueError, IndexError, OverflowError):
         index = [one["name"] for one in made["inputs"]].index(scan)
-        transform = np.array(made["transforms"][index], float).reshape(4, 4)
-        origin = np.array(made["origins"][index], float).reshape(3)
-        scale = float(made["options"]["scale"])
-    local = np.linalg.pinv(transform[:3, :3]) @ (point - transform[:3, 3])
-    return np.asarray((local + origin) / scale)
+        transform = np.array(made["transforms"][index], float)
+        origin = np.array(made["origins"][index] if "origins" in made else clip.origin, float)
+        local = np.linalg.solve(transform, [*point, 1.0])[:3]
+        found = (local + origin) / float(made["options"]["scale"])
+        if np.isfinite(found).all() and found.shape == (3,):
+            return np.asarray(found)
+    return point + clip.origin  # a clip made by hand, or by a stranger
