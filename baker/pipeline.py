@@ -30,7 +30,12 @@ from baker.interpolation.interval_job import (
     interval_jobs,
     solve_intervals,
 )
-from baker.interpolation.provenance import describe_provenance, describe_tracks
+from baker.interpolation.provenance import (
+    describe_provenance,
+    describe_tracks,
+    in_order,
+    organ_order,
+)
 from baker.matching import (
     PAPER,
     GreedyRules,
@@ -157,10 +162,11 @@ def bake_recorded(
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         intervals = tuple(solve(jobs, partial(progress, "transport")))
 
+        order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
         clip = Clip(
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
-            track_table=describe_tracks(series, organs, labels, attachment_heights(jobs)),
+            track_table=describe_tracks(series, organs, labels, order),
             origin=tuple(survey.found.scans[0].origin.tolist()),
             up=survey.alignment.up,
             unit=options.unit,
@@ -179,10 +185,9 @@ def bake_recorded(
         followed = FollowedOrgans(
             aligned.clouds, aligned.bases, matches, tracks, labels.found, confirmed
         )
-        named = labels.consistent and not labels.renamed
         contacts = [job.attachments for job in jobs]
-        clip = judged(clip, contacts, None if named else followed, map)
-        return clip, survey
+        clip = judged(clip, contacts, None if labels.are_names else followed, map)
+        return in_order(clip, order), survey
 
 
 def survey_series(

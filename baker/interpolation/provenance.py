@@ -1,6 +1,7 @@
 """What a clip says of itself: its organs as tracks, and where it came from."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,22 @@ from baker.options import Options
 from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
-from gclip import Track
+from gclip import Clip, Track
 from gclip.version import __version__
 
 
+def organ_order(organs: Sequence[Organ], heights: Mapping[int, float]) -> list[int]:
+    """The organs, the root first, as they appear; those of one scan from the lowest on.
+
+    heights: by organ the height of its attachment in the scan in which it appears, where that is
+    known and labels don't say which organ is which.
+    """
+    leaves = range(1, len(organs))
+    return [0, *sorted(leaves, key=lambda i: (organs[i].first, heights.get(i, np.inf), i))]
+
+
 def describe_tracks(
-    series: Series, organs: Sequence[Organ], labels: LabelUse, heights: Mapping[int, float]
+    series: Series, organs: Sequence[Organ], labels: LabelUse, order: Sequence[int]
 ) -> tuple[Track, ...]:
     """The organs as tracks: the stem, and leaves by the scans' labels or by order of appearance.
 
@@ -31,19 +42,16 @@ def describe_tracks(
         The root first.
     labels : LabelUse
         Whether labels are the scans' own.
-    heights : mapping of int to float
-        By organ the height of its attachment in the scan in which it appears, where that is known.
-        Leaves that appear in the same scan are numbered from the lowest on.
+    order : sequence of int
+        The organs' `organ_order`, by which leaves are numbered and get their colours.
 
     Returns
     -------
     tuple of gclip.Track
     """
-    by_label, scans = labels.consistent and not labels.renamed, series.scans
+    by_label, scans = labels.are_names, series.scans
     times = [*(scan.time for scan in scans), None]
-    leaves = range(1, len(organs))
-    ordered = sorted(leaves, key=lambda i: (organs[i].first, heights.get(i, np.inf), i))
-    numbers = {organ: number for number, organ in enumerate(ordered, start=1)}
+    numbers, colors = np.argsort(order), organ_colors(len(organs))
 
     def name(index: int, organ: Organ) -> str:
         if organ.label is not None and organ.label in labels.names:
@@ -58,13 +66,38 @@ def describe_tracks(
         Track(
             id=index,
             name=name(index, organ),
-            color=color,
+            color=colors[numbers[index]],
             parent=organ.parent,
             born=scans[organ.first].time,
             lost=times[organ.last + 1],
             kind="root" if index == 0 else "organ",
         )
-        for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True))
+        for index, organ in enumerate(organs)
+    )
+
+
+def in_order(clip: Clip, order: Sequence[int]) -> Clip:
+    """The clip with its tracks in another order: `order` has their present ids."""
+    rank = np.argsort(order)
+    tracks = [clip.track_table[old] for old in order]
+    parents = [None if t.parent is None else int(rank[t.parent]) for t in tracks]
+    verdict = clip.provenance["verdict"]
+    doubts = [doubt | {"track": int(rank[doubt["track"]])} for doubt in verdict["doubts"]]
+    return replace(
+        clip,
+        track_table=tuple(
+            replace(track, id=new, parent=parent)
+            for new, (track, parent) in enumerate(zip(tracks, parents, strict=True))
+        ),
+        intervals=tuple(
+            replace(
+                interval,
+                tracks=rank.astype(interval.tracks.dtype)[interval.tracks],
+                segments=tuple(replace(s, track=int(rank[s.track])) for s in interval.segments),
+            )
+            for interval in clip.intervals
+        ),
+        provenance=clip.provenance | {"verdict": verdict | {"doubts": doubts}},
     )
 
 

@@ -42,6 +42,11 @@ class LabelUse:
     names: Mapping[int, str] = field(default_factory=dict)  # given to organs by hand, by label
 
     @property
+    def are_names(self) -> bool:
+        """Whether the scans' own labels name organs."""
+        return self.consistent and not self.renamed
+
+    @property
     def given(self) -> list[Labels]:
         """The labels of the scans that have any."""
         return [own for own in self.labels if own is not None]

@@ -58,6 +58,8 @@ def sentence(correction: Correction) -> str:
     first, last = correction.places[0].organ, correction.places[-1].organ
     if correction.kind == "name":
         return f"{first} is called {correction.name}"
+    if correction.kind == "different" and first == last:
+        return f"{first} is two organs"
     return (
         f"{first} is cut"
         if correction.kind == "cut"

@@ -113,6 +113,5 @@ def reopened(scene: Scene, clips: Sequence[Clip], fresh: bool) -> Scene:
     timeline = timeline.at(times[0] if fresh else timeline.day)
     path = CameraPath() if fresh else scene.path
     following = bool(path and scene.following)
-    if fresh:
-        scene = replace(scene, edits=None, chosen=())
+    scene = replace(scene, chosen=(), edits=None if fresh else scene.edits)
     return clamped(replace(scene, timeline=timeline, path=path, following=following), clips)

@@ -205,3 +205,16 @@ def test_colors_can_be_left_out(write_scans):
 def test_options_that_are_none_are_refused(field, value):
     with pytest.raises(InputError, match=f"{field} is"):
         Options(**{field: value})
+
+
+def test_organs_without_labels_are_listed_as_they_appear_along_the_stem(write_scans):
+    clip = bake([write_scans(labels="shuffled")], replace(PLAIN, labels="independent"))
+    names = [track.name for track in clip.track_table]
+    assert names == ["stem", *(f"leaf {number}" for number in range(1, len(names)))]
+    last = clip.at(clip.times[-1])
+    lowest = [last.positions[last.tracks == track, 2].min() for track in range(1, len(names))]
+    births = [track.born for track in clip.track_table[1:]]
+    assert sorted(zip(births, lowest, strict=True)) == [*zip(births, lowest, strict=True)]
+    used = {int(t) for interval in clip.intervals for t in np.unique(interval.tracks)}
+    assert used == set(range(len(names)))
+    assert all(track.parent in (None, 0) for track in clip.track_table)
