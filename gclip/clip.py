@@ -144,12 +144,16 @@ class Clip:
         """
         if np.ndim(day):
             return [self.at(one) for one in day]
+        self.check_day(day)
+        return frame_at(self, day)
+
+    def check_day(self, day: float) -> None:
+        """Raise ValueError for a time outside the series."""
         first, last = self.times[0], self.times[-1]
         tolerance = ROUNDING * (last - first)  # sums of steps end a little off
         if not first - tolerance <= day <= last + tolerance:
             span = f"{first:g} to {last:g}"
             raise ValueError(f"{day:g} is outside the series, whose {self.time_unit} are {span}")
-        return frame_at(self, day)
 
     def traits(self, days: Sequence[float] | None = None) -> DataFrame:
         """Lengths, areas, angles and growth rates of the organs; see `traits.data_frame`."""

@@ -51,6 +51,9 @@ class Frame:
     def __len__(self) -> int:
         return len(self.local)
 
+    def __repr__(self) -> str:
+        return f"<gclip.Frame: day {self.day:g}, {len(self):,} points>"
+
 
 def locate(clip: Clip, day: float) -> tuple[int, float]:
     """Find the interval that a time falls into.

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 MAX_ROWS = 1000  # of a table: more scroll past, and take minutes to lay out
 MAX_LENGTH = 2000  # characters of one line of provenance
+FOR_PROGRAMS = {"transforms", "origins"}  # matrices of provenance
 SCANS = ("scan", "date", "", "points")
 INTERVALS = ("from", "to", "born", "lost", "degree", "positions", "B a mover", "movers")
 TRACKS = ("track", "kind", "grows from", "color", "born", "lost")
@@ -51,7 +52,8 @@ def print_info(console: Console, clip: Clip, path: Path) -> None:
     _table(console, "Intervals", INTERVALS, _intervals(clip))
     _table(console, "Tracks", TRACKS, _tracks(clip))
     for key, value in sorted(clip.provenance.items()):
-        _provenance(console, key, value)
+        if key not in FOR_PROGRAMS:
+            _provenance(console, key, value)
 
 
 def _scan(scan: ScanMark | HeldOutScan, first: float, points: int) -> Row:

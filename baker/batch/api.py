@@ -1,7 +1,7 @@
 """Baking from Python: scans are paths, NumPy arrays or Open3D point clouds."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import date
@@ -93,7 +93,9 @@ def _scan_files(
 
     beside: labels and colours of the scans in memory, by the names of the arrays.
     """
-    given = [scans] if isinstance(scans, str | PathLike) else list(scans)
+    if isinstance(scans, str | PathLike) or not isinstance(scans, Iterable):  # one point cloud
+        scans = [scans]
+    given = list(scans)
     for name, values in beside.items():
         if len(values) != len(given):
             raise InputError(f"{name} holds {len(values)} arrays for {len(given)} scans.")

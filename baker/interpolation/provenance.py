@@ -53,13 +53,15 @@ def describe_tracks(
     times = [*(scan.time for scan in scans), None]
     numbers, colors = np.argsort(order), organ_colors(len(organs))
 
+    is_stem = not (by_label and organs[0].label is None)  # what else is the root carries nothing
+
     def name(index: int, organ: Organ) -> str:
         if organ.label is not None and organ.label in labels.names:
             return labels.names[organ.label]
         if by_label and organ.label in series.label_words:
             return series.label_words[organ.label]
         if index == 0:
-            return "plant" if by_label and organ.label is None else "stem"
+            return "stem" if is_stem else "plant"
         return f"leaf {organ.label if by_label else numbers[index]}"
 
     return tuple(
@@ -70,7 +72,7 @@ def describe_tracks(
             parent=organ.parent,
             born=scans[organ.first].time,
             lost=times[organ.last + 1],
-            kind="root" if index == 0 else "organ",
+            kind="organ" if index else "stem" if is_stem else "root",
         )
         for index, organ in enumerate(organs)
     )

@@ -92,4 +92,6 @@ def _wrong(
 def called(clip: Clip, track: int) -> str:
     """The name of an organ in a sentence."""
     named = clip.track_table[track]
-    return f"the stem ({named.name})" if named.kind == "root" else named.name
+    if named.kind != "stem":
+        return named.name
+    return "the stem" if named.name == "stem" else f"the stem ({named.name})"

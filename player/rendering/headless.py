@@ -36,8 +36,9 @@ def render(
 
     size:   (width, height) in pixels.
     camera: where from; None frames the whole series.
-    Raises PlayerError where no OpenGL can be had.
+    Raises ValueError for a day outside the series, PlayerError where no OpenGL can be had.
     """
+    clip.check_day(day)
     with Offscreen(clip, size) as offscreen:
         return offscreen.picture(day, camera, style)
 

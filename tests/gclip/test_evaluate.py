@@ -102,6 +102,10 @@ def test_a_time_outside_the_series_is_refused_with_its_range(make_clip, day):
         make_clip().at(day)
 
 
+def test_a_frame_says_when_and_how_much(make_clip):
+    assert repr(make_clip().at(2.5)) == f"<gclip.Frame: day 2.5, {len(make_clip().at(2.5))} points>"
+
+
 def test_sums_of_steps_may_end_a_rounding_error_off(make_clip):
     clip, end = make_clip(), 5.0 + 1e-12
     assert np.array_equal(clip.at(end).positions, clip.at(5).positions)

@@ -47,6 +47,8 @@ def test_open3d_clouds_keep_their_labels_and_colors(arrays: list[np.ndarray]) ->
     colors = [np.tile(np.uint8([10, 200, 30]), (len(a), 1)) for a in arrays]
     legacy = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(arrays[0][:, :3]))
     legacy.colors = open3d.utility.Vector3dVector(colors[0] / 255.0)
+    with pytest.raises(InputError, match=r"scans\[0\]' is only one scan"):
+        bake(legacy)
     tensor = open3d.t.geometry.PointCloud(arrays[1][:, :3])
     tensor.point["colors"] = open3d.core.Tensor(colors[1])
     tensor.point["label"] = open3d.core.Tensor(arrays[1][:, -1:].astype(np.int32))

@@ -102,6 +102,8 @@ def test_a_gpu_that_fails_leaves_the_work_to_the_next_device(
 
     monkeypatch.setattr(moderngl, "create_context", broken_first)
     assert render(make_clip(), 1.0, SIZE).shape == (72, 96, 4)
+    with pytest.raises(ValueError, match="99 is outside the series"):
+        render(make_clip(), 99.0, SIZE)
     assert sorted(set(asked)) == [0, 1]
 
 
