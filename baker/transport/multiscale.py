@@ -23,7 +23,7 @@ from baker.transport.space_partition import Blocks, bisection_order, cut, refine
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
 BLOCKS_IN_A_BLOCK = 4
-NEIGHBORS = 4  # whose partners are priced
+STEPS = (-3, -1, 1, 3)  # along two bisections, to the points whose partners are priced
 POINTS_OF_CELL = 400  # of both sides together
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both sides, up to which a level has one cell
 MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller side, up to which neighbours are not looked for
@@ -121,8 +121,9 @@ def _improve(
         return float(mass @ costs(start, end, edges, options.power))
 
     now = cost()
-    k = 0 if few else NEIGHBORS
-    near = _neighbors(start, k, options.workers), _neighbors(end, k, options.workers)
+    nothing = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
+    other = options.seed + MAX_SWEEPS
+    near = nothing if few else (_neighbors(start, other), _neighbors(end, other))
     for sweep in range(MAX_SWEEPS if last else 1):
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
         cells = 1 if one_cell else round((n + m) / size)
@@ -135,16 +136,16 @@ def _improve(
     return edges, mass
 
 
-def _neighbors(points: NDArray[np.float64], k: int, workers: int) -> NDArray[np.integer]:
-    """(n, k) the nearest other points of each point."""
-    if k == 0:
-        return np.empty((len(points), 0), np.int32)
-    from scipy.spatial import cKDTree
+def _neighbors(points: NDArray[np.float64], seed: int) -> Indices:
+    """(n, 8) what lies beside each point in the cloud's order, and in that of another bisection.
 
-    # In the order of a bisection the tree need not be balanced. Of points in one place any may come
-    # first: one that is its own neighbour does no harm here.
-    tree = cKDTree(points, leafsize=16, balanced_tree=False)
-    return np.asarray(tree.query(points, np.arange(2, k + 2), workers=workers)[1])
+    Plans come as near to the optimum as with the four nearest points, and sooner.
+    """
+    place = np.empty(len(points), np.int64)
+    order, own = bisection_order(points, seed)[0], np.arange(len(points))
+    place[order] = own
+    beside = own[:, None] + STEPS, place[:, None] + STEPS
+    return np.hstack([own.take(beside[0], mode="clip"), order.take(beside[1], mode="clip")])
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> Indices:
