@@ -239,7 +239,9 @@ def _measure(
 ) -> tuple[Series, AlignedSeries]:
     """One kNN index a scan, labels without specks, and the plant base of each scan."""
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
-    neighbors = list(map(nearest_neighbors, clouds))
+    # Scans differ in size: each is shared out, not the scans.
+    workers = worker_count(options.workers)
+    neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
     if not options.paper:
         pairs = zip(series.scans, neighbors, strict=True)
         series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
-from functools import partial
 from pathlib import Path
 from shutil import rmtree
+from threading import Event
 
 from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
@@ -15,6 +15,7 @@ from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
+from baker.geometry.parallel import thread_map
 from baker.options import Options
 from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
@@ -66,13 +67,23 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     if (corrected := with_corrections(options, outputs.clip)) is not options:
         remarks.append(f"corrections: {corrections_file(outputs.clip)}")
         options = corrected
+    is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
     with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
+        surveyed = Event()
+
+        def tell(done: int, total: int) -> None:
+            if surveyed.is_set():
+                progress("compiling the solver, once", done, total)
 
         def announce(findings: Sequence[Finding]) -> None:
             for line in finding_lines(findings):
                 progress.say(line)
-            if solve is None and options.resolved().transport != "sinkhorn":
-                remarks.append(compile_kernels(partial(progress, "compiling the solver, once")))
+            surveyed.set()
+            remarks.extend(compiling)
+
+        # The solver's code is read, or compiled, while scans are.
+        beside = stack.enter_context(thread_map(2))
+        compiling = beside(compile_kernels, [tell] if is_compiled else [])
 
         solve = stack.enter_context(interval_solver(outputs.cluster)) if outputs.cluster else None
         clip, errors = bake_into(outputs, inputs, options, cache, solve, progress, announce)
