@@ -24,8 +24,9 @@ class OrganMovers:
     movers: Movers
     pair: SegmentPair  # for the report
     area: Floats | None = None  # (M,), at mid-interval; None where density stays
-    start_points: NDArray[np.intp] | None = None  # (M,), indices in the scans; None of what is lost
-    end_points: NDArray[np.intp] | None = None
+    # (M,), numbers from 0 on of the points they leave, and reach; None of what is lost
+    start_points: Indices | None = None
+    end_points: Indices | None = None
     born: bool = False  # they unfold from an attachment point
 
 
@@ -50,7 +51,7 @@ def moving(
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
     pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    moved = OrganMovers(movers, pair, area, a, b, born)
+    moved = OrganMovers(movers, pair, area, plan.rows, plan.columns, born)
     return moved if timing is None else shifted(moved, timing.shift(origin, target))
 
 

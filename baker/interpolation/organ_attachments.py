@@ -43,9 +43,11 @@ def attachment(organ: NDArray[np.floating], parent: cKDTree) -> Attachment:
 
     Searches far from the points of a tree are slow. So a sample bounds the distance.
     """
-    nearest = parent.query(organ[:: max(1, len(organ) // SAMPLE_SIZE)])[0].min()
-    bound = max(1.000001 * nearest, TINY)  # what is found is nearer than the bound, by its square
-    distances = parent.query(organ, distance_upper_bound=bound)[0]
+    step = max(1, len(organ) // SAMPLE_SIZE)
+    distances = parent.query(organ[::step])[0]
+    if step > 1:  # what is found is nearer than the bound, by its square
+        bound = max(1.000001 * distances.min(), TINY)
+        distances = parent.query(organ, distance_upper_bound=bound)[0]
     return Attachment(int(np.argmin(distances)), float(distances.min()))
 
 

@@ -40,8 +40,9 @@ class OrganPaths:
         if motion is None or segment == self._scan.root:
             return None
         assert moved.start_points is not None
-        starts, mover = np.unique(moved.start_points, return_inverse=True)
-        shift = motion.deviation(self._clouds[0].take(starts, axis=0))[mover]
+        starts = np.zeros((int(moved.start_points.max()) + 1, 3), np.float32)
+        starts[moved.start_points] = moved.movers.curve[0]
+        shift = motion.deviation(starts)[moved.start_points]
         tree, touched = cKDTree(motion.deformed), dict[int, int]()
         for child, members in enumerate(self._scan.segments):
             if self._scan.parents[child] == segment and len(members):

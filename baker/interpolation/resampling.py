@@ -115,12 +115,11 @@ def _aside(task: OrganMovers, middle: Floats, own: NDArray[np.intp]) -> Floats:
     return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
 
 
-def _mean_of_twins(ends: NDArray[np.intp] | None, values: Floats) -> Floats:
+def _mean_of_twins(ends: NDArray[np.integer] | None, values: Floats) -> Floats:
     """(N, 3) each mover's mean of `values` over all movers that have the same end."""
     assert ends is not None  # what has an area moves from points to points
-    _, end, count = np.unique(ends, return_inverse=True, return_counts=True)
-    sums = [np.bincount(end, weights) for weights in values.T]
-    return (np.stack(sums, axis=1) / count[:, None])[end]
+    sums = np.stack([np.bincount(ends, weights).take(ends) for weights in values.T], axis=1)
+    return sums / np.bincount(ends).take(ends)[:, None]
 
 
 def _spread_out(points: Floats, wanted: Floats) -> NDArray[np.intp]:

@@ -42,8 +42,9 @@ def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[n
         sample = np.random.default_rng(0).permutation(count)[:MAX_POINTS_SEARCHED]
         sample[0] = attachment
         found = segment_leaflets(points[sample], 0)
-        return found[KDTree(points[sample]).query(points)[1]]
-    if count < 2 * MIN_POINTS or not np.ptp(points, axis=0).any():
+        if found.max() >= 0:
+            return found[KDTree(points[sample]).query(points)[1]]
+    if count > MAX_POINTS_SEARCHED or count < 2 * MIN_POINTS or not np.ptp(points, axis=0).any():
         return np.full(count, -1)
     graph, _, _ = connected_knn_graph(points, NEIGHBORS)
     distance = geodesic_distances(graph, np.array([attachment]))

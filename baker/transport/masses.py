@@ -30,7 +30,7 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     if k < 2:
         shares = np.ones(len(start)), np.ones(len(end))
     else:
-        source, target = KDTree(start), KDTree(end)
+        source, target = (KDTree(points, balanced_tree=False) for points in (start, end))
         shares = _share(source, target, k), _share(target, source, k)
     supply, demand = (np.maximum(1, TOTAL_MASS * (s / s.sum())).astype(np.int64) for s in shares)
     # What rounding has taken goes to the largest, of which it is next to nothing.
