@@ -127,24 +127,18 @@ def with_corrected_organs(
         What is cut off has labels of its own.
     """
     corrected, unused = list(labels), 1 + max(int(own.max()) for own in labels)
-    for one in corrections:
+    for one in sorted(corrections, key=lambda one: one.kind != "cut"):
+        (k, point), (last, other) = one.places[0], one.places[-1]
+        own = corrected[k]
         if one.kind == "cut":
-            ((k, point),) = one.places
-            own = corrected[k]
-            beyond = _beyond(aligned, k, own == own[point], point, one.said)
-            corrected[k] = np.where(beyond, unused, own)
-            unused += 1
-    for one in corrections:
-        if one.kind in ("same", "different") and not one.spans_scans:
-            (k, a), (_, b) = one.places
-            own = corrected[k]
-            if one.kind == "same":
-                corrected[k] = np.where(own == own[b], own[a], own)
-            elif own[a] == own[b]:
-                organ = np.flatnonzero(own == own[a])
-                corrected[k] = own.copy()
-                corrected[k][organ[_nearer_to_second(aligned.clouds[k], organ, (a, b))]] = unused
-                unused += 1
+            part = _beyond(aligned, k, own == own[point], point, one.said)
+        elif one.kind == "different" and k == last and own[point] == own[other]:
+            part = _on_the_other_side(aligned.clouds[k], own == own[point], (point, other))
+        else:
+            if one.kind == "same" and k == last:
+                corrected[k] = np.where(own == own[other], own[point], own)
+            continue
+        corrected[k], unused = np.where(part, unused, own), unused + 1
     return corrected
 
 
@@ -170,7 +164,7 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
         for scan in range(later, len(corrected)):
             own = corrected[scan]
             corrected[scan] = np.where(own == a, b, np.where(own == b, a, own))
-    for one in links:
+    for one in (one for one in corrections if len(one.places) == 2):
         (k, point), (later, other) = one.places
         if (corrected[k][point] == corrected[later][other]) != (one.kind == "same"):
             raise InputError(f"{one.said} contradicts the others; take one of them out.")
@@ -213,33 +207,30 @@ def _beyond(
     return part
 
 
-def _nearer_to_second(
-    cloud: NDArray[np.floating], organ: NDArray[np.intp], places: tuple[int, int]
+def _on_the_other_side(
+    cloud: NDArray[np.floating], organ: NDArray[np.bool_], places: tuple[int, int]
 ) -> NDArray[np.bool_]:
-    """(n,) which of an organ's points are on the second place's side of where it is thinnest.
+    """(N,) what is on the second place's side of where the organ between the places is thinnest.
 
-    What is within a share of the way between the places belongs to the nearer of them for certain;
-    between them the fewest edges of the kNN graph are cut (a minimum cut).
+    A minimum cut of its kNN graph: what is within a share of the way from one place to the other
+    belongs to the nearer one, and between them the fewest edges are cut.
     """
-    from scipy.sparse import coo_array
+    from scipy.sparse import block_array, csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
     from scipy.spatial import KDTree
 
-    rest = np.setdiff1d(organ, places)
-    some = np.random.default_rng(0).permutation(rest)[: MAX_POINTS_CUT - 2]
-    sample = np.array([*places, *some])
-    graph, _, _ = connected_knn_graph(cloud[sample], NEIGHBORS)
-    first, second = (geodesic_distances(graph, np.array([place])) for place in (0, 1))
-    seeds = [np.flatnonzero(d <= SEED_SHARE * first[1]) for d in (first, second)]
-    edges, n, certain = graph.tocoo(), len(sample), np.iinfo(np.int32).max
-    ends = np.concatenate([[edges.row, edges.col], [edges.col, edges.row]], axis=1)
-    for node, seed in zip((n, n + 1), seeds, strict=True):
-        there = [np.full(len(seed), node), seed]
-        ends = np.concatenate([ends, there, there[::-1]], axis=1)
-    capacity = np.where((ends >= n).any(axis=0), certain // n, 1).astype(np.int32)
-    network = coo_array((capacity, ends), (n + 2, n + 2)).tocsr()
-    left = network - maximum_flow(network, n, n + 1).flow
+    points = np.flatnonzero(organ)
+    some = np.random.default_rng(0).permutation(np.setdiff1d(points, places))
+    sample = cloud[[*places, *some[:MAX_POINTS_CUT]]]
+    graph, _, _ = connected_knn_graph(sample, NEIGHBORS)
+    distance = np.stack([geodesic_distances(graph, np.array([place])) for place in (0, 1)], axis=1)
+    count, is_certain = len(sample), distance <= SEED_SHARE * distance[1, 0]
+    links, ends = csr_array(graph + graph.T > 0), csr_array(is_certain * count)
+    network = block_array([[links, ends], [ends.T, None]], format="csr", dtype=np.int32)
+    left = network - maximum_flow(network, count, count + 1).flow
     left.eliminate_zeros()
-    on_second = np.ones(n + 2, bool)
-    on_second[breadth_first_order(left, n, return_predecessors=False)] = False
-    return on_second[KDTree(cloud[sample]).query(cloud[organ])[1]]
+    other = np.ones(count + 2, bool)
+    other[breadth_first_order(left, count, return_predecessors=False)] = False
+    part = np.zeros(len(cloud), bool)
+    part[points] = other[KDTree(sample).query(cloud[points])[1]]
+    return part

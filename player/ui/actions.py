@@ -7,9 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from gclip.corrections import Correction, Place
+from gclip.corrections import Place
 from player.view.choices import SIZES, Compare, Wish
-from player.view.edits import Edits, sentence
 from player.view.style import NO_HOLDOUT, ColorMap, ColorMode
 
 if TYPE_CHECKING:
@@ -26,9 +25,6 @@ FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
-NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
-NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
-BAKE_AGAIN = "bake again to see it"
 QUIT_NEXT = "Press Esc again to quit."
 
 
@@ -187,35 +183,6 @@ def pick_next(step: int) -> Move:
         return pick((start + step) % scene.organs)(scene)
 
     return pick_it
-
-
-def correct(kind: str, name: str = "") -> Move:
-    """Say of the chosen organs that they are the same, or not; of one, its name, or cut it."""
-
-    def put_right(scene: Scene) -> Scene:
-        needed = 2 if kind in ("same", "different") else 1
-        if len(scene.chosen) < needed:
-            return scene.with_notice(NO_PAIR if needed == 2 else NO_ORGAN)
-        if scene.edits is None:
-            return scene.with_notice(NO_EDITS)
-        correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
-        return edit(scene.edits.changed((*scene.edits.now, correction)))(scene).with_notice(
-            f"{sentence(correction)}: {BAKE_AGAIN}"
-        )
-
-    return put_right
-
-
-def edit(edits: Edits) -> Move:
-    return lambda scene: replace(scene, edits=edits)
-
-
-def undo(scene: Scene) -> Scene:
-    return scene if scene.edits is None else edit(scene.edits.undone())(scene)
-
-
-def redo(scene: Scene) -> Scene:
-    return scene if scene.edits is None else edit(scene.edits.redone())(scene)
 
 
 def hide_picked(scene: Scene) -> Scene:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Track
-from player.ui import actions
+from player.ui import editing
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR
 from player.ui.widgets import button
@@ -40,7 +40,7 @@ def draw_corrections(scene: Scene, pen: Pen) -> Scene:
             imgui.push_style_color(imgui.Col_.button, CLEAR)
             if imgui.button(REMOVE) and edits:
                 kept = (*edits.now[:row], *edits.now[row + 1 :])
-                scene = actions.edit(edits.changed(kept))(scene)
+                scene = editing.edit(edits.changed(kept))(scene)
             imgui.pop_style_color()
             imgui.same_line()
             imgui.align_text_to_frame_padding()
@@ -65,5 +65,5 @@ def draw_name(scene: Scene, tracks: Sequence[Track]) -> Scene:
         how = flags.enter_returns_true | flags.auto_select_all
         entered, name = imgui.input_text_with_hint("##called", "name of the organ", now, how)
         if entered and name.strip() not in ("", now):
-            scene = actions.correct("name", name.strip())(scene)
+            scene = editing.correct("name", name.strip())(scene)
     return scene

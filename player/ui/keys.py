@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from player.ui import actions
+from player.ui import actions, editing
 from player.ui.actions import STEP
 from player.view.choices import Wish
 
@@ -155,14 +155,14 @@ ACTIONS: tuple[Action, ...] = (
         "show all", "Organs", ("shift+x",), "show all organs",
         lambda s: s.with_style(hidden=frozenset(), alone=None),
     ),
-    Action("same", "Organs", ("w",), "two organs are the same", actions.correct("same")),
+    Action("same", "Organs", ("w",), "two organs are the same", editing.correct("same")),
     Action(
         "different", "Organs", ("shift+w",), "two organs are not the same",
-        actions.correct("different"),
+        editing.correct("different"),
     ),
-    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", actions.correct("cut")),
-    Action("undo", "Organs", ("ctrl+z",), "undo a correction", actions.undo, UNDONE),
-    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", actions.redo, UNDONE),
+    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", editing.correct("cut")),
+    Action("undo", "Organs", ("ctrl+z",), "undo a correction", editing.undo, UNDONE),
+    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", editing.redo, UNDONE),
     Action("compare", "Compare", ("v",), "with the nearest scan", actions.next_compare),
     Action(
         "wipe left", "Compare", ("<",), "wipe to the left",

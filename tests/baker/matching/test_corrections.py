@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.spatial import KDTree
 import gclip
 from baker import InputError, bake
 from baker.cli import main
+from baker.matching.corrections import PointCorrection, with_corrected_organs
 from gclip import Clip
 from gclip.corrections import Correction, Place, write_corrections
 
@@ -102,6 +104,25 @@ def test_organs_of_one_scan_are_joined_and_parted(folder):
     clip = bake(folder, **PLAIN, labels="consistent", corrections=[again, parted])
     names = [track(clip, 2, part[np.argsort(part[:, 2])[-20:]]) for part in points]
     assert names == ["leaf 1", "leaf 2"]
+
+
+@pytest.mark.parametrize("count", [300, 4000])
+def test_blades_that_touch_part_where_they_touch(count):
+    rng = np.random.default_rng(4)
+    angle, radius = rng.uniform(0, 2 * np.pi, 2 * count), 5.0 * np.sqrt(rng.random(2 * count))
+    blade = np.repeat([0, 1], count)
+    cloud = np.column_stack(
+        [radius * np.cos(angle), radius * np.sin(angle), 0.1 * rng.random(2 * count)]
+    )
+    cloud += blade[:, None] * [9.5, 0.0, 1.0]  # the second over the edge of the first
+    places = [
+        int(np.linalg.norm(cloud - middle, axis=1).argmin()) for middle in ([1, 2, 0], [11, 1, 1])
+    ]
+    apart = PointCorrection("", "different", tuple((0, point) for point in places))
+    aligned = SimpleNamespace(clouds=[cloud.astype(np.float32)])
+    (labels,) = with_corrected_organs([np.full(2 * count, 7)], aligned, [apart])
+    assert set(labels.tolist()) == {7, 8}
+    assert ((labels == 8) == (blade == 1)).mean() > 0.99
 
 
 def test_a_cut_takes_off_what_lies_beyond(folder):
