@@ -172,7 +172,7 @@ def report(work: Path) -> None:
     )
     with sync_playwright() as browsers:
         browser = browsers.chromium.launch(executable_path=_chromium(), args=["--no-sandbox"])
-        view = browser.new_page(viewport={"width": 1140, "height": 600})
+        view = browser.new_page(viewport={"width": 1140, "height": 980})
         view.goto(file.as_uri())
         view.screenshot(path=work / "report.png")
         browser.close()
