@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from glob import escape
 from itertools import count
@@ -28,26 +28,20 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_files(path: Path) -> Iterator[Callable[[int], Path]]:
-    """Where to write the numbered files of `path`, like %04d.png, or its one: renamed once all are
-    done.
+def whole_files(path: Path) -> Iterator[Path]:
+    """As `whole_file`, for files numbered as the name says: all take their places in the end.
 
-    The folder that numbered ones go to is made if only itself is missing. What else is in it stays.
-    Raises PlayerError where nothing can be written there.
+    The folder that they go to is made if only itself is missing. What else is in it stays.
     """
-    home, names = path.parent, list[str]()
-
-    def file(number: int) -> Path:
-        names.append(path.name % number if is_numbered(path) else path.name)
-        return draft / names[-1]
-
+    home = path.parent
     with _said(path), folder_beside(path if home.exists() else home) as draft:
-        yield file
-        for name in names:
-            sync(draft / name)
+        yield draft / path.name
+        parts = sorted(draft.iterdir())
+        for part in parts:
+            sync(part)
         home.mkdir(exist_ok=True)
-        for name in names:
-            os.replace(draft / name, home / name)
+        for part in parts:
+            os.replace(part, home / part.name)
 
 
 def is_numbered(path: Path) -> bool:
@@ -58,6 +52,11 @@ def is_numbered(path: Path) -> bool:
     return rest != path.name
 
 
+def numbered(path: Path, number: int) -> Path:
+    """The file of a number; `path` itself where it has no place for one."""
+    return path.with_name(path.name % number) if is_numbered(path) else path
+
+
 def check_sequence(path: Path, force: bool) -> None:
     """As `check_output`, for files that are numbered as the name says, like %04d.png."""
     numbered = NUMBER.sub("[0-9]*", escape(path.name))
@@ -65,14 +64,14 @@ def check_sequence(path: Path, force: bool) -> None:
     check_output(earlier[0] if earlier else path if home.exists() else home, force)
 
 
-def failure(part: Path, path: Path, program: str) -> PlayerError:
-    """Why a program that can't tell gave up writing `part`, the draft of `path`.
+def failure(part: Path, program: str) -> PlayerError:
+    """Why a program that can't tell gave up writing `part`, a draft.
 
     On a full disk our own write raises OSError, with the system's reason.
     """
     with part.open("ab") as file:
         file.write(bytes(PROBE))
-    return PlayerError(f"{path.name} can't be written: {program} gave up.")
+    return PlayerError(f"{part.name} can't be written: {program} gave up.")
 
 
 def free_name(stem: str, example: str, folder: Path | None = None) -> Path:

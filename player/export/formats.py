@@ -10,7 +10,7 @@ from typing import Any
 
 from gclip import Clip
 from gclip.terminal.atomic import check_output
-from player.atomic_write import check_sequence, is_numbered
+from player.atomic_write import check_sequence, is_numbered, whole_file, whole_files
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
@@ -31,7 +31,7 @@ class Format:
 
     example: str  #: a name that asks for it; `about` says what it is and whom it is for
     about: str
-    write: Writer  #: does it: whole or not at all
+    write: Writer  #: does it, to a file that takes the name that was asked for when it is whole
     #: raises PlayerError, before any work, for a film that it can't hold
     check: Check = lambda film: None
     sequence: bool = False  #: numbered files, one a moment: the name has a place for a number
@@ -61,7 +61,8 @@ def export(
         check_annotations(film, clip)
     colors = Colors(clip)
     coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
-    chosen.write(coloring(film.style), film, path, progress)
+    with (whole_files if chosen.sequence else whole_file)(path) as part:
+        chosen.write(coloring(film.style), film, part, progress)
 
 
 def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:

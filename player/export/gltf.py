@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
 from gclip.file import check_whole
-from player.atomic_write import whole_file
 from player.export.film import Film, Progress
 from player.view.camera import axes
 from player.view.dates import date_at
@@ -78,8 +77,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
         progress(done, len(parts))
     document.buffers = [gltf.Buffer(byteLength=store.size)]
     document.set_binary_blob(b"".join(store.pieces))
-    with whole_file(path) as part:
-        document.save_binary(str(part))
+    document.save_binary(str(path))
 
 
 def _parts(clip: Clip) -> Iterator[Part]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import free_name, is_numbered, whole_file, whole_files
+from player.atomic_write import free_name, is_numbered, numbered, whole_file
 from player.export.film import Film, Progress
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
@@ -28,9 +28,9 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     if not is_numbered(path):
         film = replace(film, at=film.at or (clip.times[-1],), every=None)
     views = [camera.matrix(film.aspect) for camera in film.cameras(clip)]
-    with closing(film.pictures(clip, progress)) as pictures, whole_files(path) as file:
+    with closing(film.pictures(clip, progress)) as pictures:
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
-            _save(picture, file(index), view)
+            _save(picture, numbered(path, index), view)
 
 
 def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> Path:

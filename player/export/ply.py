@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
-from player.atomic_write import is_numbered, whole_files
+from player.atomic_write import is_numbered, numbered
 from player.export.film import Film, Progress
 from player.view.dates import date_at
 
@@ -25,13 +25,13 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     else:
         ends = clip.times[0], clip.times[-1]
         days = np.linspace(*ends, max(film.frame_count(clip), 2)).tolist()
-    with whole_files(path) as file:
-        progress(0, len(days))
-        for number, day in enumerate(days):
-            vertices = cloud_at(clip, day)
-            seen = vertices["alpha"] > 0
-            _save(clip, day, vertices if is_numbered(path) else vertices[seen], file(number))
-            progress(number + 1, len(days))
+    progress(0, len(days))
+    for number, day in enumerate(days):
+        vertices = cloud_at(clip, day)
+        seen = vertices["alpha"] > 0
+        kept = vertices if is_numbered(path) else vertices[seen]
+        _save(clip, day, kept, numbered(path, number))
+        progress(number + 1, len(days))
 
 
 def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:

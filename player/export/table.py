@@ -6,7 +6,6 @@ from pathlib import Path
 
 import traits
 from gclip import Clip
-from player.atomic_write import whole_file
 from player.export.film import Film, Progress
 
 
@@ -14,5 +13,5 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Measure on the film's days where it names some, else at the scans and half way between."""
     named = film.at or film.every is not None
     days = sorted(set(film.days(clip))) if named else traits.measure_days(clip)
-    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+    with path.open("w", encoding="utf-8", newline="") as file:
         traits.write_table(file, traits.Namer(clip, film.title or film.name), days, progress)

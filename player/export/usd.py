@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import positions_on_curve, srgb_to_linear
 from gclip.file import check_whole
-from player.atomic_write import failure, whole_file
+from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.view.camera import axes
@@ -42,18 +42,17 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     from pxr import Tf, UsdUtils
 
     if not str(path).isprintable():
-        raise PlayerError(f"{path}: OpenUSD writes files of plain names only.")
-    with whole_file(path) as part:
-        packed = path.suffix.lower() == ".usdz"
-        stage = part.with_name("plant.usdc") if packed else part
-        try:
-            _write_stage(clip, film, stage, progress)
-            if packed:
-                os.utime(stage, (ZIP_EPOCH.timestamp(),) * 2)
-                if not UsdUtils.CreateNewUsdzPackage(str(stage), str(part)):
-                    raise failure(part, path, "OpenUSD")
-        except Tf.ErrorException:
-            raise failure(part, path, "OpenUSD") from None
+        raise PlayerError(f"{path.name}: OpenUSD writes files of plain names only.")
+    packed = path.suffix.lower() == ".usdz"
+    stage = path.with_name("plant.usdc") if packed else path
+    try:
+        _write_stage(clip, film, stage, progress)
+        if packed:
+            os.utime(stage, (ZIP_EPOCH.timestamp(),) * 2)
+            if not UsdUtils.CreateNewUsdzPackage(str(stage), str(path)):
+                raise failure(path, "OpenUSD")
+    except Tf.ErrorException:
+        raise failure(path, "OpenUSD") from None
 
 
 def _write_stage(clip: Clip, film: Film, path: Path, progress: Progress) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import failure, whole_file
+from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 
@@ -85,32 +85,31 @@ def encode(
     codec, arguments, pixels: as ffmpeg names them: the encoder, its options, the format of its
                               pixels.
     unseen:                   how many of the pictures are no frames of the film.
-    Raises PlayerError if ffmpeg is missing or gives up, or the file can't be written.
+    Raises PlayerError if ffmpeg is missing or gives up.
     """
     from imageio_ffmpeg import get_ffmpeg_exe, write_frames
 
-    with whole_file(path) as part:
-        frames = write_frames(
-            str(part.absolute()),
-            film.size,
-            pix_fmt_in="rgba",
-            pix_fmt_out=pixels,
-            fps=film.fps,
-            quality=None,
-            codec=codec,
-            macro_block_size=1,
-            ffmpeg_log_level="quiet",
-            output_params=[*arguments, *REPRODUCIBLE],
-        )
-        try:
-            next(frames)
-        except (RuntimeError, OSError):
-            raise PlayerError(
-                "no ffmpeg was found; install the package imageio-ffmpeg, or ffmpeg itself."
-            ) from None
-        sent = _send(pictures, frames)
-        if _frame_count(part) != sent - unseen:
-            raise failure(part, path, get_ffmpeg_exe())
+    frames = write_frames(
+        str(path.absolute()),
+        film.size,
+        pix_fmt_in="rgba",
+        pix_fmt_out=pixels,
+        fps=film.fps,
+        quality=None,
+        codec=codec,
+        macro_block_size=1,
+        ffmpeg_log_level="quiet",
+        output_params=[*arguments, *REPRODUCIBLE],
+    )
+    try:
+        next(frames)
+    except (RuntimeError, OSError):
+        raise PlayerError(
+            "no ffmpeg was found; install the package imageio-ffmpeg, or ffmpeg itself."
+        ) from None
+    sent = _send(pictures, frames)
+    if _frame_count(path) != sent - unseen:
+        raise failure(path, get_ffmpeg_exe())
 
 
 def _send(

@@ -17,7 +17,6 @@ from msgspec import to_builtins
 import shaders
 from gclip import Clip
 from gclip.evaluate import newborn
-from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import Packed, pack
@@ -52,7 +51,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
                 f"{path.name}: interval {done} is too large for a page; bake with --voxel SIZE."
             )
         progress(done, total)
-    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+    with path.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(_render(clip, film, packed))
 
 
