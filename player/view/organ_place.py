@@ -20,21 +20,11 @@ def organ_place(
     day: float,
     seen: tuple[Camera, float, tuple[float, float]] | None = None,
 ) -> Place | None:
-    """A point of an organ in the scan nearest in time, or in the next one where that lacks it.
+    """A point of an organ in the scan nearest in time, or in the next one where that lacks it; None
+    where neither has the organ.
 
-    Parameters
-    ----------
-    clip : Clip
-    track : int
-    day : float
-    seen : (Camera, float, (float, float)), optional
-        How the organ is seen, the picture's width by its height, and where it was clicked: right
-        and up from the middle, from -1 to 1. Without it a point in the organ's middle is chosen.
-
-    Returns
-    -------
-    Place or None
-        None where neither scan has the organ.
+    seen: how the organ is seen, the picture's width by its height, and where it was clicked: right
+          and up from the middle, from -1 to 1. Without it a point in the organ's middle is chosen.
     """
     for scan in sorted(clip.scans, key=lambda scan: abs(scan.time - day))[:2]:
         frame = clip.at(scan.time)

@@ -165,13 +165,10 @@ function arrange({ times, first, last }, act) {
 }
 
 function savePicture(canvas, name) {
-    canvas.toBlob((blob) => {
-        const link = document.createElement("a");
-        link.href = URL.createObjectURL(blob);
-        link.download = `${name.replace(/[^\w. -]+/g, "-")}.png`;
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-    });
+    const link = document.createElement("a");
+    link.href = canvas.toDataURL();
+    link.download = `${name.replace(/[^\w. -]+/g, "-")}.png`;
+    link.click();
 }
 
 const KEYS = {
