@@ -1,7 +1,5 @@
 """What a film shows: which day each of its frames is, and from where it is seen."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """What can be exported, by the suffix of the output's name: one table that all messages read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from os import PathLike

@@ -1,7 +1,5 @@
 """PNG and JPEG pictures: one, or a numbered sequence."""
 
-from __future__ import annotations
-
 import json
 from contextlib import closing
 from dataclasses import replace

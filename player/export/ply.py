@@ -1,7 +1,5 @@
 """Point clouds at any moment, as binary PLY files (Turk 1994), one file a moment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How an export tells where it is."""
 
-from __future__ import annotations
-
 from gclip.terminal.progress import ProgressBars
 
 

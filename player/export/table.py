@@ -1,7 +1,5 @@
 """The traits of the plant and its organs, as a table (see `traits`)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import traits

@@ -5,8 +5,6 @@ while its time lasts. Between time samples USD interpolates linearly, so straigh
 samples and curved ones some more.
 """
 
-from __future__ import annotations
-
 import os
 from datetime import datetime
 from importlib.util import find_spec

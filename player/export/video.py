@@ -1,7 +1,5 @@
 """Films as MP4 or QuickTime (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What helps to read the picture in the window: guides, captions, the picked organ, an export."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

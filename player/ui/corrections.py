@@ -1,7 +1,5 @@
 """The panel's part about corrections: the chosen organs, what to say of them, what was said."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from imgui_bundle import imgui, imgui_ctx

@@ -5,8 +5,6 @@ their sake, and for Wayland's, which imgui-bundle's copy of GLFW knows nothing o
 its events on here, in place of ImGui's backend for GLFW.
 """
 
-from __future__ import annotations
-
 import time
 
 import moderngl

@@ -1,7 +1,5 @@
 """The help: every key and mouse action, straight from the table in keys.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from imgui_bundle import imgui, imgui_ctx

@@ -1,7 +1,5 @@
 """What lies over the plant: title, buttons, timeline, annotations, notices, panel and help."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass

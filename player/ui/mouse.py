@@ -1,7 +1,5 @@
 """What the mouse does to the plant, where no control takes it."""
 
-from __future__ import annotations
-
 import math
 
 from imgui_bundle import imgui

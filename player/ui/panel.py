@@ -1,7 +1,5 @@
 """The panel at the window's right: every choice in sight, and each of them has a key as well."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from imgui_bundle import imgui, imgui_ctx

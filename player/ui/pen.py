@@ -1,7 +1,5 @@
 """Writing and boxes on one of Dear ImGui's draw lists; what annotations are drawn with, too."""
 
-from __future__ import annotations
-
 from imgui_bundle import imgui
 
 from player.ui.gui import Gui

@@ -1,7 +1,5 @@
 """The colours of what lies over the plant, one set for each ground, and Dear ImGui in them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imgui_bundle import imgui

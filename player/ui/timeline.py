@@ -1,7 +1,5 @@
 """The timeline: its line, the scans' marks and dates, the handle with the current date."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 What clips name is never a label to ImGui: a name can't change what a control is.
 """
 
-from __future__ import annotations
-
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys

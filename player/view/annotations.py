@@ -3,8 +3,6 @@
 One drawing for pictures, films and the window: each brings a `Pen` that knows its fonts and pixels.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What users choose among. Loads nothing: the table of keys is read by `--help`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 

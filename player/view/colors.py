@@ -6,8 +6,6 @@ another palette of tracks; height and speed are found in the shaders (scalar_fie
 their colours off a ramp; other values stand in a copy of the clip as its own colours (painted.py).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """How the player words times."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

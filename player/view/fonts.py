@@ -1,7 +1,5 @@
 """Where the letters and icons come from: files of imgui-bundle, found without loading it."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path

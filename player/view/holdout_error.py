@@ -6,8 +6,6 @@ the nearest of its points. That distance is the mover's error; it keeps its colo
 interval lasts, so that one sees where the plant went wrong, and how it came to that.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 

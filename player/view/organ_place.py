@@ -1,7 +1,5 @@
 """Where on an organ someone clicked: a point of a scan, in its file's own coordinates."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import numpy as np

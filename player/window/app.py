@@ -4,8 +4,6 @@ The scene is a frozen value (player/view/state.py). Events turn it into a new on
 it, and a picture is drawn only where it would differ from the last one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

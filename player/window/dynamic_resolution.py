@@ -2,8 +2,6 @@
 rest.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

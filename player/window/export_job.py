@@ -1,7 +1,5 @@
 """Exports beside the window: in a process of their own, with progress, and easily stopped."""
 
-from __future__ import annotations
-
 import multiprocessing
 import signal
 from contextlib import suppress

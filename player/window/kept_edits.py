@@ -1,7 +1,5 @@
 """Corrections of a clip's organs, kept in the file beside it that the next bake reads."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from gclip.corrections import corrections_file, read_corrections, write_corrections

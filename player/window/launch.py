@@ -1,7 +1,5 @@
 """Opens the window as the command line and the last time left it, and remembers how it ends."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

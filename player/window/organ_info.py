@@ -1,7 +1,5 @@
 """What is known of a picked organ: from the clip at once, its length as soon as it is measured."""
 
-from __future__ import annotations
-
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """What the window remembers from one time to the next."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The plants in a window: drawn into a picture of their own, shown as it is until they change."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

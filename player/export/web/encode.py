@@ -4,8 +4,6 @@ Neighbours in a clip's buffers are neighbours on the plant, so differences betwe
 Byte by byte, all of one buffer's low bytes together, they deflate well.
 """
 
-from __future__ import annotations
-
 import zlib
 from dataclasses import dataclass
 from typing import Any

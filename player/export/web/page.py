@@ -1,7 +1,5 @@
 """One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Iterator, Sequence
