@@ -1,7 +1,6 @@
 """What lies over the plant: title, buttons, timeline, annotations, notices, panel and help."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -10,6 +9,7 @@ from imgui_bundle import imgui
 from gclip import Clip
 from player.ui import actions
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
+from player.ui.curves import HEIGHT, draw_curve
 from player.ui.gui import Gui
 from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
@@ -17,13 +17,14 @@ from player.ui.panel import Panel, panel_place, panel_width
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR, faint, packed, theme_of
 from player.ui.timeline import TimelineView
-from player.ui.widgets import BARE, button, icon_button
+from player.ui.widgets import bare_window, button, icon_button
 from player.view.choices import Compare
 from player.view.colors import ValueRange
 from player.view.dates import date_at
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Exporting, Scene
+from traits.curves import TraitCurve
 
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
@@ -65,6 +66,7 @@ class Facts:
     organ: tuple[tuple[str, str], ...] = ()  #: of the picked one, (what, value) pairs
     panes: Sequence[Pane] = ()  #: what is compared, from left to right; none where nothing is
     exporting: Exporting | None = None  #: an export under way
+    curves: Sequence[TraitCurve] = ()  #: the picked organ's traits over time
 
 
 class Interface:
@@ -97,6 +99,7 @@ class Interface:
         area = (size[0] - panel_width(size[0], scene.panel and not scene.kiosk), size[1])
         back = imgui.get_background_draw_list()
         margin, below = _margin(area), BOTTOM + (CAPTION if facts.panes else 0.0)
+        below += HEIGHT + 5 * GAP if facts.curves and scene.curve else 0.0
         pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
         scene = self.mouse.move(scene, area)
         if shown.kiosk:
@@ -105,7 +108,7 @@ class Interface:
             self._draw_veils(pen)
             self._draw_annotations(pen, shown, facts)
             scene = self._draw_title(pen, scene)
-            scene = self._draw_controls(pen, scene)
+            scene = self._draw_controls(pen, scene, facts)
             if shown.compare is Compare.WIPE:
                 scene = _draw_wipe(pen, scene)
             if shown.panel:
@@ -143,18 +146,18 @@ class Interface:
         scans, organs = len(self._clip.scans), len(self._clip.track_table)
         text = pen.fitted(f"{scans} scans, {organs} organs", 15.0, room)
         pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
-        with _window("tools", (pen.size[0] - margin - width, margin), (width, BUTTON)):
+        with bare_window("tools", (pen.size[0] - margin - width, margin), (width, BUTTON)):
             for place, name in enumerate(tools):
                 imgui.set_cursor_pos((place * (BUTTON + GAP), 0.0))
                 on = (name == "turn" and scene.turning) or (name == "panel" and scene.panel)
                 scene = icon_button(scene, name, _icon(name, scene), theme, on)
         return scene
 
-    def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
+    def _draw_controls(self, pen: Pen, scene: Scene, facts: Facts) -> Scene:
         """The timeline, and the buttons at both of its ends."""
         theme, (width, height), margin = pen.theme, pen.size, _margin(pen.size)
         middle = CONTROLS - 50.0  # of the line, from the window's top
-        with _window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
+        with bare_window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
             x = margin
             for name in ("previous", "play", "next") if width >= NARROW else ("play",):
                 side = PLAY if name == "play" else BUTTON
@@ -175,7 +178,11 @@ class Interface:
                     text, line = SPEEDS.get(speed, f"{speed:.0f}×"), height - 50.0
                     pen.write(right + SPEED / 2, line, text, 17.0, theme.text, True, 0.5)
             least = 8.0 if width >= NARROW else x
-            scene = self.timeline.draw(pen, scene, (x - GAP + margin, right - margin), least)
+            ends = x - GAP + margin, right - margin
+            if facts.curves and height >= ANNOTATED[1]:
+                color = self._clip.track_table[facts.curves[0].track].color
+                scene = draw_curve(pen, scene, facts.curves, color, ends, height - BOTTOM)
+            scene = self.timeline.draw(pen, scene, ends, least)
         if width >= ROOMY:
             self.timeline.draw_key(pen, right + 8.0, height - 25.0)
         return scene
@@ -215,24 +222,11 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
     size = (2 * WIPE_REACH, height - TOP - BOTTOM)
     if size[1] <= 0.0:
         return scene
-    with _window("wipe", (x - WIPE_REACH, TOP), size):
+    with bare_window("wipe", (x - WIPE_REACH, TOP), size):
         imgui.invisible_button("line", size)
         if imgui.is_item_active() or imgui.is_item_deactivated():
             scene = actions.wipe_to(imgui.get_mouse_pos().x / width)(scene)
     return scene
-
-
-@contextmanager
-def _window(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
-    """An ImGui window that is only its controls."""
-    imgui.set_next_window_pos(place)
-    imgui.set_next_window_size(size)
-    imgui.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0))
-    imgui.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0))
-    imgui.begin(name, None, BARE)
-    yield
-    imgui.end()
-    imgui.pop_style_var(2)
 
 
 def _icon(name: str, scene: Scene) -> str:

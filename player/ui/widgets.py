@@ -3,6 +3,9 @@
 What clips name is never a label to ImGui: a name can't change what a control is.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
@@ -61,3 +64,16 @@ def button(
 def icon_button(scene: Scene, name: str, icon: str, theme: Theme, on: bool = False) -> Scene:
     """One without a ground of its own."""
     return button(scene, name, icon, (32.0, 32.0), CLEAR, theme.accent if on else theme.text)
+
+
+@contextmanager
+def bare_window(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
+    """An ImGui window that is only its controls."""
+    imgui.set_next_window_pos(place)
+    imgui.set_next_window_size(size)
+    imgui.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0))
+    imgui.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0))
+    imgui.begin(name, None, BARE)
+    yield
+    imgui.end()
+    imgui.pop_style_var(2)

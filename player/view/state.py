@@ -39,6 +39,7 @@ class Scene:
     panel: bool = False
     guides: bool = True  #: scale bar and axes
     legend: bool = True  #: what the colours mean
+    curve: str = "length"  #: which trait of the picked organ is plotted; "" for none
     help: bool = False
     fullscreen: bool = False
     kiosk: bool = False  #: nothing but the plant and the date

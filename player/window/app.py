@@ -285,8 +285,9 @@ class Window:
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
         style, day = self.scene.style, self.scene.timeline.day
         organ = () if style.picked is None else tuple(self._organs.lines(style.picked, day))
-        compared = panes if len(panes) > 1 else ()
-        return Facts(self._colors.color_scale(style), organ, compared, self._exports.progress)
+        curves = () if style.picked is None else self._organs.curves(style.picked)
+        compared, job = panes if len(panes) > 1 else (), self._exports.progress
+        return Facts(self._colors.color_scale(style), organ, compared, job, curves)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

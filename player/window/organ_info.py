@@ -8,6 +8,7 @@ from gclip import Clip
 from gclip.errors import ClipError
 from player.view.dates import date_at
 from traits import Measurement, measure
+from traits.curves import TraitCurve, trait_curves
 
 PAUSE = 0.7  # seconds between measurements while time goes on
 
@@ -22,9 +23,18 @@ class OrganInfo:
         self._asked: tuple[int, float] | None = None
         self._found: tuple[int, Measurement | None] | None = None
         self._ended = 0.0
+        self._curves: dict[int, Future[list[TraitCurve]]] = {}
 
     def release(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def curves(self, track: int) -> tuple[TraitCurve, ...]:
+        """The organ's traits over time; none until they are measured."""
+        if track not in self._curves:
+            self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
+        found = self._curves[track]
+        failed = not found.done() or found.cancelled() or found.exception() is not None
+        return () if failed else tuple(found.result())
 
     def lines(self, track: int, day: float) -> list[tuple[str, str]]:
         """What to tell about an organ, by its row in the clip's table, on a day: (what, value).

@@ -24,6 +24,7 @@ from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
 from tests.player.desk import SIZE, Desk, scene_of
 from tests.player.shown import small_clip
+from traits.curves import TraitCurve
 
 TIMES = st.lists(st.integers(0, 5000), min_size=2, max_size=60, unique=True).map(sorted)
 WIDTHS = st.floats(320, 4000)
@@ -269,3 +270,28 @@ def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
         assert pen.width(pen.fitted("a long name", 16.0, 40.0), 16.0) <= 40.0
         assert pen.fitted("leaf", 16.0, 400.0, bold=True) == "leaf"
         desk.gui.end(desk.framebuffer)
+
+
+def test_the_picked_organ_s_curve_rises_over_the_timeline(context: moderngl.Context) -> None:
+    clip, count = small_clip(), len(small_clip().times)
+    values = tuple(10.0 * (i + 1) for i in range(count))
+    curve = TraitCurve(
+        1, "area", " mm²", tuple(clip.times), values, (0.5,) * count, (True,) * count
+    )
+    scene = replace(scene_of(clip, 0.0, picked=1), guides=False)
+    with opened(context, clip, scene, facts=Facts(curves=(curve,))) as desk:
+        plotted = replace(scene, curve="area")
+        hidden, shown = drawn(desk, replace(scene, curve="")), drawn(desk, plotted)
+        assert (drawn(desk, scene) == hidden).all(), "its length was not measured"
+        _, top, _, bottom = changed(shown, hidden)
+        assert SIZE[1] / 2 < top < bottom - 70
+        seen = np.abs(shown.astype(int) - clip.track_table[1].color).max(axis=2) < 20
+        seen[: top + 1] = False
+        first, last = (
+            np.flatnonzero(seen[:, round(desk.line.x_of(day))]).mean()
+            for day in clip.times[:: count - 1]
+        )
+        assert last < first - 15
+        drawn(desk, plotted)
+        desk.click("curve")
+        assert desk.scene.curve == "angle"

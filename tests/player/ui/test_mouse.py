@@ -21,7 +21,7 @@ PLANT = (300.0, 250.0)
 KEYS_ALONE = {
     "back", "on", "frame back", "frame on", "first", "last", "begin", "end", "whole", "next organ",
     "last organ", "wipe left", "wipe right", "leave", "quit", "undo", "redo",
-    "colormap",  # stands in the panel where colours are values
+    "colormap", "curve",  # shown where colours are values, and for an organ that was measured
 }  # fmt: skip
 CHOICES = {"color", "compare", "format", "size"}  # lists, where the key goes through the choices
 

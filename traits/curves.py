@@ -1,0 +1,118 @@
+"""The traits of organs over time, with how far they may be off: what plots are drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from html import escape
+from os import cpu_count
+from typing import TYPE_CHECKING
+
+from traits.table import Namer
+from traits.traits import measure
+
+if TYPE_CHECKING:
+    from gclip import Clip
+
+PLOTTED = {"length": 1, "area": 2, "angle": 0}  # power of the length unit
+# What nine in ten values stay within, as shares of the largest (angles: in degrees), of those that
+# are sure and of others: `python -m bench.traits`.
+SURE, UNSURE = 0.05, 0.15
+SURE_ANGLE, UNSURE_ANGLE = 5.0, 15.0
+SVG_SIZE = (320.0, 84.0)
+
+
+@dataclass(frozen=True)
+class TraitCurve:
+    """One trait of one organ at the scans that show it."""
+
+    track: int
+    trait: str  #: one of PLOTTED
+    unit: str
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    margins: tuple[float, ...]  #: half the width of the band that the truth is likely in
+    sure: tuple[bool, ...]
+
+    @property
+    def top(self) -> float:
+        """The highest value that the band reaches; the lowest of a plot is 0."""
+        return max(map(sum, self.points))
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """(value, margin) at each time."""
+        return list(zip(self.values, self.margins, strict=True))
+
+
+def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[TraitCurve]:
+    """Lengths, areas and angles of organs at the scans.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    tracks : collection of int, optional
+        Ids of the organs; all of them if not given.
+
+    Returns
+    -------
+    list of TraitCurve
+        By track id.
+    """
+    chosen = range(len(clip.track_table)) if tracks is None else tracks
+    namer, unit = Namer(clip, ""), clip.unit or "units"
+    units = {0: "°", 1: f" {unit}", 2: f" {unit}²"}
+    with ThreadPoolExecutor(cpu_count()) as threads:
+        scans = list(threads.map(partial(measure, clip, only=chosen), clip.times))
+    found: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
+    for one in (one for scan in scans for one in scan):
+        for trait in PLOTTED:
+            value = getattr(one, trait)
+            if one.track is None or value is None:
+                continue
+            sure = namer.is_sure(one, trait, one.time)
+            off = (SURE_ANGLE if sure else UNSURE_ANGLE) if trait == "angle" else value
+            off *= 1.0 if trait == "angle" else SURE if sure else UNSURE
+            found.setdefault((one.track, trait), []).append((one.time, value, off, sure))
+    return [
+        TraitCurve(track, trait, units[PLOTTED[trait]], *map(tuple, zip(*points, strict=True)))
+        for (track, trait), points in sorted(found.items())
+    ]
+
+
+def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
+    """A curve as an SVG element of 320 × 84 units, whose x runs from the first day to the last.
+
+    Parameters
+    ----------
+    curve : TraitCurve
+    span : tuple of float
+        First and last day.
+    color : str
+        Of line and band, as CSS writes it.
+    """
+    (width, height), (first, last) = SVG_SIZE, span
+
+    def place(time: float, value: float) -> str:
+        x = width * (time - first) / (last - first)
+        return f"{x:.1f},{height - 4.0 - (height - 8.0) * max(value, 0.0) / (curve.top or 1.0):.1f}"
+
+    points = list(zip(curve.times, curve.values, curve.margins, strict=True))
+    upper = [place(time, value + margin) for time, value, margin in points]
+    lower = [place(time, value - margin) for time, value, margin in reversed(points)]
+    line = [place(time, value) for time, value, _ in points]
+    dots = "".join(
+        '<circle cx="{}" cy="{}" r="3" stroke="{}" fill="{}"/>'.format(
+            *at.split(","), color, color if sure else "none"
+        )
+        for at, sure in zip(line, curve.sure, strict=True)
+    )
+    return (
+        f'<svg viewBox="0 0 {width:g} {height:g}" overflow="visible" preserveAspectRatio="none">'
+        f"<title>{escape(curve.trait)}</title>"
+        f'<polygon points="{" ".join(upper + lower)}" fill="{color}" opacity="0.25"/>'
+        f'<polyline points="{" ".join(line)}" fill="none" stroke="{color}" stroke-width="2"/>'
+        f"{dots}</svg>"
+    )
