@@ -4,8 +4,6 @@ The mean distance of a mover's neighbours from their centre is the same wherever
 takes them, however they turn; it changes as the surface about the mover stretches.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Values as the colours of a clip, so that all that shows colours shows them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
