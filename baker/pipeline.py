@@ -80,10 +80,10 @@ Register = Callable[..., Alignment]
 class Survey:
     """A series before segmentation: in one frame, with what was decided about it."""
 
-    found: Series  # all scans as they were read, those left out too
+    raw: Series  # all scans as they were read, those left out too
     series: Series  # the scans to bake
     options: Options  # as this series has them
-    alignment: Alignment  # of all scans found
+    alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
     held_out: tuple[HeldOut, ...]
     labels: LabelUse
@@ -95,7 +95,7 @@ class Survey:
         sizes = sorted({len(scan) for scan in self.series.scans})
         each = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
         points = Finding("points", f"{len(self.series.scans)} scans of {each}")
-        stages = (self.found, self.alignment, self.labels)
+        stages = (self.raw, self.alignment, self.labels)
         return (points, *(finding for stage in stages for finding in stage.findings))
 
 
@@ -158,7 +158,7 @@ def bake_recorded(
 
         # Transport (3.4) and interpolation, interval by interval
         tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
-        jobs = interval_jobs(aligned, matches, tracks, tasks, choices, found_organs=labels.found)
+        jobs = interval_jobs(aligned, matches, tracks, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         intervals = tuple(solve(jobs, partial(progress, "transport")))
 
@@ -167,7 +167,7 @@ def bake_recorded(
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
             track_table=describe_tracks(series, organs, labels, order),
-            origin=tuple(survey.found.scans[0].origin.tolist()),
+            origin=tuple(survey.raw.scans[0].origin.tolist()),
             up=survey.alignment.up,
             unit=options.unit,
             time_unit=series.unit,
@@ -178,12 +178,12 @@ def bake_recorded(
                 for held in survey.held_out
             ),
             provenance=describe_provenance(
-                survey.found, series, survey.alignment, labels, hierarchies, options
+                survey.raw, series, survey.alignment, labels, hierarchies, options
             ),
         )
         confirmed = confirmed_organs(labels.given, survey.corrections)
         followed = FollowedOrgans(
-            aligned.clouds, aligned.bases, matches, tracks, labels.found, confirmed
+            aligned.clouds, aligned.bases, matches, tracks, labels.unlabelled, confirmed
         )
         contacts = [job.attachments for job in jobs]
         clip = judged(clip, contacts, None if labels.are_names else followed, map)
@@ -208,25 +208,25 @@ def survey_series(
         Maps a function over scans.
     """
     files = [Path(path) for path in paths]
-    found = read_series(files, options, partial(progress, "reading"), map, times)
-    options = options.for_series(found.fixed, found.length, found.root)
+    raw = read_series(files, options, partial(progress, "reading"), map, times)
+    options = options.for_series(raw.fixed, raw.length, raw.root)
     choices = options.resolved()
-    root = _local_root(found, options)
-    scans, first = found.scans, found.scans[0].origin
+    root = _local_root(raw, options)
+    scans, first = raw.scans, raw.scans[0].origin
     points, read = [scan.points for scan in scans], [scan.labels for scan in scans]
     names, offsets = [scan.name for scan in scans], [scan.origin - first for scan in scans]
-    known = root, read, names, offsets, found.ground_up, options.unit
+    known = root, read, names, offsets, raw.ground_up, options.unit
     alignment = register(points, choices.align, choices.up, *known, progress=progress, map=map)
-    keyframes = aligned_keyframes(found, alignment)
-    series, keyframes, held_out = hold_out(found, keyframes, options.holdout)
+    keyframes = aligned_keyframes(raw, alignment)
+    series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
     read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
     where = (aligned.clouds, aligned.bases)
-    labels = label_policy(read, names, *where, choices.labels, found.label_field)
+    labels = label_policy(read, names, *where, choices.labels, raw.label_field)
     corrections = options.corrections or ()
     labels = replace(labels, findings=(*labels.findings, *corrections_finding(corrections)))
-    located = locate_corrections(corrections, found, series, aligned, options.scale)
-    return Survey(found, series, options, alignment, aligned, tuple(held_out), labels, located)
+    located = locate_corrections(corrections, raw, series, aligned, options.scale)
+    return Survey(raw, series, options, alignment, aligned, tuple(held_out), labels, located)
 
 
 def _measure(
@@ -268,10 +268,10 @@ def _segment(
         return labels, thin_hierarchies(clouds, bases, aligned.neighbors, k, threshold, map)
     is_complete = len(own) == len(clouds)
     if not is_complete:
-        found = segment_organs(clouds, bases, map)
+        segmented = segment_organs(clouds, bases, map)
         own = [
             organs if given is None else given
-            for given, organs in zip(labels.labels, found, strict=True)
+            for given, organs in zip(labels.labels, segmented, strict=True)
         ]
     own = with_corrected_organs(own, aligned, corrections)
     given = zip(labels.labels, own, strict=True)

@@ -10,12 +10,11 @@ from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.attachment import attached
 from baker.interpolation.movers import OrganMovers, leaving, moving
 from baker.interpolation.organ_attachments import Attachments, attachments, organ_attachments
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import OrganShape, organ_shapes
-from baker.interpolation.paths import Deviation, OrganPaths
+from baker.interpolation.paths import Deviation, OrganPaths, attached
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
@@ -70,7 +69,7 @@ def interval_jobs(
     tracks: Sequence[IntervalOrgans],
     tasks: Sequence[tuple[Task, ...]],
     options: Options,
-    found_organs: bool,
+    unlabelled: bool,
 ) -> list[IntervalJob]:
     """Gather what each interval is solved from, and settle what spans intervals.
 
@@ -80,7 +79,7 @@ def interval_jobs(
         The options are resolved.
     matches, tracks, tasks : sequence of Match, IntervalOrgans and tuple of Task
         Of each interval.
-    found_organs : bool
+    unlabelled : bool
         The organs were found without labels. Most of what is lost then is a bit of a leaf that the
         next scan counts to that leaf: it fades instead of falling.
     """
@@ -112,7 +111,7 @@ def interval_jobs(
         precision=options.precision,
     )
     attached_at = organ_attachments(clouds, spacings, matches, tracks)
-    decays = _decays(tasks, tracks, Motion(options.decay), found_organs)
+    decays = _decays(tasks, tracks, Motion(options.decay), unlabelled)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
@@ -148,13 +147,13 @@ def _decays(
     tasks: Sequence[tuple[Task, ...]],
     tracks: Sequence[IntervalOrgans],
     decay: Motion,
-    found_organs: bool,
+    unlabelled: bool,
 ) -> list[dict[int, Motion]]:
     """How each lost organ leaves: what a later scan shows again was hidden, and does not fall."""
     decays, later = [], set[int]()
     for interval, organs in zip(reversed(tasks), reversed(tracks), strict=True):
         lost = [task.organ for task in interval if task.event == "loss"]
-        fading = {organ for organ in lost if found_organs or organ in later}
+        fading = {organ for organ in lost if unlabelled or organ in later}
         fading = fading if decay is Motion.FALL else set()
         decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
         later |= {*organs.second.values()}
@@ -225,7 +224,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    paths = OrganPaths(clouds, job.match, job.organs) if options.curved else None
+    paths = OrganPaths(clouds[1], job.match, job.organs) if options.curved else None
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
     if options.registered:
         match, names = job.match, (job.organs.first, job.organs.second)
@@ -250,8 +249,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]
-    found = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    moved, deviations = zip(*(found[k] for k in np.argsort(order)), strict=True)
+    solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
+    moved, deviations = zip(*(solutions[k] for k in np.argsort(order)), strict=True)
     solved = [*moved]
     if paths:
         curved, at_end = paths.curved(moved, deviations), attachments(clouds[1], job.match.second)

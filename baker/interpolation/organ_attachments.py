@@ -116,7 +116,7 @@ def _contacts(
     from scipy.spatial import KDTree
 
     trees: dict[int, KDTree] = {}
-    found: dict[int, list[Points]] = {}
+    contacts: dict[int, list[Points]] = {}
     for segment, members in enumerate(hierarchy.segments):
         organ, parent = names.get(segment), hierarchy.parents[segment]
         if organ not in organs or parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
@@ -132,8 +132,8 @@ def _contacts(
         pairs = KDTree(near).query_pairs(MAX_STEP * step, output_type="ndarray")
         graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(near), len(near)))
         count, group = connected_components(graph, directed=False)
-        found[organ] = [near[group == k] for k in range(count)]
-    return found
+        contacts[organ] = [near[group == k] for k in range(count)]
+    return contacts
 
 
 def _least_moving(choices: Sequence[Sequence[Points]]) -> list[Points]:

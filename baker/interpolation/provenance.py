@@ -104,7 +104,7 @@ def in_order(clip: Clip, order: Sequence[int]) -> Clip:
 
 
 def describe_provenance(
-    found: Series,
+    raw: Series,
     series: Series,
     alignment: Alignment,
     labels: LabelUse,
@@ -115,12 +115,12 @@ def describe_provenance(
 
     Parameters
     ----------
-    found : Series
+    raw : Series
         All scans as they were read.
     series : Series
         The scans that were baked.
     alignment : Alignment
-        Of all scans found.
+        Of all raw scans.
     labels : LabelUse
     hierarchies : sequence of Hierarchy
     options : Options
@@ -132,20 +132,20 @@ def describe_provenance(
         What JSON can hold.
     """
     notes: list[str] = []
-    if len(series.scans) < len(found.scans):
+    if len(series.scans) < len(raw.scans):
         kept = {scan.time for scan in series.scans}
-        names = [scan.name for scan in found.scans if scan.time not in kept]
+        names = [scan.name for scan in raw.scans if scan.time not in kept]
         notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     findings = (*series.findings, *alignment.findings, *labels.findings)
     return {
-        **software((scan.path for scan in found.scans), options.outliers),
+        **software((scan.path for scan in raw.scans), options.outliers),
         "options": options.provenance(),
-        "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in found.scans],
-        "origins": [scan.origin.tolist() for scan in found.scans],
+        "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in raw.scans],
+        "origins": [scan.origin.tolist() for scan in raw.scans],
         "transforms": [transform.tolist() for transform in alignment.transforms],
-        "decisions": [found.sentence for found in findings],
+        "decisions": [finding.sentence for finding in findings],
         "notes": notes,
     }
 

@@ -38,7 +38,7 @@ class LabelUse:
     consistent: bool  # the same organ has the same label in all scans
     findings: tuple[Finding, ...] = ()  # what was decided about the labels
     renamed: bool = False  # they are track numbers, not the scans' own labels
-    found: bool = False  # the organs themselves were found without labels
+    unlabelled: bool = False  # the organs themselves were found without labels
     names: Mapping[int, str] = field(default_factory=dict)  # given to organs by hand, by label
 
     @property
@@ -93,8 +93,8 @@ def label_policy(
     if not given:
         if requested != "auto":
             raise InputError(f"The scans have no labels; --labels {requested} needs them.")
-        found = "none; organs are found and followed by their shapes"
-        return LabelUse((None,) * len(labels), False, (Finding("labels", found),))
+        said = "none; organs are found and followed by their shapes"
+        return LabelUse((None,) * len(labels), False, (Finding("labels", said),))
     own = [np.asarray(labels[k]) for k in given]
     counts = [len(np.unique(numbers)) for numbers in own]
     for k, count in zip(given, counts, strict=True):
@@ -108,7 +108,7 @@ def label_policy(
     agreement = label_agreement(*places)
     is_asked = requested != "auto"
     consistent = requested == "consistent" if is_asked else agreement >= MIN_AGREEMENT
-    finding = Finding("labels", _found(field, counts, len(labels), consistent, is_asked))
+    finding = Finding("labels", _said(field, counts, len(labels), consistent, is_asked))
     low, high = DOUBTFUL_AGREEMENT
     if not is_asked and low < agreement < high:
         doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
@@ -117,15 +117,15 @@ def label_policy(
     return LabelUse(tuple(labels), consistent, (finding,))
 
 
-def _found(field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool) -> str:
+def _said(field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool) -> str:
     few, many = min(counts), max(counts)
     organs = f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
     meaning = "the same ones in all scans" if consistent else "numbered anew in every scan"
     name = f"'{field}', " if field else ""
-    found = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
+    said = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
     if len(counts) < scans:
-        found += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
-    return found
+        said += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
+    return said
 
 
 def follow_labels(
@@ -150,11 +150,11 @@ def follow_labels(
         The track number of every point, from 0 by first appearance. Where labels are consistent but
         some scans have none, these get them by the tracks, from the nearest scan that has them.
     """
-    found = not use.given
-    tracks = track_organs(clouds, hierarchies, root_points, found, corrections)
+    unlabelled = not use.given
+    tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_completed(use.labels, tracks)))
-    return replace(use, labels=tuple(tracks), consistent=True, renamed=True, found=found)
+    return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 
 def _completed(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
@@ -165,8 +165,8 @@ def _completed(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> lis
         names: dict[int, int] = {}
         for scan, own in sorted(given, key=lambda one: -abs(one[0] - k)):  # the nearest comes last
             names |= zip(tracks[scan].tolist(), own.tolist(), strict=True)
-        found = np.array([names.get(number, unused + number) for number in track.tolist()])
-        completed.append(found if wanted is None else wanted)
+        named = np.array([names.get(number, unused + number) for number in track.tolist()])
+        completed.append(named if wanted is None else wanted)
     return completed
 
 

@@ -70,13 +70,13 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
     before, after = _renumbered(first, pairs[:, 0]), _renumbered(second, pairs[:, 1])
     carried = source + _displacements(source, end, attachments, before, after, len(pairs))
     before, after = _joined(first, before, source, second, after, end)
-    found = []
+    parts = []
     for part in range(-1, len(pairs)):
         i, j = np.flatnonzero(before == part), np.flatnonzero(after == part)
         if len(i) and len(j):
-            found.append(LeafletPair(i, j, (carried[i], end[j]) if part < 0 else None))
-    used = sum(len(part.start) + len(part.end) for part in found)
-    return found if used == len(start) + len(end) else whole
+            parts.append(LeafletPair(i, j, (carried[i], end[j]) if part < 0 else None))
+    used = sum(len(part.start) + len(part.end) for part in parts)
+    return parts if used == len(start) + len(end) else whole
 
 
 @dataclass(frozen=True)

@@ -116,14 +116,14 @@ def coarse_hierarchies(
     list of Hierarchy
         Of all points; who grows from whom is found from `COARSE_POINTS` of each organ.
     """
-    found = []
+    hierarchies = []
     for cloud, names, base in zip(clouds, labels, bases, strict=True):
         values, members = split_by_label(names)
         some = np.concatenate([own[:: -(-len(own) // COARSE_POINTS)] for own in members])
         coarse = hierarchy_from_labels(cloud[some], names[some], int(names[base]))
         empty = [np.empty(0, np.intp)] * (len(coarse.segments) - len(values))  # a virtual root
-        found.append(replace(coarse, segments=(*members, *empty)))
-    return found
+        hierarchies.append(replace(coarse, segments=(*members, *empty)))
+    return hierarchies
 
 
 def _elected_roots(labels: Sequence[Labels], at_base: Sequence[int]) -> list[int]:

@@ -46,7 +46,7 @@ def correspond(
     if not parts:
         return _correspond(start, end, (start, end), options)
     shared = replace(options, shared=True)
-    rows, columns, work, found = [], [], [], []
+    rows, columns, work, solved = [], [], [], []
     for part in parts:
         source, target = start[part.start], end[part.end]
         placed_start, placed_end = part.registered or balance(source, target)
@@ -54,14 +54,14 @@ def correspond(
         rows.append(part.start[one.rows])
         columns.append(part.end[one.columns])
         work.append(one.distance**options.power * len(part.end))
-        found.append(one)
+        solved.append(one)
     order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
     return Correspondences(
         np.concatenate(rows)[order],
         np.concatenate(columns)[order],
         (sum(work) / len(end)) ** (1 / options.power),
-        max(one.marginal_error for one in found),
-        found[int(np.argmax(work))].solver,
+        max(one.marginal_error for one in solved),
+        solved[int(np.argmax(work))].solver,
         (f"its leaflets moved each on its own, {len(parts)} parts in all",) * (len(parts) > 1),
     )
 

@@ -75,10 +75,10 @@ def command_for(doubt: Doubt, path: str | Path) -> str:
 
 def grouped(doubts: Sequence[Doubt]) -> list[list[Doubt]]:
     """The doubts of each doubtful interval, in both the strongest first."""
-    found: dict[float, list[Doubt]] = {}
+    by_interval: dict[float, list[Doubt]] = {}
     for doubt in sorted(doubts, key=lambda doubt: -doubt.strength):
-        found.setdefault(doubt.start, []).append(doubt)
-    return list(found.values())
+        by_interval.setdefault(doubt.start, []).append(doubt)
+    return list(by_interval.values())
 
 
 def between(clip: Clip, doubt: Doubt) -> str:

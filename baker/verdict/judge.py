@@ -44,8 +44,8 @@ def judged(
         With the verdict in its provenance: by interval, in each the organs' motion first.
     """
     judge = partial(_doubts_in, clip, followed)
-    found = map(judge, range(len(clip.intervals)), attachments)
-    verdict = provenance_of(clip, [doubt for own in found for doubt in own])
+    doubts = map(judge, range(len(clip.intervals)), attachments)
+    verdict = provenance_of(clip, [doubt for own in doubts for doubt in own])
     return replace(clip, provenance={**clip.provenance, "verdict": verdict})
 
 

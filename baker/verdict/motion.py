@@ -112,10 +112,10 @@ def sampled_motions(interval: Interval) -> dict[int, SampledMotion]:
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
     order = np.argsort(tracks, kind="stable")
-    found, first, count = np.unique(tracks[order], return_index=True, return_counts=True)
+    names, first, count = np.unique(tracks[order], return_index=True, return_counts=True)
     sizes = np.minimum(count, SAMPLE_SIZE)
     even = [np.arange(n) * c // n for n, c in zip(sizes, count, strict=True)]
     movers: Any = order[np.concatenate([begin + e for begin, e in zip(first, even, strict=True)])]
     states = np.stack([positions_on_curve(interval, movers, u) for u in PARAMETERS]).astype(float)
     parts = zip(np.split(states, np.cumsum(sizes)[:-1], axis=1), count / stop, strict=True)
-    return {int(organ): SampledMotion(*part) for organ, part in zip(found, parts, strict=True)}
+    return {int(organ): SampledMotion(*part) for organ, part in zip(names, parts, strict=True)}

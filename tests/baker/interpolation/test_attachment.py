@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.interpolation.attachment import attached
 from baker.interpolation.movers import OrganMovers
 from baker.interpolation.organ_attachments import attachments
+from baker.interpolation.paths import attached
 from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip.evaluate import bernstein

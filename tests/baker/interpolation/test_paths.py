@@ -30,7 +30,7 @@ def plant(u: float) -> np.ndarray:
 
 def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
     organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
-    return OrganPaths(clouds, match, organs)
+    return OrganPaths(clouds[1], match, organs)
 
 
 def motions_of(clouds: list[np.ndarray], match: Match) -> list[OrganMotion | None]:

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from baker.matching.assignment import assign_by_minima, assign_with_dummies
-from baker.matching.hierarchical import PAPER, GreedyRules, match_hierarchies
+from baker.matching.hierarchical import (
+    PAPER,
+    GreedyRules,
+    assign_by_minima,
+    assign_with_dummies,
+    match_hierarchies,
+)
 from baker.matching.match import Match, match_from_pairs, match_series
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.wasserstein import wasserstein
