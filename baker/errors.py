@@ -33,12 +33,3 @@ def asking(path: Path) -> Iterator[None]:
     except OSError as error:
         what = printable(str(error.filename or path), 200)
         raise InputError(f"'{what}' can't be read: {error.strerror or error}.") from error
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Write `path`: what the file system refuses is an InputError that names it."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"{path} can't be written: {error.strerror or error}.") from None

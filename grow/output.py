@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from baker.errors import InputError
-from gclip.terminal.atomic import folder_beside
+from gclip.terminal.atomic import folder_beside, writing
 
 TRUTH = "truth"
 LARGEST_NOISE = 1e6  # mm
@@ -18,12 +18,12 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
 
     ours:  whether a file is one that `grow` writes, by its path.
     force: replace such files, and the folder of truths, that are there already.
-    Raises InputError where they are and `force` is not given, or where nothing can be written.
+    Raises UserError where they are and `force` is not given, or where nothing can be written.
     """
     earlier = _earlier(folder, ours)
     if earlier and not force:
         raise InputError(f"{earlier[0]} exists; --force overwrites it.")
-    try:
+    with writing(folder):
         folder.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(folder) as draft:
             yield draft
@@ -32,8 +32,6 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
             folder.mkdir(exist_ok=True)
             for path in sorted(draft.iterdir()):
                 path.replace(folder / path.name)
-    except OSError as error:
-        raise InputError(f"'{folder}' can't be written: {error.strerror or error}.") from error
 
 
 def _earlier(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:

@@ -8,7 +8,7 @@ from glob import escape
 from itertools import count
 from pathlib import Path
 
-from gclip.terminal.atomic import atomic_file, check_output, folder_beside, sync
+from gclip.terminal.atomic import atomic_file, check_output, folder_beside, sync, writing
 from player.errors import PlayerError
 
 NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
@@ -19,9 +19,9 @@ PROBE = 1 << 20  # bytes
 def whole_file(path: Path) -> Iterator[Path]:
     """A temporary file, which takes the place of `path` when the work is done, else is removed.
 
-    Raises PlayerError where it can't be written.
+    Raises UserError where it can't be written.
     """
-    with _said(path), atomic_file(path) as part:
+    with writing(path), atomic_file(path) as part:
         yield part
 
 
@@ -32,7 +32,7 @@ def whole_files(path: Path) -> Iterator[Path]:
     The folder that they go to is made if only itself is missing. What else is in it stays.
     """
     home = path.parent
-    with _said(path), folder_beside(path if home.exists() else home) as draft:
+    with writing(path), folder_beside(path if home.exists() else home) as draft:
         yield draft / path.name
         parts = sorted(draft.iterdir())
         for part in parts:
@@ -89,11 +89,3 @@ def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
         if not taken.exists():
             return path
     raise AssertionError("numbers do not end")
-
-
-@contextmanager
-def _said(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise PlayerError(f"{path} can't be written: {error.strerror or error}.") from None

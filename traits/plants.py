@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
-from gclip.terminal.atomic import atomic_file
+from gclip.terminal.atomic import atomic_file, writing
 from traits.table import COLUMNS, Namer, measure_days, write_table
 
 if TYPE_CHECKING:
@@ -83,11 +83,8 @@ class TraitsTable:
 
 
 def _write(path: Path, chunks: Iterable[bytes]) -> None:
-    try:
-        with atomic_file(path) as part, part.open("wb") as file:
-            file.writelines(chunks)
-    except OSError as error:
-        raise UserError(f"{path} can't be written: {error.strerror or error}.") from None
+    with writing(path), atomic_file(path) as part, part.open("wb") as file:
+        file.writelines(chunks)
 
 
 def _plants(file: Iterable[str]) -> Iterator[tuple[str, tuple[str, str], str]]:

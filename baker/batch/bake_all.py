@@ -13,9 +13,9 @@ from baker.batch.outputs import Outputs, check_output
 from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.progress import StageProgress
-from baker.errors import InputError, writing
+from baker.errors import InputError
 from baker.options import Options, worker_count
-from gclip.terminal.atomic import check_writable
+from gclip.terminal.atomic import check_writable, writing
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.text import Lossy, printable
 from traits.plants import TraitsTable

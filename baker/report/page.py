@@ -7,7 +7,6 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-from baker.errors import writing
 from baker.options import Options
 from baker.pipeline import Survey
 from baker.report.pictures import (
@@ -20,7 +19,7 @@ from baker.report.pictures import (
 from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
-from gclip.terminal.atomic import atomic_file
+from gclip.terminal.atomic import atomic_file, writing
 from gclip.terminal.text import printable
 from traits.growth import growth_curves
 
@@ -55,7 +54,7 @@ def write_report(
 
     Raises
     ------
-    InputError
+    UserError
         Where the file can't be written. Where the player can't draw, the report says so.
     """
     title, doubts = printable(title), doubts_in(clip)  # the name of a file need not be UTF-8

@@ -34,6 +34,15 @@ def check_writable(folder: Path) -> None:
 
 
 @contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Write `path`: what the file system refuses is a UserError that names it."""
+    try:
+        yield
+    except OSError as error:
+        raise UserError(f"{path} can't be written: {error.strerror or error}.") from None
+
+
+@contextmanager
 def folder_beside(path: Path) -> Iterator[Path]:
     """A temporary folder on the file system of `path`, removed in the end. Raises OSError."""
     name = f".{path.name[:40]}."  # that folder's has 255 bytes at most, too

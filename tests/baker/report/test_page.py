@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker import InputError
 from baker.cli import main
 from baker.report import write_report
 from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
 from gclip import Clip, ClipError
+from gclip.errors import UserError
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 
@@ -157,7 +157,7 @@ def test_a_report_without_room_for_its_pictures_says_so(baked, tmp_path, monkeyp
 def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_fails):
     (tmp_path / "r.html").mkdir()
     before = sorted(tmp_path.iterdir())
-    with pytest.raises(InputError, match=r"r\.html can't be written"):
+    with pytest.raises(UserError, match=r"r\.html can't be written"):
         write_report(tmp_path / "r.html", *baked, verify(*baked))
     assert sorted(tmp_path.iterdir()) == before
 
