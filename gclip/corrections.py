@@ -10,6 +10,7 @@ import json
 import re
 import tomllib
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -71,6 +72,8 @@ def read_corrections(path: Path) -> tuple[Correction, ...]:
     """
     content: Any = {}
     try:
+        if path.exists() and not path.is_file():
+            raise ValueError("it is not even a regular file")
         if path.stat().st_size > MAX_FILE_SIZE:
             raise ValueError(f"at most {MAX_FILE_SIZE:,} bytes are allowed")
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
@@ -79,8 +82,9 @@ def read_corrections(path: Path) -> tuple[Correction, ...]:
         raise UserError(f"'{path}' can't be read: {error.strerror or error}.") from None
     except ValidationError as error:  # "what is wrong - at `$.correction[0].places[1].point`"
         reason, _, place = str(error).partition(" - at `$")
-        for index, field in re.findall(r"\[(\d+)\]|\.(\w+)", place):
-            content = content[int(index) if index else field]
+        with suppress(LookupError, TypeError):  # the name of a field may read like a place
+            for index, field in re.findall(r"\[(\d+)\]|\.(\w+)", place):
+                content = content[int(index) if index else field]
         number = re.match(r"\.correction\[(\d+)\]", place)
         which = f"correction {int(number[1]) + 1}" if number else "the file"
         found = printable(repr(content), 80)

@@ -9,6 +9,7 @@ A case is plain data, so that hypothesis can draw it and its text can be run aga
 
 from __future__ import annotations
 
+import os
 import re
 import tracemalloc
 import warnings
@@ -18,6 +19,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
@@ -150,6 +152,7 @@ def check_file(file: File, folder: Path) -> str:
 
     content = file.content()
     path = folder / SOUND[file.kind][0]
+    path.parent.mkdir(exist_ok=True)
     read = _reading(file.kind, path)
     path.write_bytes(content)
     load_libraries()  # they are no part of what reading takes
@@ -174,7 +177,7 @@ def check_file(file: File, folder: Path) -> str:
 
 @cache
 def load_libraries() -> None:
-    for name in ("laspy", "open3d", "plyfile", "pye57"):
+    for name in ("laspy", "open3d", "plyfile", "pye57", "scipy.interpolate", "tomllib"):
         if find_spec(name):
             import_module(name)
 
@@ -186,9 +189,35 @@ def _reading(kind: str, path: Path) -> Callable[[], None]:
 
         scans = tuple(path.parent / name for name in ("a.xyz", "b.xyz"))
         return lambda: schedule_scans(FoundScans(scans, False), path) and None
+    if kind == "corrections":
+        from gclip.corrections import read_corrections
+
+        return lambda: read_corrections(path) and None
+    if kind == "view path":
+        from player.view.camera_animation import load_path
+
+        clip = _clip()
+        return lambda: load_path(path, clip).at(1.0) and None
+    if kind == "settings":
+        from player.window.settings import load_settings
+
+        os.environ["XDG_CONFIG_HOME"] = str(path.parents[1])
+        return lambda: load_settings() and None
     if kind.split()[0] in ("camera", "color", "depth", "label"):
         return _reading_images(path)
     return lambda: _read_scan(path)
+
+
+@cache
+def _clip() -> Any:
+    from gclip import Clip, Motion, Track
+    from gclip.pack import Movers, pack_interval
+    from gclip.schema import ScanMark
+
+    movers = Movers(Motion.MOVE, (np.eye(3), np.eye(3) + 1), np.zeros(3, int))
+    interval = pack_interval(0.0, 3.0, [movers], spacing=1.0)
+    scans = ScanMark("a.xyz", 0.0), ScanMark("b.xyz", 3.0)
+    return Clip(scans, (interval,), (Track(0, "stem", (1, 2, 3)),))
 
 
 def _read_scan(path: Path) -> None:

@@ -209,6 +209,25 @@ band = 6
 jump = 2.0
 """
 
+CORRECTIONS = b"""[[correction]]
+kind = "name"
+name = "leaf 3"
+places = [{ scan = "a.xyz", point = [1, 2.5, -3e2], organ = "leaf 4" }]
+[[correction]]
+kind = "same"
+places = [
+    { scan = "a.xyz", point = [1, 2, 3] },
+    { scan = "b.xyz", point = [1, 2, 4] },
+]
+"""
+
+CAMERA_PATH = b"""{"camera_path": 1, "up": "z", "keys": [
+ {"day": 0, "target": [0, 0, 1.5], "distance": 10, "yaw": 0, "pitch": 10, "field_of_view": 40},
+ {"day": 2.5, "target": [0, 1, 0], "distance": 5, "yaw": 350, "pitch": -10, "field_of_view": 30}
+]}"""
+
+SETTINGS = b'{"size": [1280, 800], "panel": true, "ground": "light", "guides": false}'
+
 SOUND: dict[str, tuple[str, Callable[[], bytes]]] = {
     "ply ascii": ("s.ply", lambda: _ply("ascii")),
     "ply binary": ("s.ply", lambda: _ply("binary_little_endian")),
@@ -250,6 +269,9 @@ SOUND: dict[str, tuple[str, Callable[[], bytes]]] = {
     "laz 1.4": ("s.laz", lambda: _las(".laz", "1.4", 7)),
     "times": ("times.csv", lambda: b"name,day\na.xyz,2020-03-08\nb.xyz,2020-03-09T14:30\n"),
     "days": ("times.txt", lambda: b"a.xyz 1.5\nb.xyz 3\n"),
+    "corrections": ("plant.corrections.toml", lambda: CORRECTIONS),
+    "view path": ("path.json", lambda: CAMERA_PATH),
+    "settings": ("plant-growth-clips/window.json", lambda: SETTINGS),
     "camera": ("camera.toml", lambda: CAMERA),
     "camera json": (
         "camera.json",

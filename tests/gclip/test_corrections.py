@@ -1,5 +1,6 @@
 """The file of corrections: written, read back, and refused in one sentence where it makes none."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,7 @@ def test_what_is_written_is_read(corrections, tmp_path_factory):
         ("correction", "korrection", "korrection"),
         ("[[", "[", "is no sound TOML file"),
         ("a.ply", "a\x00", "is no sound TOML file"),
+        ("kind", "'a - at `$.correction[9].b'", "unknown field `a"),
     ],
 )
 def test_what_makes_no_sense_is_said_in_one_sentence(old, new, said, tmp_path):
@@ -51,6 +53,12 @@ def test_what_makes_no_sense_is_said_in_one_sentence(old, new, said, tmp_path):
         read_corrections(path)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "plant.corrections.toml")
+    with pytest.raises(UserError, match="not even a regular file"):
+        read_corrections(tmp_path / "plant.corrections.toml")
 
 
 def test_a_file_that_is_not_there_is_named():
