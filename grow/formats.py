@@ -33,7 +33,7 @@ def record(
 
 
 def write_ply(path: Path, rows: Record) -> None:
-    """Binary little-endian PLY. (The library for it, plyfile, is under the GPL; this is not.)"""
+    """Binary little-endian PLY."""
     kinds = {"f4": "float", "u1": "uchar", "i4": "int"}
     properties = [
         f"property {kinds[rows.dtype[name].str[1:]]} {name}\n" for name in rows.dtype.names or ()

@@ -11,6 +11,8 @@ from player.atomic_write import is_numbered, numbered
 from player.export.film import Film, Progress
 from player.view.dates import date_at
 
+TYPES = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
+
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """One moment, the film's --day or the last scan; or the film's moments, numbered from 0: then
@@ -65,16 +67,24 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
-    from plyfile import PlyData, PlyElement
-
     comments = [
         "made by plant-growth-clips",
         f"time {day!r} {clip.time_unit}",
         f"date {_plain(date_at(clip.scans, day))}",
         f"unit {_plain(clip.unit)}",
     ]
-    cloud = PlyElement.describe(vertices, "vertex")
-    PlyData([cloud], byte_order="<", comments=comments).write(str(path))
+    properties = [
+        f"property {TYPES[vertices.dtype[name].str]} {name}" for name in vertices.dtype.names or ()
+    ]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        *(f"comment {comment}" for comment in comments),
+        f"element vertex {len(vertices)}",
+        *properties,
+        "end_header\n",
+    ]
+    path.write_bytes("\n".join(header).encode("ascii") + vertices.tobytes())
 
 
 def _plain(text: str) -> str:

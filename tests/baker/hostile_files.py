@@ -177,7 +177,7 @@ def check_file(file: File, folder: Path) -> str:
 
 @cache
 def load_libraries() -> None:
-    for name in ("laspy", "open3d", "plyfile", "pye57", "scipy.interpolate", "tomllib"):
+    for name in ("laspy", "open3d", "pye57", "scipy.interpolate", "tomllib"):
         if find_spec(name):
             import_module(name)
 
