@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from math import ceil
 from pathlib import Path
@@ -21,7 +22,7 @@ from baker.verdict.doubt import between, command_for, doubts_in, grouped, headli
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, writing
 from gclip.terminal.text import printable
-from traits.growth import growth_curves
+from traits.curves import trait_curves
 
 MAX_TICKS = 5  # of the growth curves' axis, above 0
 
@@ -62,11 +63,13 @@ def write_report(
     report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
-        try:
-            pictures = take_pictures(clip, by_interval, part.parent, workers)
-        except NoPicture as error:
-            no_pictures = str(error)
-        curves = growth_curves(clip)
+        with ThreadPoolExecutor(1) as beside:  # the players are processes of their own
+            measured = beside.submit(trait_curves, clip)
+            try:
+                pictures = take_pictures(clip, by_interval, part.parent, workers)
+            except NoPicture as error:
+                no_pictures = str(error)
+        curves = [curve for curve in measured.result() if curve.trait == "length"]
         page = _template().render(
             title=title,
             clip=clip,
@@ -79,7 +82,8 @@ def write_report(
             no_pictures=no_pictures,
             shown=scans_pictured(clip),
             curves=curves,
-            ticks=length_ticks([length for curve in curves for length in curve.lengths]),
+            longest_last=sorted(curves, key=lambda curve: -curve.values[-1]),
+            ticks=length_ticks([curve.top for curve in curves]),
             errors=errors,
             overall=overall(errors) if errors else None,
             defaults=Options().provenance(),

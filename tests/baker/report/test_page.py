@@ -14,10 +14,12 @@ import pytest
 
 from baker.cli import main
 from baker.report import write_report
+from baker.report.page import length_ticks
 from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
 from gclip import Clip, ClipError
 from gclip.errors import UserError
+from traits.curves import trait_curves
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 
@@ -206,3 +208,22 @@ def test_a_browser_without_a_network_shows_all_of_it(chromium, report, tmp_path,
     assert len(seen["images"]) == 3 + 2
     assert all(size > 0 for size in seen["images"])
     assert seen["wide"] <= seen["seen"], "nothing sticks out sideways"
+
+
+@pytest.mark.parametrize("longest", [0.004, 0.99, 1.0, 37.0, 2600.0])
+def test_ticks_are_round_and_few_and_reach_the_longest(longest):
+    ticks = length_ticks([longest / 2, longest])
+    assert ticks[0] == 0.0
+    assert ticks[-2] < longest <= ticks[-1]
+    assert 2 <= len(ticks) <= 7
+    assert f"{ticks[1]:e}"[0] in "125"
+
+
+def test_growth_curves_have_a_band_and_are_measured_as_traits_are(baked, tmp_path, player_fails):
+    clip, record = baked
+    write_report(tmp_path / "r.html", clip, record, [])
+    page = Page((tmp_path / "r.html").read_text())
+    assert page.tags.count("polygon") == page.tags.count("polyline") == len(clip.track_table)
+    assert page.tags.count("circle") == sum(
+        len(curve.times) for curve in trait_curves(clip) if curve.trait == "length"
+    )
