@@ -182,10 +182,8 @@ def bake_recorded(
             ),
         )
         confirmed = confirmed_organs(labels.given, survey.corrections)
-        followed = FollowedOrgans(
-            aligned.clouds, aligned.bases, matches, tracks, labels.unlabelled, confirmed
-        )
-        contacts = [job.attachments for job in jobs]
+        where, contacts = (aligned.clouds, aligned.bases), [job.attachments for job in jobs]
+        followed = FollowedOrgans(*where, matches, tracks, labels.unlabelled, confirmed)
         clip = judged(clip, contacts, None if labels.are_names else followed, map)
         return in_order(clip, order), survey
 
@@ -239,8 +237,7 @@ def _measure(
 ) -> tuple[Series, AlignedSeries]:
     """One kNN index a scan, labels without specks, and the plant base of each scan."""
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
-    # Scans differ in size: each is shared out, not the scans.
-    workers = worker_count(options.workers)
+    workers = worker_count(options.workers)  # share each scan, as scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
     if not options.paper:
         pairs = zip(series.scans, neighbors, strict=True)

@@ -62,12 +62,13 @@ def _slenderness(sample: EvenSample, size: float) -> float:
 
     Those of grasses are, leaflets are not; neither growth nor pose changes it much.
     """
+    from scipy.spatial.distance import cdist
+
     points = sample.points - sample.points.mean(axis=0)
-    centers = points[:MAX_PARTS]
-    near = ((centers[:, None] - points) ** 2).sum(axis=2) <= (PART_RADIUS * size) ** 2
+    near = cdist(points[:MAX_PARTS], points) <= PART_RADIUS * size
     weight = near / near.sum(axis=1, keepdims=True)
     mean = weight @ points
-    squares = np.einsum("cn,ni,nj->cij", weight, points, points, optimize=True)
-    variance = np.linalg.eigvalsh(squares - np.einsum("ci,cj->cij", mean, mean))
+    squares = weight @ (points[:, :, None] * points[:, None]).reshape(-1, 9)
+    variance = np.linalg.eigvalsh(squares.reshape(-1, 3, 3) - mean[:, :, None] * mean[:, None])
     _, width, length = np.sqrt(np.maximum(variance, 0.0)).T
     return float(np.mean((length - width) / np.maximum(length, MIN_SIZE * size)))

@@ -34,11 +34,12 @@ def farthest_point_sample(
         first = int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))
     chosen = [first]
     radii: list[float] = []
-    squared = np.full(len(points), np.inf)
+    squared, offsets = np.full(len(points), np.inf), np.empty_like(columns)
     while True:
-        offsets = columns - columns[:, chosen[-1:]]
-        squared = np.minimum(squared, (offsets * offsets).sum(axis=0))
-        farthest = int(np.argmax(squared))
+        np.subtract(columns, columns[:, chosen[-1:]], out=offsets)
+        x, y, z = np.square(offsets, out=offsets)
+        np.minimum(squared, np.add(np.add(x, y, out=x), z, out=x), out=squared)
+        farthest = int(squared.argmax())
         radii.append(float(np.sqrt(squared[farthest])))
         if radii[-1] == 0.0 or len(chosen) == count:
             return np.array(chosen), np.array(radii)
