@@ -41,17 +41,10 @@ class Clip {
         return (1 - share) * values[index] + share * values[index + 1];
     }
 
-    // What a moment is called.
-    dateAt(day) {
+    // What a moment is called, and the time since the first scan.
+    namesOf(day) {
         const after = this.moments.findIndex(([time]) => time > day);
-        return this.moments[(after < 0 ? this.moments.length : Math.max(after, 1)) - 1][1];
-    }
-
-    // The time since the first scan.
-    elapsed(day) {
-        const passed = day - this.first;
-        return this.timeUnit === "days"
-            ? `+${passed.toFixed(1)} days` : `scan ${(1 + passed).toFixed(1)}`;
+        return this.moments[(after < 0 ? this.moments.length : Math.max(after, 1)) - 1].slice(1);
     }
 
     // The buffers of one interval: { points: [start, controls..., end], tracks, colors }. Unpacked
@@ -71,9 +64,7 @@ class Clip {
 }
 
 // Lets the page answer what has happened meanwhile.
-function nextTurn() {
-    return new Promise((done) => setTimeout(done));
-}
+const nextTurn = () => new Promise((done) => setTimeout(done));
 
 // Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
 // its sign in the lowest bit, and added to what was foretold.

@@ -55,7 +55,7 @@ function start(about, shaders) {
         help: () => byId("help").toggleAttribute("hidden"),
         picture: () => {
             draw(0);
-            savePicture(canvas, `${document.title} ${clip.dateAt(clock.day)}`);
+            savePicture(canvas, `${document.title} ${clip.namesOf(clock.day)[0]}`);
         },
         leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
     };
@@ -78,10 +78,11 @@ function start(about, shaders) {
 
     // Where the clock stands, in words and on the timeline.
     function tell() {
+        const [date, elapsed] = clip.namesOf(clock.day);
         byId("time").value = clock.day;
-        byId("time").setAttribute("aria-valuetext", clip.dateAt(clock.day));
-        byId("date").textContent = clip.dateAt(clock.day);
-        byId("elapsed").textContent = clip.elapsed(clock.day);
+        byId("time").setAttribute("aria-valuetext", date);
+        byId("date").textContent = date;
+        byId("elapsed").textContent = elapsed;
     }
 
     // At a level of LEVELS; at rest everything is drawn, with four samples where that is quick.

@@ -23,7 +23,7 @@ from player.rendering.renderer import MIN_POINT_PX, NATURAL_RADIUS, scene_radius
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import Camera, axes
 from player.view.colors import Colors, resolved_color_mode
-from player.view.dates import date_at, short_dates
+from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
@@ -101,7 +101,6 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
     to_square, half_side = floor_square(clip)
     home = Camera.home(clip, film.aspect)
     return {
-        "timeUnit": clip.time_unit,
         "times": clip.times,
         "moments": _moments(clip),
         "points": [scan.points for scan in clip.scans],
@@ -159,11 +158,12 @@ def _narrowest(clip: Clip, aspect: float) -> float:
     return aspect
 
 
-def _moments(clip: Clip) -> list[tuple[float, str]]:
-    """When the name of the day changes, and to what."""
+def _moments(clip: Clip) -> list[tuple[float, str, str]]:
+    """When the names of the day change, its date and the time since the first scan, and to what."""
     days = np.union1d(np.linspace(clip.times[0], clip.times[-1], MOMENTS), clip.times).tolist()
-    named = [(day, date_at(clip.scans, day)) for day in days]
-    return named[:1] + [after for before, after in pairwise(named) if before[1] != after[1]]
+    unit = clip.time_unit
+    named = [(day, date_at(clip.scans, day), elapsed(clip.scans, day, unit)) for day in days]
+    return named[:1] + [after for before, after in pairwise(named) if before[1:] != after[1:]]
 
 
 def _organs(clip: Clip) -> Iterator[tuple[str, str, str]]:

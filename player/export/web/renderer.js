@@ -88,11 +88,12 @@ class Renderer {
     draw(day, camera, look, { every = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
-        const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose();
-        const up = camera.frame().map((row) => dot(row, camera.axes[2])), key = sum(up, KEY_LIGHT);
+        const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose(), view = pose.inverse();
+        const { x, y, z } = view.transformPoint(new DOMPoint(...camera.axes[2], 0));
+        const up = [x, y, z], key = up.map((side, i) => side + KEY_LIGHT[i]);
         const values = {
             ...clip.grounds[look.light ? "light" : "dark"],
-            view: pose.inverse().toFloat32Array(), projection: camera.projection(width / height),
+            view: view.toFloat32Array(), projection: camera.projection(width / height),
             radius: clip.splat.radii * look.pointSize * Math.sqrt(every)
                 * clip.between(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
@@ -101,7 +102,7 @@ class Renderer {
             half_extent: [(slope * width) / height, slope],
             by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
             to_floor: new DOMMatrix(clip.shadow.toSquare).multiply(pose).toFloat32Array(),
-            up_dir: up, key_light_dir: scaled(key, 1 / Math.hypot(...key)),
+            up_dir: up, key_light_dir: key.map((side) => side / Math.hypot(...key)),
             dome: domeOffsets(Math.max(1, (1.2 * samples * height) / 720)),
             eye_dome: look.eyeDome, depth_cue: look.depthCue, floor_share: look.floor,
             transparent: false,
@@ -194,7 +195,8 @@ class Renderer {
             const from = linear[newborn.get(i) ?? i];
             const color = own.map((c, k) => (1 - share) * from[k] + share * c);
             const kept = chosen < 0 || chosen === i ? 1 : DIMMED;
-            const grey = 0.35 * (1 - kept) * dot(color, LUMINANCE);
+            const light = color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
+            const grey = 0.35 * (1 - kept) * light;
             texels.set([...color.map((c) => kept * c + grey), kept], 4 * i);
         });
         this.painted.texture ||= graphics.texture(width, height, gl.RGBA32F);

@@ -4,12 +4,6 @@ const STEEPEST = (89 * Math.PI) / 180;
 const REST = 0.8;  // seconds to look at an end before the clock goes on
 
 const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [
-    a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
-];
-const scaled = (a, s) => [s * a[0], s * a[1], s * a[2]];
-const sum = (...vectors) => [0, 1, 2].map((i) => vectors.reduce((t, v) => t + v[i], 0));
 
 class Camera {
     // home: { target, distance, yaw, pitch, field_of_view, radius, aspect }, angles in radians, aspect
@@ -25,15 +19,12 @@ class Camera {
         this.pan(0, (1 - free) / 2 - 0.02);
     }
 
-    // Rows: right, above, and from the target to the eye.
-    frame() {
-        const [first, second, upward] = this.axes;
-        const outward = sum(
-            scaled(first, Math.cos(this.yaw)), scaled(second, Math.sin(this.yaw)));
-        const backward = sum(
-            scaled(outward, Math.cos(this.pitch)), scaled(upward, Math.sin(this.pitch)));
-        const right = cross(upward, outward);
-        return [right, cross(backward, right), backward];
+    // From the eye's coordinates, right, above and backwards, to local ones.
+    pose() {
+        const [first, second, upward] = this.axes, turn = 180 / Math.PI;
+        return new DOMMatrix([...first, 0, ...second, 0, ...upward, 0, ...this.target, 1])
+            .rotateAxisAngle(0, 0, 1, 90 + turn * this.yaw)
+            .rotateAxisAngle(1, 0, 0, 90 - turn * this.pitch).translate(0, 0, this.distance);
     }
 
     orbit(yaw, pitch) {
@@ -44,9 +35,8 @@ class Camera {
     // Shift the picture right and up by shares of its height, at the target's depth.
     pan(right, up) {
         const height = 2 * this.distance * Math.tan(this.field_of_view / 2);
-        const [across, above] = this.frame();
-        this.target = sum(
-            this.target, scaled(across, -height * right), scaled(above, -height * up));
+        const moved = this.pose().translate(-height * right, -height * up, -this.distance);
+        this.target = [moved.m41, moved.m42, moved.m43];
     }
 
     // Come nearer by a factor above 1; the place at (x, y), in picture heights from the middle,
@@ -56,13 +46,6 @@ class Camera {
         this.distance = clamped(before / factor, 0.02 * this.radius, 50 * this.radius);
         const kept = before / this.distance - 1;
         this.pan(-x * kept, -y * kept);
-    }
-
-    // From the eye's coordinates to local ones.
-    pose() {
-        const [right, above, backward] = this.frame();
-        const eye = sum(this.target, scaled(backward, this.distance));
-        return new DOMMatrix([...right, 0, ...above, 0, ...backward, 0, ...eye, 1]);
     }
 
     // From the eye's coordinates to the picture; column-major, as WebGL takes it.
