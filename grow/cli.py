@@ -106,7 +106,7 @@ def grow_command(
 ) -> None:
     """Grow a plant and scan it: labelled, coloured point clouds, and what is true between them.
 
-    Example: grow maize scans --truth 5,6.5 && bake scans -o maize.gclip
+    Example:  grow maize scans --truth 5,6.5 && bake scans -o maize.gclip
     """
     for_images: dict[str, object] = {
         "--per-day": per_day,

@@ -86,36 +86,34 @@ def play_command(
             metavar="S",
             min=0.0,
             max=36000.0,
-            help="Length of the film; 1.5 an interval if not given.",
+            help="Length of the film; usually 1.5 from scan to scan.",
         ),
     ] = None,
     every: Annotated[
         float | None,
-        typer.Option(
-            metavar="T", help="One frame each T days (the clip's unit), instead of --seconds."
-        ),
+        typer.Option(metavar="T", help="A frame, or a row, each T days, instead of --seconds."),
     ] = None,
     day: Annotated[
         list[str] | None,
         typer.Option(
             metavar="DAY",
-            help="The moment of still.png, in the clip's own time or as a date; the last scan's if "
-            "not given. Give it several times for frames/%04d.png.",
+            help="The moment of a picture: a number of the clip's days, or a date; usually the "
+            "last scan's. Several make frames/%04d.png.",
         ),
     ] = None,
     camera: Annotated[
         str,
         typer.Option(
             metavar="still|turntable|PATH.json",
-            help="turntable goes round the plant, in a film once; or a camera path, made in the "
-            "window.",
+            help="turntable goes round the plant once; PATH.json is a camera path, made in "
+            "the window.",
         ),
     ] = STILL,
     color: Annotated[
         ColorMode,
         typer.Option(
-            help="Colours: the scans' own, each organ's, or those of a value; error, against a "
-            "scan left out, needs a clip of bake --holdout."
+            help="Colours of the scan, of each organ (track), or of a value. An error is the "
+            "distance from a scan left out by bake --holdout."
         ),
     ] = ColorMode.AUTO,
     colormap: Annotated[
@@ -126,32 +124,33 @@ def play_command(
     ] = None,
     point_size: Annotated[
         float,
-        typer.Option(metavar="FACTOR", min=0.05, max=20.0, help="Factor on the natural size."),
+        typer.Option(metavar="FACTOR", min=0.05, max=20.0, help="Makes points larger or smaller."),
     ] = 1.0,
     shading: Annotated[
         float,
         typer.Option(
-            metavar="FACTOR", min=0.0, max=5.0, help="Strength of the shading from depth."
+            metavar="FACTOR", min=0.0, max=5.0, help="Makes shading by depth stronger or weaker."
         ),
     ] = 1.0,
     depth_cue: Annotated[
-        bool, typer.Option("--depth-cue/--no-depth-cue", help="Far parts recede.")
+        bool,
+        typer.Option("--depth-cue/--no-depth-cue", help="Let far parts fade."),
     ] = True,
     floor: Annotated[
         bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
     ] = True,
     title: Annotated[
-        str, typer.Option(metavar="TEXT", help="Written into pictures, on pages and in tables.")
+        str, typer.Option(metavar="TEXT", help="A title in pictures, on pages and in tables.")
     ] = "",
     date: Annotated[bool, typer.Option(help="Write the date into pictures.")] = False,
     scale_bar: Annotated[bool, typer.Option(help="Draw a scale bar into pictures.")] = False,
     legend: Annotated[bool, typer.Option(help="Explain the colours in pictures.")] = False,
-    transparent: Annotated[bool, typer.Option(help="PNG pictures of the plant alone.")] = False,
+    transparent: Annotated[bool, typer.Option(help="Leave the background out of PNGs.")] = False,
     kiosk: Annotated[
         bool, typer.Option(help="Full screen, over and over, nothing to press.")
     ] = False,
     profile: Annotated[
-        bool, typer.Option(help="Tell at the window's end what its frames cost.")
+        bool, typer.Option(help="Say in the end how long pictures took to draw.")
     ] = False,
     force: Annotated[bool, typer.Option(help="Overwrite an output that exists.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
@@ -159,7 +158,7 @@ def play_command(
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures.
 
-    play plant.gclip --export film.mp4 --camera turntable --date
+    Example:  play plant.gclip --export film.mp4 --camera turntable --date
     """
     _check_finite(seconds=seconds, every=every, point_size=point_size, shading=shading)
     _check_every(every, seconds)
