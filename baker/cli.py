@@ -17,7 +17,8 @@ from gclip.version import VersionOption
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
 PANELS = {
-    "Input": "times label_field drop_label columns scale unit ground voxel outliers resample every",
+    "Input": "times label_field drop_label columns fields scale unit ground voxel outliers "
+    "resample every",
     "Alignment": "align up root",
     "Organs": "labels corrections segment graph_neighbors bifurcation",
     "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",

@@ -106,6 +106,11 @@ class Options:
     columns: str = option(
         "", "The columns of a text, such as x,y,z,r,g,b,-,label.", metavar="NAMES"
     )
+    fields: str = option(
+        "",
+        "Numbers of the points to carry into the clip, such as ndvi,temperature.",
+        metavar="NAMES",
+    )
     corrections: tuple[Correction, ...] | None = option(
         None,
         "What was put right about organs; by default OUT.corrections.toml where there is one, none "

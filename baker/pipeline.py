@@ -24,6 +24,7 @@ from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
+from baker.interpolation.fields import mover_fields
 from baker.interpolation.interval_job import (
     IntervalSolver,
     attachment_heights,
@@ -163,10 +164,13 @@ def bake_recorded(
         intervals = tuple(solve(jobs, partial(progress, "transport")))
 
         order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
+        table = describe_tracks(series, organs, labels, order)
+        scalars = [scan.scalars for scan in series.scans]
         clip = Clip(
+            fields=mover_fields(intervals, aligned.clouds, scalars, table),
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
-            track_table=describe_tracks(series, organs, labels, order),
+            track_table=table,
             origin=tuple(survey.raw.scans[0].origin.tolist()),
             up=survey.alignment.up,
             unit=options.unit,

@@ -1,4 +1,4 @@
-from .clip import Clip, HeldOutScan, Track, open
+from .clip import Clip, HeldOutScan, PointField, Track, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
 from .interval import Interval
@@ -14,6 +14,7 @@ __all__ = [
     "Interval",
     "Layer",
     "Motion",
+    "PointField",
     "ScanMark",
     "SegmentPair",
     "Track",

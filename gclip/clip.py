@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9  # of the series' length, by which a time may lie outside
 SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
 """Attributes that a clip and its document have alike."""
+FIELD = "%04d/field%d"  # the buffer of an interval and a field
 HELD_OUT = "held_out/%04d"  # the buffer of a scan that was left out
 
 
@@ -59,6 +60,15 @@ class HeldOutScan:
     positions: NDArray[np.float32]  #: (N, 3) about the clip's origin
 
 
+@dataclass(frozen=True)
+class PointField:
+    """A scalar of the scans' points, such as NDVI or a temperature."""
+
+    name: str
+    values: tuple[NDArray[np.float32], ...]
+    """For each interval (N, 2): of its movers at its start and at its end, NaN where unknown."""
+
+
 class Tracks(dict[str, Track]):
     """Tracks by name."""
 
@@ -79,6 +89,7 @@ class Clip:
     time_unit: str = "days"  #: or "scans" where the times are only an order
     floor: float = 0.0  #: height along `up`, local, where lost organs come to rest
     spacing: float = 0.0  #: median distance between neighbouring points
+    fields: tuple[PointField, ...] = ()  #: what the scans tell of their points besides colours
     held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, by time
     provenance: dict[str, Any] = field(default_factory=dict)  #: options, versions, input digests
 
@@ -196,6 +207,7 @@ class Clip:
         }
         for index, interval in enumerate(self.intervals):
             found |= interval.buffers(index)
+            found |= {FIELD % (index, i): f.values[index] for i, f in enumerate(self.fields)}
         buffers = {name: np.ascontiguousarray(buffer) for name, buffer in found.items()}
         text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
         try:
@@ -237,6 +249,13 @@ def clip_in(container: Container, document: Document) -> Clip:
     count = len(document.tracks)
     entries = enumerate(document.intervals)
     intervals = tuple(read_interval(container, i, entry, count) for i, entry in entries)
+    counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
+    fields = tuple(
+        PointField(
+            name, tuple(container.take(FIELD % (k, i), (n, 2), np.float32) for k, n in counts)
+        )
+        for i, name in enumerate(document.fields)
+    )
     held_out = tuple(
         HeldOutScan(s.name, s.time, s.date, read_positions(container, HELD_OUT % i, s.points))
         for i, s in enumerate(document.held_out)
@@ -246,6 +265,7 @@ def clip_in(container: Container, document: Document) -> Clip:
     return Clip(
         intervals=intervals,
         track_table=tuple(Track(i, **asdict(track)) for i, track in enumerate(document.tracks)),
+        fields=fields,
         held_out=held_out,
         **_attributes(document, SHARED),
     )
@@ -259,6 +279,7 @@ def _content(clip: Clip) -> dict[str, Any]:
         "tracks": [_attributes(t, TrackEntry.__struct_fields__) for t in clip.track_table],
         "intervals": [_attributes(i, IntervalEntry.__struct_fields__) for i in clip.intervals],
         **({"held_out": held_out} if held_out else {}),
+        **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
     }
 
 

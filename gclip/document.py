@@ -16,7 +16,7 @@ from gclip.errors import ClipError
 from gclip.schema import Document
 from gclip.terminal.text import printable
 
-MAJOR, MINOR = 1, 1  # of the format's version
+MAJOR, MINOR = 1, 2  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that the values may take up beyond twice the file's size
 DOCUMENT, BLANK = "document", "0" * 64
 

@@ -131,6 +131,7 @@ class Document(Struct, frozen=True):
     origin: Vector = (0.0, 0.0, 0.0)
     floor: Number = 0.0
     spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
+    fields: tuple[Text, ...] = ()
     held_out: tuple[ScanMark, ...] = ()
     sha256: dict[str, Digest] = {}
     provenance: dict[str, Any] = {}

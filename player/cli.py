@@ -36,7 +36,7 @@ LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for texture
 
 
 PANELS = {
-    "View": "size camera color colormap ground point_size shading depth_cue floor",
+    "View": "size camera color colormap field ground point_size shading depth_cue floor",
     "Export": "export force list_exports fps seconds every day title date scale_bar legend "
     "transparent",
     "Window": "kiosk profile",
@@ -119,6 +119,9 @@ def play_command(
     colormap: Annotated[
         ColorMap, typer.Option(help="The colours of values, such as heights or growth rates.")
     ] = ColorMap.AUTO,
+    field: Annotated[
+        str, typer.Option(metavar="NAME", help="The field that --color field shows; the first one.")
+    ] = "",
     ground: Annotated[
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
     ] = None,
@@ -168,6 +171,7 @@ def play_command(
     style = Style(
         color_by=color,
         color_map=colormap,
+        field=field,
         ground=ground or GroundChoice.DARK,
         point_size=point_size,
         depth_cue=depth_cue,
@@ -215,6 +219,7 @@ def _export(
     """Refuses an output that can't come out well before the clip is opened."""
     chosen = player.export.format_of(output, film, force)
     clip = gclip.open(file)
+    _check_field(clip, film.style.field)
     film = replace(film, at=tuple(_day(clip, text) for text in days))
     if camera is not None:
         film = replace(film, path=player.view.load_path(camera, clip))
@@ -253,6 +258,13 @@ def _camera_file(camera: str) -> Path | None:
             f'--camera is "{camera}"; {STILL}, {TURNTABLE} or a camera path (.json) is needed.'
         )
     return Path(camera)
+
+
+def _check_field(clip: "Clip", name: str) -> None:
+    known = [field.name for field in clip.fields]
+    if name and name not in known:
+        names = ", ".join(known) or "none; bake it with --fields NAMES"
+        raise PlayerError(printable(f"--field is {name}; the clip's fields: {names}."))
 
 
 def _check_every(every: float | None, seconds: float | None) -> None:

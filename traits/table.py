@@ -20,6 +20,7 @@ from gclip.terminal.text import printable
 from gclip.version import __version__
 from traits.dates import date_at
 from traits.doubts import Doubt, doubts_of
+from traits.fields import field_means
 from traits.traits import Measurement, measure
 
 if TYPE_CHECKING:
@@ -93,8 +94,11 @@ class Namer:
 
     def is_sure(self, one: Measurement, trait: str, time: float) -> bool:
         """Whether a trait is measured well, of the organ that it is said to be of."""
-        doubtful = any(d.track == one.track and d.concerns(time) for d in self._doubts)
-        return trait in one.sure and not doubtful
+        return trait in one.sure and not self.is_doubtful(one, time)
+
+    def is_doubtful(self, one: Measurement, time: float) -> bool:
+        """Whether the bake doubts what becomes of the organ."""
+        return any(d.track == one.track and d.concerns(time) for d in self._doubts)
 
 
 def measure_days(clip: Clip) -> list[float]:
@@ -151,6 +155,10 @@ def _values(namer: Namer, found: Iterable[Measurement], about: tuple[str, str]) 
                 what = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
                 how = _how(namer, one, trait, one.time)
                 yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
+        for name, value in field_means(clip, one.time, one.track).items():
+            what = [f"mean_{name}", _number(value), ""]
+            how = [one.points, "no" if namer.is_doubtful(one, one.time) else "yes"]
+            yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
         if one.angle is not None:
             what = ["angle", _number(one.angle), "degrees"]
             how = _how(namer, one, "angle", one.time)

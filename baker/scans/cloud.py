@@ -34,6 +34,7 @@ class Cloud:
     colors:  (N, 3) uint8 sRGB or None.
     notes:   one sentence for each thing found or dropped on the way.
     fields:  name -> (N,) numbers or words, that may be labels; which ones the series decides.
+    scalars: name -> (N,) float32, what else is carried into the clip.
     """
 
     points: NDArray
@@ -41,6 +42,7 @@ class Cloud:
     colors: NDArray[np.uint8] | None = None
     notes: tuple[str, ...] = ()
     fields: dict[str, NDArray] = field(default_factory=dict)
+    scalars: dict[str, NDArray[np.float32]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -50,7 +52,8 @@ class Cloud:
         labels = None if self.labels is None else self.labels[chosen]
         colors = None if self.colors is None else self.colors[chosen]
         fields = {name: values[chosen] for name, values in self.fields.items()}
-        return Cloud(self.points[chosen], labels, colors, self.notes, fields)
+        scalars = {name: values[chosen] for name, values in self.scalars.items()}
+        return Cloud(self.points[chosen], labels, colors, self.notes, fields, scalars)
 
     def noting(self, sentence: str) -> Self:
         return replace(self, notes=(*self.notes, sentence))

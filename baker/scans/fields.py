@@ -19,16 +19,23 @@ MAX_SAMPLE, MAX_VALUES = 2_000, 200  # of a field whose name says nothing, that 
 
 
 def choose_fields(
-    columns: Columns, path: Path, label_field: str | None = None, use_labels: bool = True
+    columns: Columns,
+    path: Path,
+    label_field: str | None = None,
+    use_labels: bool = True,
+    carried: Sequence[str] = (),
 ) -> Cloud:
-    """Positions and colours among the fields of a file, and all that may be labels.
+    """Positions and colours among the fields of a file, those to be carried into the clip, and all
+    others that may be labels.
 
     `label_field` is then the only one, and without `use_labels` there is none. Colours that make no
-    sense are left out with a note. Raises InputError: no x, y or z, or no `label_field`.
+    sense are left out with a note. Raises InputError: no x, y or z, no `label_field`, or none of a
+    name in `carried`.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
     found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
     wanted = [*"xyz", *([label_field] if label_field is not None and use_labels else ())]
+    wanted += carried
     missing = [name for name in wanted if name.lower() not in by_name]
     if missing:
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
@@ -36,7 +43,17 @@ def choose_fields(
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     notes = [f"positions from {_quoted(used)}"]
 
-    taken = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
+    scalars = {
+        name: _numbers(columns.values[by_name[name.lower()]], name, path) for name in carried
+    }
+    taken = {
+        *(name.lower() for name in carried),
+        *"xyz",
+        "nx",
+        "ny",
+        "nz",
+        *chain.from_iterable(COLOR_NAMES),
+    }
     labels = [
         name
         for name, values in columns.values.items()
@@ -54,7 +71,13 @@ def choose_fields(
 
     notes = [*columns.notes, "; ".join(notes) + "."]
     fields = {name: columns.values[name] for name in labels * use_labels}
-    return Cloud(points, None, colors, tuple(notes), fields)
+    return Cloud(points, None, colors, tuple(notes), fields, scalars)
+
+
+def _numbers(values: NDArray, name: str, path: Path) -> NDArray[np.float32]:
+    if values.dtype.kind not in "iufb":
+        raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
+    return values.astype(np.float32)
 
 
 def _may_be_labels(values: NDArray) -> bool:

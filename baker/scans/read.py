@@ -111,8 +111,8 @@ def _scan(
     for step, value in steps:
         cloud = cloud if value is None else step(cloud, value)
     name, (time, date) = printable(entry.name), (entry.moment.time, entry.moment.date)
-    contents = cloud.points, cloud.labels, cloud.colors
-    return Scan(name, entry.path, time, origin, *contents, date, cloud.notes, sha256)
+    contents = cloud.points, cloud.labels, cloud.colors, date, cloud.notes, sha256, cloud.scalars
+    return Scan(name, entry.path, time, origin, *contents)
 
 
 @dataclass(frozen=True)
@@ -130,12 +130,13 @@ class Listing:
         """What a scan's files hold, but for points without a place, and their digest."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names = [*filter(None, options.columns.split(","))]
+        carried = [*filter(None, options.fields.split(","))]
 
         def read() -> Cloud:
             if self.images:
                 return self.images.read(entry.path, use_labels)
             columns = read_columns(entry.path, names)
-            return choose_fields(columns, entry.path, options.label_field, use_labels)
+            return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
 
         cloud, sha256 = read_unchanged(self.files(entry), read)
         cloud = replace(cloud, points=cloud.points * options.scale)

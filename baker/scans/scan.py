@@ -21,6 +21,7 @@ class Scan:
     points:  (N, 3) float32, positions relative to `origin`, in the scan's own unit.
     labels:  (N,) int64, the organ of each point, or None where the scan has no labels.
     colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
+    scalars: name -> (N,) float32, the fields that are carried into the clip.
     date:    how the time is written for people: "2020-03-08", "day 5", "2".
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
     sha256:  digest of the bytes, as they were read, of this file and all others that the scan was
@@ -37,6 +38,7 @@ class Scan:
     date: str = ""
     notes: tuple[str, ...] = ()
     sha256: str = ""
+    scalars: dict[str, NDArray[np.float32]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.points)

@@ -121,6 +121,11 @@ def color_by(mode: ColorMode) -> Move:
     return color
 
 
+def color_field(name: str) -> Move:
+    """Colour by one of the clip's fields."""
+    return lambda scene: scene.with_style(f"Coloured by {name}", field=name)
+
+
 def color_map(map: ColorMap) -> Move:
     """Show values in the colours of a map."""
     return lambda scene: scene.with_style(f"Colour map: {map}", color_map=map)

@@ -137,6 +137,9 @@ def _look(scene: Scene, pen: Pen) -> Scene:
     colors = {mode.label: actions.color_by(mode) for mode in modes}
     scene = _choice(scene, pen, "Colour", colors, scene.color_mode.label, "color")
     style = scene.style
+    if scene.color_mode is ColorMode.FIELD and len(scene.fields) > 1:
+        fields = {name: actions.color_field(name) for name in scene.fields}
+        scene = _choice(scene, pen, "Field", fields, style.field or scene.fields[0], "color")
     if scene.color_mode.colormap:
         maps = {str(map): actions.color_map(map) for map in ColorMap}
         scene = _choice(scene, pen, "Colours", maps, style.color_map, "colormap")

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip
+from gclip import Clip, PointField
 from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
@@ -22,7 +22,7 @@ from player.view.camera import axes, outline
 from player.view.growth_rate import growth_rates
 from player.view.holdout_error import Errors
 from player.view.painted import painted
-from player.view.style import ColorMap, ColorMode, Style
+from player.view.style import NO_FIELD, ColorMap, ColorMode, Style
 
 STEPS = 256  # texels of a ramp
 SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
@@ -48,16 +48,17 @@ class ValueRange:
     high: float
     unit: str
     color_map: str  #: the colours, by a name in `cmap`
+    name: str = ""  #: of the value, where the colouring's own doesn't tell it
 
     @property
     def title(self) -> str:
         against = " against a scan left out" if self.mode is ColorMode.ERROR else ""
-        return self.mode.label + against
+        return self.name or self.mode.label + against
 
     @property
     def ends(self) -> tuple[str, str]:
         """The ends in words, lowest first; the unit stands with the highest."""
-        return format_number(self.low), f"{format_number(self.high)} {self.unit}"
+        return format_number(self.low), f"{format_number(self.high)} {self.unit}".rstrip()
 
     def colors(self) -> NDArray[np.uint8]:
         """(STEPS, 3) uint8 sRGB, from low to high."""
@@ -94,12 +95,15 @@ class Colors:
                 found = 0.0, self._fastest, f"{unit} a {time}"
             case ColorMode.GROWTH:
                 found = 0.0, _high_end(self._growth), f"% a {time}"
+            case ColorMode.FIELD:
+                found = (*self._field_range(style), "")
             case ColorMode.ERROR:
                 found = 0.0, nice_ceil(max(self._errors.high, 1e-9)), unit
             case _:
                 return None
         map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
-        return ValueRange(mode, *found, str(map))
+        name = self._field(style).name if mode is ColorMode.FIELD else ""
+        return ValueRange(mode, *found, str(map), name)
 
     def clip_with_colors(self, style: Style) -> Clip:
         """The clip to draw: a copy with values as colours where a style shows such.
@@ -109,18 +113,32 @@ class Colors:
         scale = self._painted_scale(style)
         if scale is None:
             return self._clip
-        values, span = self._painted_values(scale.mode), scale.high - scale.low
+        values, span = self._painted_values(style, scale.mode), scale.high - scale.low
         intervals = [
             painted(interval, scale.colors(), *((value - scale.low) / span for value in ends))
             for interval, ends in zip(self._clip.intervals, values, strict=True)
         ]
         return replace(self._clip, intervals=tuple(intervals))
 
-    def _painted_values(self, mode: ColorMode) -> list[list[NDArray[np.float64]]]:
+    def _field(self, style: Style) -> PointField:
+        fields = self._clip.fields
+        if not fields:
+            raise PlayerError(NO_FIELD)
+        return next((field for field in fields if field.name == style.field), fields[0])
+
+    def _field_range(self, style: Style) -> tuple[float, float]:
+        """What all but the outermost values lie between."""
+        values = np.concatenate([ends.ravel() for ends in self._field(style).values])
+        known = values[np.isfinite(values)]
+        low, high = np.quantile(known, [1.0 - FAST, FAST]) if len(known) else (0.0, 1.0)
+        return float(low), float(max(high, low + 1e-9))
+
+    def _painted_values(self, style: Style, mode: ColorMode) -> list[list[NDArray[np.float64]]]:
         """For each interval its movers' values, at its start and its end where they differ."""
-        return [
-            [one] for one in (self._growth if mode is ColorMode.GROWTH else self._errors.values)
-        ]
+        if mode is ColorMode.FIELD:
+            return [list(ends.T.astype(float)) for ends in self._field(style).values]
+        rates = self._growth if mode is ColorMode.GROWTH else self._errors.values
+        return [[rate] for rate in rates]
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""

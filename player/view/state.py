@@ -25,6 +25,7 @@ class Scene:
     style: Style
     has_colors: bool  #: whether the clip carries the scans' own colours
     has_errors: bool = False  #: whether it carries scans that were left out, to compare with
+    fields: tuple[str, ...] = ()  #: names of the clip's fields
     organs: int = 0  #: how many tracks the clip has
     clips: int = 1  #: how many are shown, 1 or 2
     chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
@@ -58,6 +59,7 @@ class Scene:
         absent = {ColorMode.AUTO}
         absent |= set() if self.has_colors else {ColorMode.SCAN}
         absent |= set() if self.has_errors else {ColorMode.ERROR}
+        absent |= set() if self.fields else {ColorMode.FIELD}
         return tuple(mode for mode in ColorMode if mode not in absent)
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Scene:
@@ -91,7 +93,8 @@ def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
     if scene.organs != organs and style.marked:
         scene = scene.with_style(scene.notice, picked=None, second=None, alone=None)
         scene = replace(scene.with_style(scene.notice, hidden=frozenset()), chosen=())
-    if style.color_by == "error" and not clip.held_out:
+    lacks = {"error": not clip.held_out, "field": not clip.fields}
+    if lacks.get(style.color_by):
         scene = scene.with_style(scene.notice, color_by=ColorMode.AUTO)
     if len(clips) != scene.clips:
         compare = Compare.BESIDE if len(clips) > 1 else Compare.OFF
@@ -99,6 +102,7 @@ def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
         scene,
         has_colors=clip.has_colors,
         has_errors=bool(clip.held_out),
+        fields=tuple(field.name for field in clip.fields),
         organs=organs,
         clips=len(clips),
         compare=compare,

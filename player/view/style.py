@@ -7,6 +7,7 @@ from enum import StrEnum
 
 Light = tuple[float, float, float]
 
+NO_FIELD = "the clip carries no field of its scans; bake it with --fields NAMES."
 NO_HOLDOUT = "the clip holds no scan that was left out of it; bake it with --holdout 2."
 
 
@@ -30,12 +31,13 @@ class ColorMode(StrEnum):
     GROWTH = "growth", "growth rate", "colorbrewer:YlOrRd"
     SPEED = "speed", "speed of motion", "colorbrewer:YlOrRd"
     HEIGHT = "height", "height", "viridis"
+    FIELD = "field", "field of the scans", "viridis"
     ERROR = "error", "error", "plasma"
 
     @property
     def painted(self) -> bool:
         """Whether a clip is given the values' colours as its own (player/view/painted.py)."""
-        return self in (ColorMode.GROWTH, ColorMode.ERROR)
+        return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
     def resolved(self, has_colors: bool) -> ColorMode:
         """What it comes to with a clip that has scans' colours, or has none."""
@@ -70,6 +72,7 @@ class Style:
     #: the scans' own colours, one for each organ, or by value (player/view/colors.py)
     color_by: ColorMode = ColorMode.AUTO
     color_map: ColorMap = ColorMap.AUTO  #: the colours of values
+    field: str = ""  #: that is coloured by; the clip's first one where it has none of that name
     ground: str = GroundChoice.DARK  #: the background
     point_size: float = 1.0  #: factor on the clip's natural point size, 1 closes the surfaces
     depth_cue: bool = True  #: far parts recede into the background

@@ -169,8 +169,9 @@ class Viewports:
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
         """What wears values as colours, and scans that were left out, are clips of their own."""
         mode = ColorMode(style.color_by)
-        known = mode is not ColorMode.ERROR or bool(self._clips[pane.clip].held_out)
-        paint = f"{mode} {style.color_map}" if mode.painted and known else ""
+        clip = self._clips[pane.clip]
+        lacks = {ColorMode.ERROR: not clip.held_out, ColorMode.FIELD: not clip.fields}.get(mode)
+        paint = f"{mode} {style.color_map} {style.field}" if mode.painted and not lacks else ""
         key = (pane.clip, paint, pane.left_out)
         if key not in self._renderers:
             colors = self._colors[pane.clip]

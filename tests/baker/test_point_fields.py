@@ -1,0 +1,90 @@
+"""Scalar fields of scans: from their files into the clip, its colours and the table of traits."""
+
+import csv
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gclip
+from baker import InputError, Options, bake
+from gclip import Clip
+from grow import plant
+from player.view.colors import Colors
+from player.view.style import ColorMode, Style
+from traits import Namer, write_table
+from traits.fields import field_means
+
+OPTIONS = Options(align="none", up="z", unit="mm", workers=1, fields="ndvi,layer")
+
+
+@pytest.fixture(scope="module")
+def scans(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """`layer` looks like labels, and isn't; on the second day it tells the time."""
+    folder = tmp_path_factory.mktemp("scans")
+    for day in (4, 8):
+        cloud = plant("maize", 0).cloud(float(day), 900, noise=0.0, colors=False)
+        ndvi = 0.01 * cloud.points[:, 2]
+        table = np.column_stack([cloud.points, cloud.labels, ndvi, np.full(len(ndvi), day)])
+        head = "x,y,z,label,NDVI,layer"
+        np.savetxt(folder / f"day{day}.csv", table, "%.7g", ",", header=head, comments="")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def clip(scans: Path) -> Clip:
+    return bake([scans], OPTIONS)
+
+
+def test_points_keep_their_values_at_both_ends(clip: Clip, scans: Path) -> None:
+    ndvi, layer = clip.fields
+    assert (ndvi.name, layer.name) == ("ndvi", "layer")
+    (interval,), (values,), (layers,) = clip.intervals, ndvi.values, layer.values
+    born = np.array([track.born for track in clip.track_table])[interval.tracks] > 4.0
+    assert born.any()
+    # What is born has the second scan's values throughout.
+    assert (layers[~born] == [4.0, 8.0]).all()
+    assert (layers[born] == 8.0).all()
+    height = clip.at(8.0).local[:, 2]
+    assert values[:, 1] == pytest.approx(0.01 * height, abs=1e-3)
+
+
+def test_a_clip_keeps_its_fields_in_its_file(clip: Clip, tmp_path: Path) -> None:
+    clip.save(tmp_path / "a.gclip")
+    again = gclip.open(tmp_path / "a.gclip")
+    for before, after in zip(clip.fields, again.fields, strict=True):
+        assert before.name == after.name
+        for one, other in zip(before.values, after.values, strict=True):
+            assert np.array_equal(one, other)
+
+
+def test_means_are_those_of_the_scans_points(clip: Clip, scans: Path) -> None:
+    table = np.loadtxt(scans / "day8.csv", delimiter=",", skiprows=1)
+    assert field_means(clip, 8.0)["ndvi"] == pytest.approx(table[:, 4].mean(), rel=1e-4)
+    stem = clip.tracks["stem"].id
+    own = table[table[:, 3] == 0, 4].mean()
+    assert field_means(clip, 8.0, stem)["ndvi"] == pytest.approx(own, rel=1e-2)
+    assert field_means(clip, 5.0, stem)["layer"] == pytest.approx(5.0)
+    text = StringIO(newline="")
+    write_table(text, Namer(clip, "p"), [8.0])
+    rows = list(csv.DictReader(StringIO(text.getvalue())))
+    found = [r for r in rows if r["trait"] == "mean_ndvi" and r["organ"] == "stem"]
+    assert float(found[0]["value"]) == pytest.approx(own, rel=1e-2)
+
+
+def test_fields_are_colours_with_a_legend(clip: Clip) -> None:
+    style = Style(color_by=ColorMode.FIELD, field="ndvi")
+    scale = Colors(clip).color_scale(style)
+    assert scale is not None
+    assert scale.title == "ndvi"
+    values, ramp = clip.fields[0].values[0][:, 1], scale.colors().astype(int)
+    worn = Colors(clip).clip_with_colors(style).intervals[0].end_colors
+    assert worn is not None
+    steps = np.clip((values - scale.low) / (scale.high - scale.low), 0, 1) * (len(ramp) - 1)
+    assert np.abs(worn[:, :3] - ramp[np.round(steps).astype(int)]).max() == 0
+
+
+def test_a_field_that_a_scan_lacks_is_named(scans: Path) -> None:
+    with pytest.raises(InputError, match=r"day4.csv' has no field 'heat'; the fields found: x, y"):
+        bake([scans], Options(fields="ndvi,heat"))
