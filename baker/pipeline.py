@@ -165,9 +165,8 @@ def bake_recorded(
 
         order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
         table = describe_tracks(series, organs, labels, order)
-        scalars = [scan.scalars for scan in series.scans]
         clip = Clip(
-            fields=mover_fields(intervals, aligned.clouds, scalars, table),
+            fields=mover_fields(intervals, aligned.clouds, series.scans, table),
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
             track_table=table,

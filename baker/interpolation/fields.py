@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.scans import Scan
 from gclip import Interval, Motion, PointField, Track
 from gclip.evaluate import positions_on_curve
 
@@ -14,7 +15,7 @@ from gclip.evaluate import positions_on_curve
 def mover_fields(
     intervals: Sequence[Interval],
     clouds: Sequence[NDArray[np.float32]],
-    scalars: Sequence[dict[str, NDArray[np.float32]]],
+    scans: Sequence[Scan],
     tracks: Sequence[Track],
 ) -> tuple[PointField, ...]:
     """Each field's values at both ends of the movers: those of the scans' points there.
@@ -25,8 +26,8 @@ def mover_fields(
         Between successive scans.
     clouds : sequence of (N, 3) float32 ndarray
         The scans about the clip's origin.
-    scalars : sequence of dict of str to (N,) float32 ndarray
-        Their fields, of the same names.
+    scans : sequence of Scan
+        With fields (`scalars`) of the same names.
     tracks : sequence of Track
         An organ that is born, or lost, has the values of the one scan that shows it throughout.
 
@@ -36,6 +37,7 @@ def mover_fields(
     """
     from scipy.spatial import cKDTree
 
+    scalars = [scan.scalars for scan in scans]
     if not scalars[0]:
         return ()
     trees, born = [cKDTree(cloud) for cloud in clouds], np.array([track.born for track in tracks])
