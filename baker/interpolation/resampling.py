@@ -74,7 +74,7 @@ def _filled(task: OrganMovers, density: float) -> Movers:
     shift = _aside(task, middle, own) / (1 - 2.0 ** (1 - degree))
 
     def extended(values: Array, shift: Floats | int = 0) -> Array:
-        return np.concatenate([values, values.take(own, axis=0) + shift])
+        return np.concatenate([values, values.take(own, axis=0) + shift], dtype=values.dtype)
 
     start, *control, end = raised(movers.curve, degree)
     colors, target = movers.start_colors, movers.end_colors
