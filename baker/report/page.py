@@ -25,6 +25,7 @@ from gclip.terminal.text import printable
 from traits.curves import trait_curves
 
 MAX_TICKS = 5  # of the growth curves' axis, above 0
+MAX_CURVES = 40  # of the largest organs: nobody could tell more lines apart
 
 
 def write_report(
@@ -64,7 +65,7 @@ def write_report(
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
         with ThreadPoolExecutor(1) as beside:  # the players are processes of their own
-            measured = beside.submit(trait_curves, clip)
+            measured = beside.submit(trait_curves, clip, largest_organs(clip))
             try:
                 pictures = take_pictures(clip, by_interval, part.parent, workers)
             except NoPicture as error:
@@ -93,6 +94,14 @@ def write_report(
         )
         part.write_bytes(page.encode())
     report_progress("report", 1, 1)
+
+
+def largest_organs(clip: Clip) -> list[int]:
+    """Track ids of the organs whose curves are drawn: those of the most points."""
+    sizes = dict.fromkeys(range(len(clip.track_table)), 0)
+    for pair in (pair for interval in clip.intervals for pair in interval.segments):
+        sizes[pair.track] = max(sizes[pair.track], pair.start_points, pair.end_points)
+    return sorted(sorted(sizes, key=lambda track: -sizes[track])[:MAX_CURVES])
 
 
 def length_ticks(lengths: Sequence[float]) -> list[float]:

@@ -14,7 +14,7 @@ import pytest
 
 from baker.cli import main
 from baker.report import write_report
-from baker.report.page import length_ticks
+from baker.report.page import largest_organs, length_ticks
 from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
 from gclip import Clip, ClipError
@@ -219,10 +219,15 @@ def test_ticks_are_round_and_few_and_reach_the_longest(longest):
     assert f"{ticks[1]:e}"[0] in "125"
 
 
-def test_growth_curves_have_a_band_and_are_measured_as_traits_are(baked, tmp_path, player_fails):
+def test_growth_curves_have_a_band_and_are_measured_as_traits_are(
+    baked, tmp_path, player_fails, monkeypatch
+):
     clip, record = baked
     write_report(tmp_path / "r.html", clip, record, [])
     page = Page((tmp_path / "r.html").read_text())
+    assert largest_organs(clip) == list(range(len(clip.track_table)))
+    monkeypatch.setattr("baker.report.page.MAX_CURVES", 2)
+    assert largest_organs(clip) == [0, 3], "the stem and the leaf of the most points"
     assert page.tags.count("polygon") == page.tags.count("polyline") == len(clip.track_table)
     assert page.tags.count("circle") == sum(
         len(curve.times) for curve in trait_curves(clip) if curve.trait == "length"
