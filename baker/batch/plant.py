@@ -111,7 +111,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
 def with_corrections(options: Options, clip: Path) -> Options:
     """The options with the corrections that lie beside the clip, where they name none."""
     beside = corrections_file(clip)
-    if options.corrections is not None or not beside.exists():
+    if options.corrections is not None or not os.path.lexists(beside):
         return options
     return replace(options, corrections=parse_corrections(str(beside)))
 

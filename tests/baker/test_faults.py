@@ -347,3 +347,10 @@ def test_a_pipe_that_nobody_writes_to_is_not_waited_for(write_scans, tmp_path, w
     else:
         assert code == 2
         assert one_sentence(said, pipe.name, "not a regular file")
+
+
+def test_corrections_that_were_not_fetched_are_said(write_scans, tmp_path, capsys):
+    """A link to a file that is elsewhere, as git-annex and DVC leave it."""
+    (tmp_path / "p.corrections.toml").symlink_to(tmp_path / "annex" / "p.corrections.toml")
+    assert main([str(write_scans()), "-o", str(tmp_path / "p.gclip"), "-q"]) == 2
+    assert one_sentence(capsys.readouterr().err, "p.corrections.toml' can't be read")
