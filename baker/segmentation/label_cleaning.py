@@ -1,4 +1,4 @@
-"""Label noise: points that have the label of another organ than the one they lie in."""
+"""Label noise: specks that have the label of another organ than the one they lie in."""
 
 from dataclasses import replace
 
@@ -8,15 +8,14 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import Neighbors
 from baker.scans.scan import Scan
 
-MAX_RADIUS_RATIO = 2.0  # of a point's neighborhood to the median point's; else it floats apart
 MAX_CHANGED_SHARE = 0.5  # of an organ; where more is in doubt, its label means something else
 
 
 def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.int64]:
-    """Give a point whose label none of its neighbors has the label of most of them.
+    """Give specks of an organ that lie amid other organs the label of most of their neighbors.
 
     So do points with a negative label, which is none, where most of their neighbors have others.
-    Points that float apart keep their label: what is nearest to them says nothing of them.
+    Specks that float apart keep their label: what is nearest to them says nothing of them.
 
     Returns `labels` itself where nothing is changed. No label vanishes.
     """
@@ -24,9 +23,7 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     around = organ[neighbors.indices]
     if not around.size:
         return labels
-    radius = neighbors.distances[:, -1]
-    isolated = (around != organ[:, None]).all(axis=1)
-    noise = np.flatnonzero(isolated & (radius <= MAX_RADIUS_RATIO * np.median(radius)))
+    noise = np.flatnonzero(_is_speck(organ, around, neighbors))
     size = np.bincount(organ)
     changed = np.bincount(organ[noise], minlength=len(size))
     noise = noise[(changed <= MAX_CHANGED_SHARE * size)[organ[noise]]]
@@ -35,9 +32,40 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     noise = np.union1d(noise, unlabelled[labelled_around > MAX_CHANGED_SHARE])
     if not len(noise):
         return labels
-    votes = np.where(names[around[noise]] < 0, len(names), around[noise])
+    own_or_none = (names[around[noise]] < 0) | (around[noise] == organ[noise, None])
+    votes = np.where(own_or_none, len(names), around[noise])
     organ[noise] = [np.bincount(own)[: len(names)].argmax() for own in votes]
     return names[organ]
+
+
+def _is_speck(
+    organ: NDArray[np.intp], around: NDArray[np.intp], neighbors: Neighbors
+) -> NDArray[np.bool_]:
+    """(N,) whether a point is of a piece of its organ, (N,), that lies amid others.
+
+    A piece hangs together by neighbors, (N, k). A speck has at most k points, most of whose
+    neighbors are of other organs, and is not the organ's largest piece.
+    """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    foreign = around != organ[:, None]
+    at_border = foreign.any(axis=1)  # as are all points of a speck; the others need no graph
+    near_border = np.flatnonzero(at_border)
+    row, column = np.nonzero(~foreign[near_border])
+    edges = near_border[row], neighbors.indices[near_border[row], column]
+    graph = csr_matrix((np.ones(len(row), bool), edges), (len(organ), len(organ)))
+    piece = connected_components(graph, directed=False)[1]
+    size = np.bincount(piece)
+    size[piece[~at_border]] = len(organ) + 1
+    largest = np.zeros(organ.max() + 1, np.intp)
+    np.maximum.at(largest, organ, size[piece])
+    share = np.bincount(piece, foreign.mean(axis=1)) / np.bincount(piece)
+    gap = np.full(len(size), np.inf)
+    np.minimum.at(gap, piece, np.where(foreign, neighbors.distances, np.inf).min(axis=1))
+    is_near = gap <= np.median(neighbors.distances[:, -1])
+    amid_others = is_near & (share > 0.5) & (size <= around.shape[1])
+    return np.asarray(amid_others[piece] & (size[piece] < largest[organ]))
 
 
 def with_clean_labels(scan: Scan, neighbors: Neighbors) -> Scan:

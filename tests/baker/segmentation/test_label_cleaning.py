@@ -1,4 +1,4 @@
-"""Isolated points of another label are relabelled; whatever may be an organ's own stays."""
+"""Specks of another label are relabelled; whatever may be an organ's own stays."""
 
 from pathlib import Path
 
@@ -77,6 +77,15 @@ def test_a_piece_stays_though_amid_another_organ(plant):
     points = np.concatenate([points, patch]).astype(np.float32)
     labels = np.concatenate([labels, np.full(280, 1)])
     assert (mended(points, labels)[3000:] == 1).mean() > 0.75
+
+
+def test_a_speck_of_several_points_is_mended(plant):
+    points, labels = plant
+    noisy = labels.copy()
+    together = np.argsort(np.linalg.norm(points - [5.0, 0.5, 8.0], axis=1))[:5]
+    assert (labels[together] == 1).all()
+    noisy[together] = 2
+    np.testing.assert_array_equal(mended(points, noisy), labels)
 
 
 def test_a_point_that_floats_apart_keeps_its_label(plant):
