@@ -14,7 +14,6 @@ from baker.interpolation.spine import Points, at_levels, fit_spine, unit
 UNEVENNESS_RANGE = (0.04, 0.1)
 HINGE_RANGE = (0.1, 0.3)
 UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # of what grows by the factor e, besides
-MIN_NODE_DISTANCE = 0.02  # along a spine, between attached children and from its ends
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # whose distances show the stretch
 POINTS_COMPARED = 100
 
@@ -63,26 +62,19 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     if source.length > target.length:
         back = fit_motion(target, source)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
-    nodes = _common_nodes(source, target)
-    carried = spine_deformation(source.points, target.points, source.spine, target.spine, nodes)
-    deformed = register_nonrigid(carried, target.points)
+    children = source.nodes.keys() & target.nodes.keys()
+    nodes = [
+        np.array([shape.nodes[c] for c in sorted(children)], int) for shape in (source, target)
+    ]
+    landmarks = nodes[0], nodes[1]
+    clouds = source.points, target.points
+    carried = spine_deformation(*clouds, source.spine, target.spine, landmarks)
+    deformed = register_nonrigid(carried, target.points, landmarks)
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
     share = growth_share(start, end, unevenness(source.points, deformed))
     deviations = mid_spine(start, end, share) - 0.5 * (start + end)
     return OrganMotion(source.points, along, deformed, deviations)
-
-
-def _common_nodes(source: OrganShape, target: OrganShape) -> tuple[list[float], list[float]]:
-    """Where the same children are attached: places along both spines, ascending in both."""
-    common = source.nodes.keys() & target.nodes.keys()
-    before, after = [0.0], [0.0]
-    for a, b in sorted((source.nodes[child], target.nodes[child]) for child in common):
-        step = min(a - before[-1], b - after[-1])
-        if step > MIN_NODE_DISTANCE and max(a, b) < 1.0 - MIN_NODE_DISTANCE:
-            before.append(a)
-            after.append(b)
-    return before[1:], after[1:]
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:

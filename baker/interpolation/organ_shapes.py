@@ -28,7 +28,8 @@ class OrganShape:
     spine: Spine
     attachment: Points  # (3,)
     lengths: NDArray[np.float64]  # (n,), geodesic distances from the plant base
-    nodes: dict[int, float] = field(default_factory=dict)  # by child organ, where it is attached
+    # by child organ, which of these points it is attached at
+    nodes: dict[int, int] = field(default_factory=dict)
 
     @property
     def length(self) -> float:
@@ -80,7 +81,7 @@ def organ_shapes(
         if above is not None:
             gaps, touched = KDTree(above.points).query(sample[seeds])
             offsets = above.lengths[touched] + gaps
-            above.nodes[organ] = float(above.spine.along[touched[np.argmin(offsets)]])
+            above.nodes[organ] = int(touched[np.argmin(offsets)])
         lengths = path_lengths(sample, seeds, offsets, nearest_neighbors(sample, NEIGHBORS))
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)

@@ -111,10 +111,30 @@ def test_what_lies_between_two_nodes_stays_between_them() -> None:
     grown = np.interp(heights, [0, 40, 60, 100], [0, 40, 100, 140])
     stems = [np.column_stack([rng.normal(0, 1, (700, 2)), z]) for z in (heights, grown)]
     start, end = (shape_of(points, np.zeros(3)) for points in stems)
-    start.nodes.update({1: 0.4, 2: 0.6})
-    end.nodes.update({1: 40 / 140, 2: 100 / 140})
+    for shape, places in ((start, (40, 60)), (end, (40, 100))):
+        nearest = [int(np.abs(shape.points[:, 2] - height).argmin()) for height in places]
+        shape.nodes.update(enumerate(nearest))
     height = fit_motion(start, end).registered(*stems)[0][:, 2]
     assert np.abs(height - grown).max() < 8
+
+
+def test_a_stem_rolls_with_its_petioles() -> None:
+    """Two petioles, one above the other; nothing but the leaves that they bear tells them apart."""
+    rng = np.random.default_rng(0)
+    height = rng.uniform(0, 100, 500)
+    stem = np.column_stack([rng.normal(0, 1, (500, 2)), height])
+    out = rng.uniform(0, 30, (2, 125, 1))
+    petioles = [rng.normal(0, 1, (125, 3)) + out[0] * [1, 0, 0.5] + [0, 0, 50]]
+    petioles += [rng.normal(0, 1, (125, 3)) + out[1] * [0, 1, 0.5] + [0, 0, 60]]
+    before = np.concatenate([stem, *petioles])
+    turn = np.radians(130)
+    about_z = [[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
+    after = before @ about_z
+    start, end = (shape_of(points, np.zeros(3)) for points in (before, after))
+    for shape in (start, end):
+        shape.nodes.update({leaf: 500 + 125 * leaf + int(out[leaf].argmax()) for leaf in (0, 1)})
+    arrived = fit_motion(start, end).registered(before, after)[0]
+    assert np.linalg.norm(arrived - after, axis=1)[500:].mean() < 2.0
 
 
 def test_a_motion_is_the_same_wherever_the_plant_stands() -> None:

@@ -25,7 +25,7 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     assert set(shapes) == {10, 11}  # too few points have no shape
     np.testing.assert_allclose(shapes[11].spine.nodes[0], [0, 0, 60], atol=4)
     np.testing.assert_allclose(shapes[11].spine.nodes[-1], [98, 0, 60], atol=4)
-    assert shapes[10].nodes[11] == pytest.approx(0.61, abs=0.05)
+    assert shapes[10].spine.along[shapes[10].nodes[11]] == pytest.approx(0.61, abs=0.05)
     assert shapes[11].lengths.min() == pytest.approx(60, abs=8)
 
 
