@@ -1,5 +1,6 @@
 """Text from files that anyone may have written, safe to print in any terminal and any log."""
 
+import io
 import os
 import unicodedata
 from typing import Any, TextIO
@@ -21,10 +22,10 @@ def printable(text: str, most: int | None = None) -> str:
 
 
 class Lossy:
-    """A stream; what can't be written to it is lost, and does not end the work."""
+    """A stream, or none where it is closed; what can't be written is lost, and ends no work."""
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+    def __init__(self, stream: TextIO | None) -> None:
+        self._stream = stream or io.StringIO()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)

@@ -45,9 +45,10 @@ def test_a_forked_worker_can_print_a_warning() -> None:
     assert b"something" in shown
 
 
-@pytest.mark.parametrize("out", ["gone", "full"])
+@pytest.mark.parametrize("out", ["gone", "full", "closed"])
 def test_what_nobody_can_take_is_not_said(out: str) -> None:
     code = (
+        f"import os, sys; {out!r} == 'closed' and (os.close(2), setattr(sys, 'stderr', None))\n"
         "from gclip.terminal.progress import ProgressBars\n"
         "with ProgressBars(False) as progress:\n"
         "    for _ in range(5): progress.say('x' * 1000)\n"
