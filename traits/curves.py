@@ -22,6 +22,7 @@ PLOTTED = {"length": 1, "area": 2, "angle": 0}  # power of the length unit
 SURE, UNSURE = 0.05, 0.15
 SURE_ANGLE, UNSURE_ANGLE = 5.0, 15.0
 SVG_SIZE = (320.0, 84.0)
+FIXED = 'vector-effect="non-scaling-stroke"'  # strokes as wide however the picture is stretched
 
 
 @dataclass(frozen=True)
@@ -103,16 +104,16 @@ def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
     upper = [place(time, value + margin) for time, value, margin in points]
     lower = [place(time, value - margin) for time, value, margin in reversed(points)]
     line = [place(time, value) for time, value, _ in points]
+    # Points without length, as circles would be stretched with the picture.
     dots = "".join(
-        '<circle cx="{}" cy="{}" r="3" stroke="{}" fill="{}"/>'.format(
-            *at.split(","), color, color if sure else "none"
-        )
+        f'<path d="M{at}h0" stroke-width="7" opacity="{1.0 if sure else 0.4}" {FIXED}/>'
         for at, sure in zip(line, curve.sure, strict=True)
     )
     return (
         f'<svg viewBox="0 0 {width:g} {height:g}" overflow="visible" preserveAspectRatio="none">'
         f"<title>{escape(curve.trait)}</title>"
         f'<polygon points="{" ".join(upper + lower)}" fill="{color}" opacity="0.25"/>'
-        f'<polyline points="{" ".join(line)}" fill="none" stroke="{color}" stroke-width="2"/>'
-        f"{dots}</svg>"
+        f'<g stroke="{color}" fill="none" stroke-linecap="round">'
+        f'<polyline points="{" ".join(line)}" stroke-width="2" {FIXED}/>'
+        f"{dots}</g></svg>"
     )

@@ -39,8 +39,9 @@ def test_curves_are_what_the_table_says(grown: Clip) -> None:
 def test_a_picture_of_a_curve_is_sound_and_within_its_frame(grown: Clip) -> None:
     for curve in trait_curves(grown):
         picture = ElementTree.fromstring(curve_svg(curve, (0.0, 6.0), "rgb(1,2,3)"))
-        circles = picture.findall("circle")
-        assert [circle.get("fill") != "none" for circle in circles] == list(curve.sure)
-        for circle in circles:
-            assert 0.0 <= float(circle.get("cx")) <= 320.0
-            assert 0.0 <= float(circle.get("cy")) <= 84.0
+        dots = picture.findall("g/path")
+        assert [dot.get("opacity") == "1.0" for dot in dots] == list(curve.sure)
+        for dot in dots:
+            x, y = map(float, dot.get("d")[1:-2].split(","))
+            assert 0.0 <= x <= 320.0
+            assert 0.0 <= y <= 84.0

@@ -7,6 +7,7 @@ const FEWEST = 60000;
 const HEAVY = 150000, FIRST = 2;  // points from which a page begins at that level, not at the best
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
+const TRAITS = ["length", "area", "angle"];  // of the chosen organ, that are plotted
 const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
 const COVERED = 130;  // pixels of the page's foot, that the plant is kept clear of
 
@@ -16,7 +17,7 @@ function start(about, shaders) {
     const clip = new Clip(about), canvas = byId("picture");
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
-    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1 };
+    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: TRAITS[0] };
     const heaviest = Math.max(...clip.intervals.map(({ count }) => count));
     const state = {
         dirty: true, moved: 0, turning: clip.look.turning, fitted: true,
@@ -49,6 +50,7 @@ function start(about, shaders) {
         smaller: () => { look.pointSize = Math.max(look.pointSize / 1.15, 0.05); },
         organs: () => byId("organs").toggleAttribute("hidden"),
         choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
+        trait: () => { look.trait = TRAITS[(TRAITS.indexOf(look.trait) + 1) % TRAITS.length]; },
         go: (day) => clock.go(day),
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
@@ -74,6 +76,17 @@ function start(about, shaders) {
         byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
         document.querySelectorAll("#organs button").forEach((button) =>
             button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
+        plot();
+    }
+
+    // The chosen organ's length, area or angle over the timeline, whose days it shares.
+    function plot() {
+        const [label, curve] = clip.curves[`${look.chosen} ${look.trait}`] || [];
+        byId("curve").hidden = !curve;
+        if (!curve) return;
+        const [place, , name] = byId("curve").children;
+        place.innerHTML = curve;
+        name.textContent = label;
     }
 
     // Where the clock stands, in words and on the timeline.
@@ -82,6 +95,8 @@ function start(about, shaders) {
         byId("time").value = clock.day;
         byId("time").setAttribute("aria-valuetext", date);
         byId("date").textContent = date;
+        byId("curve").children[1].style.left =
+            `${(100 * (clock.day - clock.first)) / (clock.last - clock.first)}%`;
         byId("elapsed").textContent = elapsed;
     }
 
@@ -176,7 +191,7 @@ const KEYS = {
     " ": "play", ArrowLeft: "back", ArrowRight: "on", PageUp: "previous", PageDown: "next",
     Home: "first", End: "last", ArrowDown: "slower", ArrowUp: "faster", "[": "slower", "]": "faster",
     f: "fit", t: "turn", F11: null, c: "color", g: "ground", "+": "larger", "=": "larger",
-    "-": "smaller", o: "organs", s: "picture", h: "help", "?": "help", Escape: "leave",
+    "-": "smaller", o: "organs", l: "trait", s: "picture", h: "help", "?": "help", Escape: "leave",
 };
 
 // One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.

@@ -22,9 +22,10 @@ from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_sq
 from player.rendering.renderer import MIN_POINT_PX, NATURAL_RADIUS, scene_radius
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import Camera, axes
-from player.view.colors import Colors, resolved_color_mode
+from player.view.colors import Colors, format_number, resolved_color_mode
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
+from traits.curves import curve_svg, trait_curves
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -34,6 +35,7 @@ SHADERS = (
 )
 MOMENTS = 1000  # at which the page may change what it calls the day
 MAX_ORGANS = 2000  # that are listed
+MAX_CURVES = 100  # organs whose traits are plotted
 LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
 
@@ -132,6 +134,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         },
         "sceneRadius": scene_radius(clip),
         "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
+        "curves": _curves(clip),
         "axes": axes(clip.up).tolist(),
         "look": {
             "light": film.style.ground == "light",
@@ -172,6 +175,18 @@ def _organs(clip: Clip) -> Iterator[tuple[str, str, str]]:
         born = date_at(clip.scans, track.born) if track.born > clip.times[0] else ""
         lost = "" if track.lost is None else f" – {date_at(clip.scans, track.lost)}"
         yield _css(track.color), track.name, born + lost
+
+
+def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
+    """Of an organ and a trait what is plotted, in words and as a picture."""
+    span, table = (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
+    return {
+        f"{one.track} {one.trait}": (
+            f"{one.trait}, up to {format_number(max(one.values))}{one.unit}",
+            curve_svg(one, span, _css(table[one.track].color)),
+        )
+        for one in trait_curves(clip, range(len(table)))
+    }
 
 
 def _css(color: Sequence[int]) -> str:

@@ -20,6 +20,7 @@ from player import render
 from player.export import Film, export
 from player.export.web.encode import pack
 from player.view.style import ColorMode, Style
+from traits.curves import trait_curves
 
 NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
 POSITIONS = """([day, shader]) => {
@@ -163,6 +164,24 @@ def test_fingers_turn_and_pinch(opened: Any, make_clip: Any) -> None:
         fingers("touchMove", (220 - aside, 150), (260 + aside, 150))
     fingers("touchEnd")
     until(tab, f"viewer.camera.distance < 0.6 * {distance}")
+
+
+def test_the_chosen_organ_s_curves_share_the_timeline(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    tab, curves = opened(clip), trait_curves(clip)
+    assert curves
+    assert not tab.is_visible("#curve"), "no organ is chosen"
+    tab.evaluate(f"viewer.act('choose', {curves[0].track})")
+    for _ in range(3):
+        trait = tab.evaluate("viewer.look.trait")
+        if any((one.track, one.trait) == (curves[0].track, trait) for one in curves):
+            assert tab.text_content("#curve span").startswith(f"{trait}, up to")
+            curve, line = (tab.locator(of).bounding_box() for of in ("#curve svg", "#timeline"))
+            assert (curve["x"], curve["width"]) == pytest.approx((line["x"], line["width"]), abs=1)
+        else:
+            assert not tab.is_visible("#curve")
+        tab.keyboard.press("l")
+    assert tab.evaluate("viewer.look.trait") == "length"
 
 
 def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
