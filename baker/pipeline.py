@@ -31,6 +31,7 @@ from baker.interpolation.interval_job import (
     interval_jobs,
     solve_intervals,
 )
+from baker.interpolation.own_numbers import renumbered, with_own_numbers
 from baker.interpolation.provenance import (
     describe_provenance,
     describe_tracks,
@@ -161,7 +162,9 @@ def bake_recorded(
         tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
         jobs = interval_jobs(aligned, matches, tracks, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        intervals = tuple(solve(jobs, partial(progress, "transport")))
+        own_jobs, organs_of = zip(*map(with_own_numbers, jobs), strict=True)
+        solved = solve(own_jobs, partial(progress, "transport"))
+        intervals = tuple(map(renumbered, solved, organs_of))
 
         order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
         table = describe_tracks(series, organs, labels, order)

@@ -10,6 +10,7 @@ import numpy as np
 
 from baker.alignment import Alignment
 from baker.interpolation.colors import organ_colors
+from baker.interpolation.own_numbers import renumbered
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
@@ -91,14 +92,7 @@ def in_order(clip: Clip, order: Sequence[int]) -> Clip:
             replace(track, id=new, parent=parent)
             for new, (track, parent) in enumerate(zip(tracks, parents, strict=True))
         ),
-        intervals=tuple(
-            replace(
-                interval,
-                tracks=rank.astype(interval.tracks.dtype)[interval.tracks],
-                segments=tuple(replace(s, track=int(rank[s.track])) for s in interval.segments),
-            )
-            for interval in clip.intervals
-        ),
+        intervals=tuple(renumbered(interval, rank) for interval in clip.intervals),
         provenance=clip.provenance | {"verdict": verdict | {"doubts": doubts}},
     )
 

@@ -2,7 +2,7 @@
 
 from baker.matching.hierarchical import PAPER, GreedyRules
 from baker.matching.labels import LabelUse, follow_labels, label_policy
-from baker.matching.match import Match, match_by_label, match_series
+from baker.matching.match import Match, match_by_label, match_from_pairs, match_series
 from baker.matching.tracks import IntervalOrgans, Organ, follow_organs
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "follow_organs",
     "label_policy",
     "match_by_label",
+    "match_from_pairs",
     "match_series",
 ]

@@ -188,13 +188,17 @@ def test_bake_finds_them_beside_the_clip(folder, tmp_path, capsys):
     assert clip.read_bytes() == plain
 
 
-def test_only_intervals_that_change_are_solved_again(folder, tmp_path, capsys):
+@pytest.mark.parametrize("day", [0, 1, 2])
+def test_only_intervals_that_change_are_solved_again(folder, tmp_path, capsys, day):
+    """Though from there on the organs of the series are numbered otherwise."""
     words = [str(folder), "-o", str(tmp_path / "plant.gclip"), "--align", "none", "--up", "z"]
-    command = [*words, "--paths", "straight", "--cache", str(tmp_path / "cache")]
-    command += ["--force"]
+    command = [*words, "--paths", "straight", "--cache", str(tmp_path / "cache"), "--force"]
     assert main(command) == 0
-    different = Correction("different", (place(folder, 2, 1), place(folder, 3, 1)))
-    write_corrections(tmp_path / "plant.corrections.toml", [different])
+    apart = Correction("different", (place(folder, day, 1), place(folder, day + 1, 1)))
+    write_corrections(tmp_path / "plant.corrections.toml", [apart])
     capsys.readouterr()
     assert main(command) == 0
     assert "2 of 3 intervals" in capsys.readouterr().err
+    kept = (tmp_path / "plant.gclip").read_bytes()
+    assert main([word for word in command if word not in ("--cache", str(tmp_path / "cache"))]) == 0
+    assert (tmp_path / "plant.gclip").read_bytes() == kept
