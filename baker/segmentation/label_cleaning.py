@@ -49,20 +49,21 @@ def _is_speck(
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
-    foreign = around != organ[:, None]
-    at_border = foreign.any(axis=1)  # as are all points of a speck; the others need no graph
-    near_border = np.flatnonzero(at_border)
-    row, column = np.nonzero(~foreign[near_border])
-    edges = near_border[row], neighbors.indices[near_border[row], column]
+    at_border = (around != organ[:, None]).any(axis=1)  # as are all points of a speck
+    border = np.flatnonzero(at_border)
+    foreign = around[border] != organ[border, None]
+    row, column = np.nonzero(~foreign)
+    edges = border[row], neighbors.indices[border[row], column]
     graph = csr_matrix((np.ones(len(row), bool), edges), (len(organ), len(organ)))
     piece = connected_components(graph, directed=False)[1]
     size = np.bincount(piece)
-    size[piece[~at_border]] = len(organ) + 1
+    size[piece[~at_border]] = len(organ)
     largest = np.zeros(organ.max() + 1, np.intp)
     np.maximum.at(largest, organ, size[piece])
-    share = np.bincount(piece, foreign.mean(axis=1)) / np.bincount(piece)
+    share = np.bincount(piece[border], foreign.mean(axis=1), len(size)) / size
     gap = np.full(len(size), np.inf)
-    np.minimum.at(gap, piece, np.where(foreign, neighbors.distances, np.inf).min(axis=1))
+    distances = np.where(foreign, neighbors.distances[border], np.inf)
+    np.minimum.at(gap, piece[border], distances.min(axis=1))
     is_near = gap <= np.median(neighbors.distances[:, -1])
     amid_others = is_near & (share > 0.5) & (size <= around.shape[1])
     return np.asarray(amid_others[piece] & (size[piece] < largest[organ]))
