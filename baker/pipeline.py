@@ -24,7 +24,7 @@ from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
-from baker.interpolation.fields import mover_fields
+from baker.interpolation.fields import with_fields
 from baker.interpolation.interval_job import (
     IntervalSolver,
     attachment_heights,
@@ -167,12 +167,10 @@ def bake_recorded(
         intervals = tuple(map(renumbered, solved, organs_of))
 
         order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
-        table = describe_tracks(series, organs, labels, order)
         clip = Clip(
-            fields=mover_fields(intervals, aligned.clouds, series.scans, table),
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
-            track_table=table,
+            track_table=describe_tracks(series, organs, labels, order),
             origin=tuple(survey.raw.scans[0].origin.tolist()),
             up=survey.alignment.up,
             unit=options.unit,
@@ -191,7 +189,7 @@ def bake_recorded(
         where, contacts = (aligned.clouds, aligned.bases), [job.attachments for job in jobs]
         followed = FollowedOrgans(*where, matches, tracks, labels.unlabelled, confirmed)
         clip = judged(clip, contacts, None if labels.are_names else followed, map)
-        return in_order(clip, order), survey
+        return in_order(with_fields(clip, aligned.clouds, series.scans), order), survey
 
 
 def survey_series(
