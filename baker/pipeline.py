@@ -21,6 +21,7 @@ from baker.alignment.keyframes import (
 )
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.normals import surface_normals
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
@@ -243,6 +244,8 @@ def _measure(
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
     workers = worker_count(options.workers)  # share each scan, as scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
+    normals = map(surface_normals, clouds, neighbors)
+    frames = [replace(f, normals=n) for f, n in zip(keyframes, normals, strict=True)]
     if not options.paper:
         pairs = zip(series.scans, neighbors, strict=True)
         series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))
@@ -250,7 +253,7 @@ def _measure(
     places = [frame.base if by_itself else root for frame in keyframes]
     bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, places))
     times = tuple(scan.time for scan in series.scans)
-    aligned = AlignedSeries(times, tuple(keyframes), tuple(neighbors), bases, vertical)
+    aligned = AlignedSeries(times, tuple(frames), tuple(neighbors), bases, vertical)
     return series, aligned
 
 

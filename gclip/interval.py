@@ -11,6 +11,14 @@ from gclip.file import Container
 from gclip.morton import extent
 from gclip.schema import MAX_NUMBER, Box, Group, IntervalEntry, SegmentPair
 
+OPTIONAL: dict[str, tuple[str, int, type]] = {
+    "start_colors": ("start_color", 4, np.uint8),
+    "end_colors": ("end_color", 4, np.uint8),
+    "normals": ("normals", 4, np.uint8),
+}
+"""Of buffers that an interval may lack the field, the name in a file, the width and the type."""
+COLORS = {"start_colors", "end_colors"}
+
 
 @dataclass(frozen=True)
 class Interval:
@@ -26,6 +34,7 @@ class Interval:
     tracks: NDArray[Any]  #: (N,) uint16 or uint32 track ids
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha, None for the tracks'
     end_colors: NDArray[np.uint8] | None = None
+    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at the start and at the end
     segments: tuple[SegmentPair, ...] = ()  #: how the transport was solved
 
     @property
@@ -49,10 +58,8 @@ class Interval:
         """Its arrays by their names in a file where it is interval number `index`."""
         found = dict(zip(_curve_names(index, self.degree), self.curve, strict=True))
         found[f"{index:04d}/track"] = self.tracks
-        if self.start_colors is not None and self.end_colors is not None:
-            found[f"{index:04d}/start_color"] = self.start_colors
-            found[f"{index:04d}/end_color"] = self.end_colors
-        return found
+        optional = {name: getattr(self, field) for field, (name, *_) in OPTIONAL.items()}
+        return found | {f"{index:04d}/{k}": v for k, v in optional.items() if v is not None}
 
     def __len__(self) -> int:
         return len(self.tracks)
@@ -70,17 +77,19 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
     if int(ids.max()) >= tracks:
         which = f'its buffer "{index:04d}/track" names track {int(ids.max())}'
         raise ClipError(f"{which}; only {tracks} tracks are named")
-    colors: Any = [None, None]
-    names = [f"{index:04d}/{end}_color" for end in ("start", "end")]
-    if not container.unread.isdisjoint(names):
-        colors = [container.take(name, (count, 4), np.uint8) for name in names]
+    there = {f for f, (name, *_) in OPTIONAL.items() if f"{index:04d}/{name}" in container.buffers}
+    there |= COLORS if there & COLORS else set()  # both, or none
+    optional: dict[str, Any] = {
+        field: container.take(f"{index:04d}/{name}", (count, width), dtype)
+        for field, (name, width, dtype) in OPTIONAL.items()
+        if field in there
+    }
     return Interval(
         start_positions=curve[0],
         end_positions=curve[-1],
         control_positions=tuple(curve[1:-1]),
         tracks=ids,
-        start_colors=colors[0],
-        end_colors=colors[1],
+        **optional,
         **{name: getattr(entry, name) for name in ("start", "end", "box", "groups", "segments")},
     )
 

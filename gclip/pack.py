@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.interval import Interval
+from gclip.interval import OPTIONAL, Interval
 from gclip.morton import block_shuffle, extent
 from gclip.schema import Box, Group, Motion, SegmentPair
 
@@ -24,6 +24,7 @@ class Movers:
     tracks: NDArray[np.integer]  #: (N,) track ids
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha
     end_colors: NDArray[np.uint8] | None = None
+    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at the start and at the end
 
     def __len__(self) -> int:
         return len(self.tracks)
@@ -67,7 +68,7 @@ def pack_interval(
     box = None if coarse else Box(tuple(low.tolist()), tuple(high.tolist()))
     curve = [p.astype(np.float32) if box is None else _quantised(p, box) for p in curve]
     tracks = _joined([m.tracks for m in movers])
-    colors = [_joined([m.start_colors for m in movers]), _joined([m.end_colors for m in movers])]
+    optional = {name: _joined([getattr(m, name) for m in movers]) for name in OPTIONAL}
     return Interval(
         start=start,
         end=end,
@@ -77,8 +78,7 @@ def pack_interval(
         end_positions=np.take(curve[-1], order, axis=0),
         control_positions=tuple(np.take(points, order, axis=0) for points in curve[1:-1]),
         tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
-        start_colors=None if colors[0] is None else np.take(colors[0], order, axis=0),
-        end_colors=None if colors[1] is None else np.take(colors[1], order, axis=0),
+        **{name: None if a is None else np.take(a, order, axis=0) for name, a in optional.items()},
         segments=segments,
     )
 

@@ -7,6 +7,7 @@ uniform float perspective;   // 1, or 0 for a parallel projection
 uniform vec2 half_extent;    // half of what the picture shows where clip_w is 1, across and up
 
 const float NOTHING = 1e4;  // the relative depth where no point is
+const float UNKNOWN = 2.0;  // a normal that is to be found from depths
 
 float relative_depth(float view_depth) {
     return (view_depth - target_depth) / scene_radius;

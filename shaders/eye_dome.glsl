@@ -4,6 +4,7 @@
 const int RINGS = 3, DIRECTIONS = 8;  // in which the surroundings are looked at
 
 uniform sampler2D depths;  // relative
+uniform sampler2D normals;  // see gbuffer.glsl
 uniform ivec2 dome[RINGS * DIRECTIONS];  // where the surroundings are, in samples
 uniform float radius;      // of a splat, in the clip's unit
 uniform float focal_px;    // samples that one unit takes up where clip_w is 1
@@ -64,7 +65,10 @@ float occlusion(ivec2 texel, float depth) {
 // The light that a surface of some colour sends to the eye.
 vec3 lit(ivec2 texel, vec3 albedo) {
     float depth = depth_at(texel);
-    vec3 normal = normal_at(texel, depth), to_eye = normalize(-view_pos(texel, depth));
+    vec2 aside = texelFetch(normals, texel, 0).rg;
+    vec3 known = vec3(aside, sqrt(max(1.0 - dot(aside, aside), 0.0)));
+    vec3 normal = aside.x < UNKNOWN ? known : normal_at(texel, depth);
+    vec3 to_eye = normalize(-view_pos(texel, depth));
     to_eye = perspective > 0.0 ? to_eye : vec3(0.0, 0.0, 1.0);
 
     // Leaves are thin: light from behind shines through.

@@ -14,6 +14,9 @@ uniform float radius;         // of a splat, in the clip's unit
 uniform float focal_px;       // samples that one unit takes up where clip_w is 1
 uniform vec2 point_px_range;  // diameters in samples
 
+const float CORE = 0.7;  // share of its radius in which a splat hides what lies behind
+const float THICKNESS = 1.6;  // depth, in splat radii, over which splats count as one surface
+
 uint number_at(ivec2 texel) {
     return texelFetch(nearest, clamp(texel, ivec2(0), samples - 1), 0).r;
 }
@@ -52,5 +55,5 @@ void main() {
             depth_sum += relative_depth(depth) * weight;
         }
     }
-    write_gbuffer(color_sum, depth_sum);
+    write_gbuffer(color_sum, depth_sum / max(color_sum.a, 1e-6), vec2(UNKNOWN), 1.0);
 }

@@ -1,16 +1,17 @@
-// What the passes over the points leave of each sample: colour, cover and depth. The depth buffer
-// tells where the plant is, so that the passes that follow run there alone.
+// What the passes over the points leave of each sample: colour, cover, depth and normal. The depth
+// buffer tells where the plant is, so that the passes that follow run there alone.
 #include "depth.glsl"
 #include "splat_profile.glsl"
 
 layout(location = 0) out vec4 out_color;   // linear light, cover
 layout(location = 1) out float out_depth;  // relative
+layout(location = 2) out vec2 out_normal;  // to the eye, aside and up, or UNKNOWN
 
-// color_sum: linear light times weight, weight; depth_sum: relative depth times weight.
-void write_gbuffer(vec4 color_sum, float depth_sum) {
-    bool covered = color_sum.a > RIM_OUTSIDE;
-    float weight = max(color_sum.a, 1e-6);
-    out_color = vec4(color_sum.rgb / weight, smoothstep(RIM_OUTSIDE, RIM_INSIDE, color_sum.a));
-    out_depth = covered ? depth_sum / weight : NOTHING;
-    gl_FragDepth = covered ? 0.0 : 1.0;
+// color_sum: linear light times weight, weight; inside: whether the surface goes as far.
+void write_gbuffer(vec4 color_sum, float depth, vec2 normal, float inside) {
+    float cover = inside * smoothstep(RIM_OUTSIDE, RIM_INSIDE, color_sum.a);
+    out_color = vec4(color_sum.rgb / max(color_sum.a, 1e-6), cover);
+    out_depth = cover > 0.0 ? depth : NOTHING;
+    out_normal = normal;
+    gl_FragDepth = cover > 0.0 ? 0.0 : 1.0;
 }

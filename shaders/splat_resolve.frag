@@ -1,10 +1,23 @@
-// The splats' sums into colour, cover and depth.
+// The splats' sums into colour, cover, depth and normal. The surface ends where the mean of the
+// splats about a place lies aside of it (Adamson and Alexa 2004, "Approximating bounded,
+// non-orientable surfaces from points"), which is smoother than any splat's rim.
 #include "gbuffer.glsl"
 
+uniform sampler2D front;
 uniform sampler2D color_sums;
-uniform sampler2D depth_sums;
+uniform sampler2D moment_sums;
+uniform sampler2D normal_sums;
+uniform float edge;  // how far aside, in radii
+
+const float SOFT = 0.04;
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    write_gbuffer(texelFetch(color_sums, texel, 0), texelFetch(depth_sums, texel, 0).r);
+    vec4 color = texelFetch(color_sums, texel, 0);
+    vec4 moment = texelFetch(moment_sums, texel, 0) / max(color.a, 1e-6);
+    vec2 normal = texelFetch(normal_sums, texel, 0).rg / max(color.a, 1e-6);
+    float nearest = texelFetch(front, texel, 0).r;
+    float depth = (nearest == NOTHING ? 0.0 : nearest) + moment.x;
+    float inside = smoothstep(edge + SOFT, edge - SOFT, length(moment.zw));
+    write_gbuffer(color, depth, moment.y > 0.0 ? normal : vec2(UNKNOWN), inside);
 }

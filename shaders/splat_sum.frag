@@ -1,16 +1,29 @@
-flat in vec3 v_color;
-flat in float v_depth;
+// Second pass over the splats: those on the nearest surface, summed with weights that fall off to
+// the rim (Botsch et al. 2005, "High-quality surface splatting on today's GPUs").
+#include "splat_disc.glsl"
 
-layout(location = 0) out vec4 out_color;   // linear light times weight, weight
-layout(location = 1) out float out_depth;  // depth times weight
+uniform sampler2D front;  // relative depths of the nearest surface
+uniform float edge;       // see splat_resolve.frag
+
+flat in vec3 v_color;
+flat in vec2 v_normal;
+
+// All times weight. Depths are taken from the nearest surface, so that half floats hold them.
+layout(location = 0) out vec4 out_color;   // linear light, 1
+layout(location = 1) out vec4 out_moment;  // depth, whether the normal is known, place in the disc
+layout(location = 2) out vec2 out_normal;
 
 void main() {
-    vec2 at = 2.0 * gl_PointCoord - 1.0;
-    float rise = 1.0 - dot(at, at);
-    if (rise <= 0.0) {
+    vec2 at = place_in_disc();
+    float rise = 1.0 - dot(at, at), most = thickness * v_radius / scene_radius;
+    float nearest = texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
+    bool is_rim = nearest == NOTHING;
+    float behind = relative_depth(depth_in_disc()) - (is_rim ? 0.0 : nearest);
+    if (rise <= 0.0 || (!is_rim && (behind > most || (edge <= 1.0 && behind < -most)))) {
         discard;
     }
     float weight = rise * rise;
     out_color = vec4(v_color, 1.0) * weight;
-    out_depth = v_depth * weight;
+    out_moment = vec4(behind, NORMALS, at) * weight;
+    out_normal = v_normal * weight;
 }

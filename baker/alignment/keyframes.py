@@ -21,6 +21,7 @@ class Keyframe:
     colors: NDArray[np.uint8] | None  # (N, 4), sRGB and alpha
     area: NDArray[np.floating] | None = None  # (N,); None where the density of movers stays
     base: NDArray[np.float64] | None = None  # (3,), where the stem leaves the ground
+    normals: NDArray[np.uint8] | None = None  # (N, 2), octahedral
 
 
 @dataclass(frozen=True)

@@ -46,8 +46,11 @@ def moving(
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:
         colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
-    movers = Movers(Motion.MOVE, (origin, target), np.full(len(a), task.organ), *colors)
-    born, area = task.event == "birth", None
+    born, area, normals = task.event == "birth", None, None
+    if start.normals is not None and end.normals is not None:
+        last = end.normals.take(b, axis=0)  # what is born has no surface at first
+        normals = np.hstack([last if born else start.normals.take(a, axis=0), last])
+    movers = Movers(Motion.MOVE, (origin, target), np.full(len(a), task.organ), *colors, normals)
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
     pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
@@ -77,7 +80,8 @@ def leaving(
     colors = None if start.colors is None else start.colors.take(task.start, axis=0)
     tracks = np.full(len(origin), task.organ)
     drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
-    movers = Movers(decay, (origin, landing), tracks, colors, colors)
+    normals = None if start.normals is None else np.tile(start.normals[task.start], 2)
+    movers = Movers(decay, (origin, landing), tracks, colors, colors, normals)
     return OrganMovers(movers, _pair(task, len(origin), "identity", drop, 0.0))
 
 

@@ -77,13 +77,16 @@ def _filled(task: OrganMovers, density: float) -> Movers:
         return np.concatenate([values, values.take(own, axis=0) + shift], dtype=values.dtype)
 
     start, *control, end = raised(movers.curve, degree)
-    colors, target = movers.start_colors, movers.end_colors
+    names = ("start_colors", "end_colors", "normals")
+    optional: dict[str, Any] = {
+        n: getattr(movers, n) for n in names if getattr(movers, n) is not None
+    }
+    more: dict[str, Any] = {name: extended(one) for name, one in optional.items()}
     return replace(
         movers,
         curve=(extended(start), *(extended(points, shift) for points in control), extended(end)),
         tracks=extended(movers.tracks),
-        start_colors=None if colors is None else extended(colors),
-        end_colors=None if target is None else extended(target),
+        **more,
     )
 
 

@@ -43,11 +43,14 @@ class GBuffer:
         self.size = size
         self.colors = texture(context, size, 4, "f2")
         self.depths = [texture(context, size, 1, "f4") for _ in range(2)]
+        self.normals = texture(context, size, 2, "f2")
         self.light = texture(context, size, 4, "f2")
         self._plant = context.depth_renderbuffer(size)
         self._tiles = texture(context, (-(-size[0] // TILE), -(-size[1] // TILE)), 1, "f1")
         self._occupied = context.framebuffer([self._tiles])
-        self.framebuffer = context.framebuffer([self.colors, self.depths[0]], self._plant)
+        self.framebuffer = context.framebuffer(
+            [self.colors, self.depths[0], self.normals], self._plant
+        )
         self.filtered = [context.framebuffer([depths], self._plant) for depths in self.depths]
         self.lit = context.framebuffer([self.light], self._plant)
         for framebuffer in (*self.filtered, self.lit):
@@ -96,7 +99,7 @@ class GBuffer:
         for framebuffer in framebuffers:
             framebuffer.release()
         self._plant.release()
-        for attached in (self.colors, *self.depths, self.light, self._tiles):
+        for attached in (self.colors, *self.depths, self.normals, self.light, self._tiles):
             attached.release()
 
 

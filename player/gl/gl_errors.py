@@ -15,7 +15,7 @@ from player.gl.gpu_memory import total
 if TYPE_CHECKING:
     import moderngl
 
-SAMPLE = 60  # bytes of the GPU that one sample of a picture takes
+SAMPLE = 78  # bytes of the GPU that one sample of a picture takes
 
 
 class OutOfGpuMemory(PlayerError):

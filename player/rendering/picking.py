@@ -60,7 +60,7 @@ class Picking:
         context.depth_func = "<"
         left, bottom = REACH - int(at[0]), REACH - (height - 1 - int(at[1]))
         self._framebuffer.viewport = (left, bottom, width, height)
-        self._points.draw("pick", ranges, splats.uniforms())
+        self._points.draw("splat_pick", ranges, splats.uniforms())
         context.enable_only(moderngl.NOTHING)
         tracks = np.frombuffer(self._tracks.read(), np.uint32).reshape(SIDE, SIDE)
         rows, columns = np.nonzero(tracks != NO_TRACK)

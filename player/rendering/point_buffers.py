@@ -59,10 +59,24 @@ class DrawRange:
         return replace(self, count=min(self.count, most), stride=stride)
 
 
+def attributes_of(interval: Interval) -> list[tuple[NDArray, str, str, int]]:
+    """An interval's buffers of one entry a point, with moderngl's format of an entry, its name in
+    shaders and its location there.
+    """
+    position = "3f4" if interval.box is None else "3u2"
+    found: list[tuple[NDArray | None, str, str, int]] = [
+        *((points, position, f"in_point{i}", i) for i, points in enumerate(interval.curve)),
+        (interval.tracks, f"u{interval.tracks.itemsize}", "in_track", 4),
+        (interval.start_colors, "4f1", "in_start_color", 5),
+        (interval.end_colors, "4f1", "in_end_color", 6),
+        (interval.normals, "4f1", "in_normals", 7),
+    ]
+    return [(one, kind, name, at) for one, kind, name, at in found if one is not None]
+
+
 def buffers_of(interval: Interval) -> list[NDArray]:
-    """An interval's buffers of one entry a point: positions, tracks, colours if there are any."""
-    colors = (interval.start_colors, interval.end_colors)
-    return [*interval.curve, interval.tracks, *(c for c in colors if c is not None)]
+    """An interval's buffers of one entry a point."""
+    return [values for values, *_ in attributes_of(interval)]
 
 
 def chunk_length(interval: Interval) -> int:
@@ -89,13 +103,9 @@ class ChunkBuffers:
         self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
         self.resident = 0  # points that are there
         self._buffers: list[tuple[moderngl.Buffer, str, str, int]] = []
-        position = "3f4" if interval.box is None else "3u2"
-        kinds = [(position, f"in_point{i}", i) for i in range(len(interval.curve))]
-        kinds.append((f"u{interval.tracks.itemsize}", "in_track", 4))
-        kinds += [("4f1", "in_start_color", 5), ("4f1", "in_end_color", 6)]
-        for values, kind in zip(buffers_of(interval), kinds, strict=False):
+        for values, kind, name, location in attributes_of(interval):
             size = values[:1].nbytes * chunk.count + PADDING
-            self._buffers.append((context.buffer(reserve=size), *kind))
+            self._buffers.append((context.buffer(reserve=size), kind, name, location))
         self.size = sum(buffer.size for buffer, *_ in self._buffers)
         try:
             check_context(context)

@@ -68,7 +68,10 @@ class PointCloud:
         self._colored = wanted
 
     def draw(self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any]) -> None:
-        """Draw points with the shaders `name`, into the framebuffer in use."""
+        """Draw points with the fragment shader `name`, into the framebuffer in use.
+
+        Its vertex shader is named by the first word: "splat_sum" has "splat".
+        """
         import moderngl
 
         for drawn in ranges:
@@ -121,6 +124,7 @@ class PointCloud:
         defined = {
             "DEGREE": interval.degree,
             "SCAN_COLORS": int(interval.start_colors is not None),
+            "NORMALS": int(interval.normals is not None),
             "FADING": int(layer.alpha < 1.0),
             **self._definitions,
             **definitions,
@@ -134,7 +138,7 @@ class PointCloud:
             self._programs[key] = (
                 compute(self.context, name, **defined)
                 if definitions
-                else program(self.context, name, name, **defined)
+                else program(self.context, name.partition("_")[0], name, **defined)
             )
         shader = self._programs[key]
         low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
@@ -147,6 +151,7 @@ class PointCloud:
             slopes=_uniform(velocity_weights(interval, layer)),
             weights=_uniform(bernstein(interval.degree, layer.parameter)),
             blend=layer.blend,
+            turned=layer.parameter,
             opacity=layer.alpha,
             box_low=low,
             box_step=step,

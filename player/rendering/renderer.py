@@ -25,7 +25,7 @@ from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
 from player.rendering.shading import shade
 from player.rendering.splat_radius import ClosingDistances
-from player.rendering.splats import SplatParams, Splats
+from player.rendering.splats import ALIGNED, FACING, SplatParams, Splats, SplatShape
 from player.view.camera import Camera, outline
 from player.view.colors import Colors, ScalarField
 from player.view.style import Style
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-NATURAL_RADIUS = 2.3  # of a splat, in closing distances: neighbours drift apart between scans
+# Of a splat, in closing distances: neighbours drift apart between scans. More splats than close the
+# surface have to find its edge together.
+NATURAL_RADIUS, ALIGNED_RADIUS = 2.3, 2.6
 MIN_POINT_PX = 1.5  # diameter in pixels below which no splat shrinks
 SHADOW_UNIT = 2
 
@@ -128,11 +130,12 @@ class Renderer:
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._point_area(day, closing))
         gbuffer.clear()
+        behind = None
         if splats.typical_radius_px <= MAX_RADIUS_PX:
             self._raster.draw(gbuffer, ranges, splats)
         else:
-            self._splats.draw(gbuffer, ranges, splats)
-        shade(self.context, self._passes, gbuffer, splats, style)
+            behind = self._splats.draw(gbuffer, ranges, splats)
+        shade(self.context, self._passes, gbuffer, behind, splats, style)
         framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
         gbuffer.light.use(0)
@@ -204,19 +207,22 @@ class Renderer:
     ) -> SplatParams:
         """As large as closes the surface between as many points as are drawn."""
         stride = max((drawn.stride for drawn in ranges), default=1)
+        natural, shape = splat_shape(self.clip)
         splats = SplatParams(
             camera=camera,
             samples=samples,
-            radius=NATURAL_RADIUS * style.point_size * closing * math.sqrt(stride),
+            radius=natural * style.point_size * closing * math.sqrt(stride),
             point_px_range=(MIN_POINT_PX * self.supersample, self._max_point_px),
             scene_radius=self._scene_radius,
             by_track=style.color_by in ("track", "age"),
+            shape=shape,
             by_scalar=self._colors.scalar_field(style) is not ScalarField.NONE,
         )
         if style.pixels is not None:
             smallest = max(style.pixels * samples[1] / 720, splats.point_px_range[0])
             fixed = (smallest, self._max_point_px)
-            return replace(splats, radius=1e-6 * splats.radius, point_px_range=fixed)
+            smallest_radius = 1e-6 * splats.radius
+            return replace(splats, radius=smallest_radius, point_px_range=fixed, shape=FACING)
         missing, drawn = _missing(ranges), sum(drawn.count for drawn in ranges)
         if missing:
             # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
@@ -250,6 +256,12 @@ class Renderer:
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
         count = max(len(self.clip.intervals[index]), 1)
         return float(4.0 * closing**2 * points / count)
+
+
+def splat_shape(clip: Clip) -> tuple[float, SplatShape]:
+    """The radius of a clip's splats, in closing distances, and what they make of a surface."""
+    aligned = all(interval.normals is not None for interval in clip.intervals)
+    return (ALIGNED_RADIUS, ALIGNED) if aligned else (NATURAL_RADIUS, FACING)
 
 
 def scene_radius(clip: Clip) -> float:

@@ -1,4 +1,4 @@
-"""Light on the nearest surface, which is known by its depths alone."""
+"""Light on the nearest surface, known by its depths and, where points have some, normals."""
 
 from __future__ import annotations
 
@@ -15,27 +15,41 @@ if TYPE_CHECKING:
 
     from player.gl.framebuffer import GBuffer
     from player.gl.shader import Passes
-    from player.rendering.splats import SplatParams
+    from player.rendering.splats import SplatParams, SplatSums
 
 DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (eye_dome.glsl)
 
 
 def shade(
-    context: moderngl.Context, passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style
+    context: moderngl.Context,
+    passes: Passes,
+    gbuffer: GBuffer,
+    behind: SplatSums | None,
+    splats: SplatParams,
+    style: Style,
 ) -> None:
-    """Take the scanner's noise out of the depths, and light the plant by them."""
+    """Take the scanner's noise out of the depths, and light the plant by them and its normals.
+
+    behind: what is seen beyond the edges of the nearest surface.
+    """
     import moderngl
 
+    uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
     context.enable_only(moderngl.DEPTH_TEST)
     context.depth_func = ">"  # where the plant is
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
-        gbuffer.depths[source].use(0)
-        passes.fill("bilateral", **splats.uniforms(), depths=0, direction=direction)
-    gbuffer.lit.use()
-    gbuffer.colors.use(0)
-    gbuffer.depths[0].use(1)
-    passes.fill("shade", **splats.uniforms(), **lights(splats, style), colors=0, depths=1)
+        gbuffer.depths[source].use(1)
+        passes.fill("bilateral", **uniforms, direction=direction)
+    layers = [(gbuffer.lit, [gbuffer.colors, gbuffer.depths[0], gbuffer.normals])]
+    layers += [] if behind is None else [(behind.lit, behind.textures)]
+    context.enable(moderngl.BLEND)
+    context.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
+    for target, textures in layers:
+        target.use()
+        for unit, one in enumerate(textures):
+            one.use(unit)
+        passes.fill("shade", **uniforms)
     context.enable_only(moderngl.NOTHING)
 
 

@@ -1,14 +1,14 @@
-"""Points as soft round splats, wherever they lie between the samples: for splats of some size."""
+"""Points as soft splats, wherever they lie between the samples: for splats of some size."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from player.gl.framebuffer import texture
+from player.gl.framebuffer import NOTHING, texture
 from player.view.camera import Camera
 
 if TYPE_CHECKING:
@@ -20,12 +20,30 @@ if TYPE_CHECKING:
     from player.rendering.point_cloud import PointCloud
 
 MAX_MARGIN = 512  # samples: how far outside of the picture the centres of splats may lie
-NO_CHANNELS, ALL_CHANNELS = [(False,) * 4] * 2, [(True,) * 4] * 2
+
+
+@dataclass(frozen=True)
+class SplatShape:
+    """How far a splat reaches, in shares of its radius.
+
+    core:      as far it hides what lies behind.
+    thickness: of the surface: splats within this depth are seen together.
+    edge:      as far the surface goes beyond the mean of the splats about a place; it goes as far
+               as they do if 2. A lower one is nearer to the truth, a higher one smoother.
+    """
+
+    core: float = 0.7
+    thickness: float = 1.6
+    edge: float = 2.0
+
+
+FACING = SplatShape()  # discs that face the eye
+ALIGNED = SplatShape(edge=0.38)  # by the surface's normals
 
 
 @dataclass(frozen=True)
 class SplatParams:
-    """How points are seen: as round splats, of a size in the world, that face the eye.
+    """How points are seen: as splats of a size in the world.
 
     samples:        (width, height) of the picture.
     radius:         of a splat, in the clip's unit.
@@ -33,6 +51,7 @@ class SplatParams:
     scene_radius:   in the clip's unit.
     by_track:       coloured by track, else by the scans' colours where there are any.
     by_scalar:      coloured by a scalar field instead.
+    shape:          what the passes over splats make of them.
     """
 
     camera: Camera
@@ -42,6 +61,7 @@ class SplatParams:
     scene_radius: float
     by_track: bool
     by_scalar: bool = False
+    shape: SplatShape = FACING
 
     @property
     def projection(self) -> Any:
@@ -79,12 +99,15 @@ class SplatParams:
             "radius": self.radius,
             "focal_px": self.focal_px,
             "point_px_range": self.point_px_range,
+            **asdict(self.shape),
             "by_track": self.by_track,
         }
 
 
 class Splats:
-    """Two passes over the points: the nearest surface's depth, then the sum of the splats on it."""
+    """Three passes over the points: the nearest surface's depths, the sum of the splats on it, and
+    beyond its edges, which are smoother than the splats that hide it, the surface behind.
+    """
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
         self._points = points
@@ -92,49 +115,55 @@ class Splats:
         self._max_viewport = min(points.context.info["GL_MAX_VIEWPORT_DIMS"])
         self._sums: SplatSums | None = None
 
-    def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Leave the nearest surface in the G-buffer."""
+    def draw(
+        self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
+    ) -> SplatSums | None:
+        """Leave the nearest surface in the G-buffer; gives what lies behind its edges."""
         import moderngl
 
-        context, sums = self._points.context, self._sums_for(splats.samples)
-        framebuffer = sums.framebuffer
-        framebuffer.depth_mask = True
-        framebuffer.use()
-        framebuffer.clear()
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "<"
+        context, sums = self._points.context, self._sums_for(gbuffer)
         # OpenGL drops a point whose centre lies outside of the viewport, however far it reaches.
-        width, height = splats.samples
+        (width, height), picture = splats.samples, (0, 0, *splats.samples)
         reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
         wide, tall = width + 2 * margin, height + 2 * margin
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
         uniforms = splats.uniforms() | {"projection": shrunk @ splats.projection}
-        framebuffer.viewport = (-margin, -margin, wide, tall)
-        framebuffer.color_mask = NO_CHANNELS  # type: ignore[assignment]
+        uniforms |= {"front": 0, "color_sums": 1, "moment_sums": 2, "normal_sums": 3, "colors": 1}
+        for framebuffer in (sums.nearest, sums.summed):
+            framebuffer.viewport = (-margin, -margin, wide, tall)
+
+        sums.nearest.use()
+        sums.nearest.clear(NOTHING, viewport=picture)
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
+        context.depth_func = "<"
         self._points.draw("splat_depth", ranges, uniforms)
 
-        framebuffer.color_mask = ALL_CHANNELS  # type: ignore[assignment]
-        framebuffer.depth_mask = False
-        context.enable(moderngl.BLEND)
+        sums.summed.use()
+        sums.summed.clear(viewport=picture)
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
+        sums.front.use(0)
         self._points.draw("splat_sum", ranges, uniforms)
-        framebuffer.viewport = (0, 0, width, height)
 
-        sums.colors.use(0)
-        sums.depths.use(1)
+        for unit, one in enumerate(sums.textures, start=1):
+            one.use(unit)
         reach = max(int(splats.point_px_range[0] / 1.5), 1)
-        gbuffer.fill(
-            *(self._passes, "splat_tiles", "splat_resolve", reach),
-            **uniforms,
-            color_sums=0,
-            depth_sums=1,
-        )
+        gbuffer.fill(self._passes, "splat_tiles", "splat_resolve", reach, **uniforms)
+        if splats.shape.edge > 1.0:
+            return None
+        sums.summed.use()
+        sums.summed.clear(NOTHING, NOTHING, NOTHING, 0.0, viewport=picture)
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
+        context.depth_func = "<"
+        gbuffer.colors.use(1)
+        self._points.draw("splat_behind", ranges, uniforms)
+        return sums
 
-    def _sums_for(self, size: tuple[int, int]) -> SplatSums:
-        if self._sums is None or self._sums.colors.size != size:
+    def _sums_for(self, gbuffer: GBuffer) -> SplatSums:
+        if self._sums is None or self._sums.gbuffer is not gbuffer:
             self.release()
-            self._sums = SplatSums(self._points.context, size)
+            self._sums = SplatSums(self._points.context, gbuffer)
         return self._sums
 
     def release(self) -> None:
@@ -143,14 +172,32 @@ class Splats:
 
 
 class SplatSums:
-    """The nearest surface's depth, and the splats summed upon it, of each sample."""
+    """Beside a G-buffer the nearest surface's depth in each sample, and the splats summed upon it;
+    after that, in the same textures, colour, depth and normal of what lies behind.
 
-    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
-        self.colors = texture(context, size, 4, "f2")
-        self.depths = texture(context, size, 1, "f2")
+    Attributes
+    ----------
+    front : moderngl.Texture
+    textures : list of moderngl.Texture
+    nearest, summed : moderngl.Framebuffer
+        The front, and the textures.
+    lit : moderngl.Framebuffer
+        The G-buffer's light, with the depths of what was drawn last.
+    """
+
+    def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
+        self.gbuffer, size = gbuffer, gbuffer.size
+        self.front = texture(context, size, 1, "f4")
+        self.textures = [texture(context, size, channels, "f2") for channels in (4, 4, 2)]
         self._depth = context.depth_renderbuffer(size)
-        self.framebuffer = context.framebuffer([self.colors, self.depths], self._depth)
+        self.nearest = context.framebuffer([self.front], self._depth)
+        self.summed = context.framebuffer(self.textures, self._depth)
+        self.lit = context.framebuffer([gbuffer.light], self._depth)
+        self.lit.depth_mask = False
 
     def release(self) -> None:
-        for part in (self.framebuffer, self.colors, self.depths, self._depth):
-            part.release()
+        for framebuffer in (self.nearest, self.summed, self.lit):
+            framebuffer.release()
+        for attached in (self.front, *self.textures):
+            attached.release()
+        self._depth.release()

@@ -47,7 +47,7 @@ class Clip {
         return this.moments[(after < 0 ? this.moments.length : Math.max(after, 1)) - 1].slice(1);
     }
 
-    // The buffers of one interval: { points: [start, controls..., end], tracks, colors }. Unpacked
+    // The buffers of one interval: { points: [start, controls..., end], tracks, colors, normals }. Unpacked
     // piece by piece, so that the page answers meanwhile.
     async load(index) {
         const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
@@ -68,7 +68,7 @@ const nextTurn = () => new Promise((done) => setTimeout(done));
 
 // Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
 // its sign in the lowest bit, and added to what was foretold.
-async function unpack(bytes, { count, degree, trackBytes, colored }) {
+async function unpack(bytes, { count, degree, trackBytes, colored, aligned }) {
     let at = 0;
     async function column(values, sides, foretold = () => 0) {
         const width = values.BYTES_PER_ELEMENT;
@@ -101,5 +101,7 @@ async function unpack(bytes, { count, degree, trackBytes, colored }) {
         colors.push(await column(paint(), 3));
         colors.push(await column(paint(), 3, (i) => colors[0][i]));
     }
-    return { points: [start, ...controls, end], tracks, colors };
+    const normals = aligned ? new Uint8Array(4 * count) : null;
+    if (aligned) await column(normals, 4, (i) => (i % 4 > 1 ? normals[i - 2] : 0));
+    return { points: [start, ...controls, end], tracks, colors, normals };
 }

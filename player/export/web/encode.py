@@ -27,6 +27,7 @@ class Packed:
     step: list[float]
     track_bytes: int
     colored: bool
+    aligned: bool  # whether movers have normals
 
 
 def pack(interval: Interval, spacing: float) -> Packed:
@@ -48,8 +49,13 @@ def pack(interval: Interval, spacing: float) -> Packed:
     if interval.start_colors is not None and interval.end_colors is not None:
         paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]
         parts += [_planes(paint), _planes(last - paint)]
+    aligned = interval.normals is not None
+    if interval.normals is not None:
+        first, last = np.hsplit(interval.normals, 2)
+        parts.append(_planes(np.hstack([first, last - first])))
     data = zlib.compress(b"".join(parts), 9)
-    return Packed(data, low.tolist(), step.tolist(), interval.tracks.itemsize, colored)
+    size = interval.tracks.itemsize
+    return Packed(data, low.tolist(), step.tolist(), size, colored, aligned)
 
 
 def _quantised(

@@ -87,11 +87,12 @@ class Graphics {
         this.gl.viewport(0, 0, width, height);
     }
 
-    // Textures of some formats to draw into, and with `deep` a depth buffer.
-    target(width, height, formats, { deep = false, linear = false } = {}) {
+    // Textures of some formats to draw into, or such that are there, and with `deep` a depth buffer,
+    // or that of another target.
+    target(width, height, formats, { deep = null, linear = false, textures = null } = {}) {
         const gl = this.gl, framebuffer = gl.createFramebuffer();
-        const textures = formats.map((format) => this.texture(width, height, format, linear));
-        const depth = deep ? gl.createRenderbuffer() : null;
+        textures ||= formats.map((format) => this.texture(width, height, format, linear));
+        const depth = deep === true ? gl.createRenderbuffer() : deep;
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
         const places = textures.map((texture, i) => {
             const place = gl.COLOR_ATTACHMENT0 + i;
@@ -101,7 +102,7 @@ class Graphics {
         gl.drawBuffers(places);
         if (depth) {
             gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
-            gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+            if (deep === true) gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
             gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
         }
         return { width, height, framebuffer, textures, depth };

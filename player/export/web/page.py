@@ -19,7 +19,7 @@ from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import Packed, pack
 from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_square
-from player.rendering.renderer import MIN_POINT_PX, NATURAL_RADIUS, scene_radius
+from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import Camera, axes
 from player.view.colors import Colors, format_number, resolved_color_mode
@@ -29,7 +29,7 @@ from traits.curves import curve_svg, trait_curves
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
-    *("splat_depth.vert", "splat_depth.frag", "splat_sum.vert", "splat_sum.frag"),
+    *("splat.vert", "splat_depth.frag", "splat_sum.frag", "splat_behind.frag"),
     *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
     *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
 )
@@ -101,6 +101,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
     closing = ClosingDistances(clip)
     ends = [(k, 0.0) for k in range(len(clip.intervals))] + [(len(clip.intervals) - 1, 1.0)]
     to_square, half_side = floor_square(clip)
+    radius, shape = splat_shape(clip)
     home = Camera.home(clip, film.aspect)
     return {
         "times": clip.times,
@@ -120,11 +121,12 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
                 "step": one.step,
                 "trackBytes": one.track_bytes,
                 "colored": one.colored,
+                "aligned": one.aligned,
             }
             for interval, one in zip(clip.intervals, packed, strict=True)
         ],
         "coverage": [closing.at(k, share) for k, share in ends],
-        "splat": {"radii": NATURAL_RADIUS, "smallest": MIN_POINT_PX},
+        "splat": {"radii": radius, "smallest": MIN_POINT_PX, **asdict(shape)},
         "shadow": {
             "side": SIDE,
             "points": SHADOW_POINTS,

@@ -3,6 +3,7 @@
 
 const BUDGET = 384 << 20;  // bytes of points kept on the graphics card
 const KEY_LIGHT = [-0.75, 0.10, 0.65];  // from where the plant's up axis points, as the eye sees it
+const NOTHING = 1e4;  // the relative depth where no point is (depth.glsl)
 const DIMMED = 0.12, LUMINANCE = [0.2126, 0.7152, 0.0722];  // beside a chosen organ; of linear sRGB
 const KINDS = { Uint8Array: "UNSIGNED_BYTE", Uint16Array: "UNSIGNED_SHORT", Uint32Array: "UNSIGNED_INT" };
 
@@ -36,7 +37,7 @@ class Renderer {
         await this.intervals.get(index).loading;
     }
 
-    upload(kept, { points, tracks, colors }) {
+    upload(kept, { points, tracks, colors, normals }) {
         const gl = this.gl;
         const column = (location, data, sides) => {
             const buffer = gl.createBuffer(), { name, BYTES_PER_ELEMENT } = data.constructor;
@@ -48,6 +49,7 @@ class Renderer {
         kept.columns = [
             ...points.map((data, i) => column(i, data, 3)), column(4, tracks, 1),
             ...colors.map((data, i) => column(5 + i, data, 3)),
+            ...(normals ? [column(7, normals, 4)] : []),
         ];
         let used = [...this.intervals.values()].reduce((sum, { bytes }) => sum + bytes, 0);
         for (const [index, { arrays, columns, bytes }] of this.intervals) {
@@ -106,34 +108,52 @@ class Renderer {
             dome: domeOffsets(Math.max(1, (1.2 * samples * height) / 720)),
             eye_dome: look.eyeDome, depth_cue: look.depthCue, floor_share: look.floor,
             transparent: false,
+            core: clip.splat.core, thickness: clip.splat.thickness, edge: clip.splat.edge,
         };
-        const { sums, surface, filtered, lit } = this.targetsOf(samples * width, samples * height);
-        graphics.into(sums);
-        gl.depthMask(true);
-        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
-        gl.clearBufferfv(gl.COLOR, 1, [0, 0, 0, 0]);
-        gl.clearBufferfv(gl.DEPTH, 0, [1]);
-        gl.enable(gl.DEPTH_TEST);
-        gl.colorMask(false, false, false, false);
-        this.drawPoints("depth", layers, values, every);
-        gl.colorMask(true, true, true, true);
-        gl.depthMask(false);
-        gl.enable(gl.BLEND);
-        gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, values, every);
-        gl.disable(gl.DEPTH_TEST);
-        this.castShadow(day, layers, values.palette);
-
-        const [color_sums, depth_sums] = sums.textures, [colors, depths] = surface.textures;
+        const { nearest, sums, surface, filtered, lit, behind } = this.targetsOf(samples * width, samples * height);
         const pass = (target, name, more, defined) =>
             graphics.fill(target, name, { ...values, ...more }, defined);
-        pass(surface, "splat_resolve", { color_sums: [color_sums, 0], depth_sums: [depth_sums, 1] });
+        const clear = (target, ...color) => {
+            graphics.into(target);
+            target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, color));
+            if (target.depth) gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        };
+        const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
+        gl.depthMask(true);
+        gl.enable(gl.DEPTH_TEST);
+        clear(nearest, NOTHING, 0, 0, 0);
+        this.drawPoints("depth", layers, values, every);
+        gl.disable(gl.DEPTH_TEST);
+        clear(sums, 0, 0, 0, 0);
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE);
+        this.drawPoints("sum", layers, { ...values, front: [front, 1] }, every);
+        this.castShadow(day, layers, values.palette);
+        pass(surface, "splat_resolve", {
+            front: [front, 0], color_sums: [sums.textures[0], 1],
+            moment_sums: [sums.textures[1], 2], normal_sums: [sums.textures[2], 3],
+        });
         let latest = depths;
         for (const [i, direction] of [[1, 0], [0, 1]].entries()) {
             pass(filtered[i], "bilateral", { depths: [latest, 0], direction });
             [latest] = filtered[i].textures;
         }
-        pass(lit, "shade", { colors: [colors, 0], depths: [latest, 1] });
+        pass(lit, "shade", { colors: [colors, 0], depths: [latest, 1], normals: [normals, 2] });
+        if (values.edge <= 1) {
+            gl.enable(gl.DEPTH_TEST);
+            clear(sums, NOTHING, NOTHING, NOTHING, 0);
+            const more = { front: [front, 1], colors: [colors, 2] };
+            this.drawPoints("behind", layers, { ...values, ...more }, every);
+            gl.enable(gl.BLEND);
+            gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+            gl.depthFunc(gl.GREATER);
+            gl.depthMask(false);
+            const [color, depth, normal] = sums.textures;
+            pass(behind, "shade", { colors: [color, 0], depths: [depth, 1], normals: [normal, 2] });
+            gl.disable(gl.BLEND);
+            gl.disable(gl.DEPTH_TEST);
+            gl.depthFunc(gl.LESS);
+        }
         pass({ framebuffer: null, width, height }, "picture", {
             light: [lit.textures[0], 0], shadow: [this.shadows[0].textures[0], 1],
         }, { SUPERSAMPLE: samples });
@@ -163,6 +183,7 @@ class Renderer {
             const about = this.clip.intervals[interval];
             this.graphics.use(this.programs(about, alpha < 1)[pass], {
                 ...values, box_low: about.low, box_step: about.step, blend, opacity: alpha,
+                turned: parameter,
                 weights: bernstein(about.degree, parameter), first_point: 0,
             });
             const first = Math.ceil(group.first / every);
@@ -173,11 +194,15 @@ class Renderer {
     }
 
     // Those that an interval's points are drawn with.
-    programs({ degree, colored }, fading = false) {
-        const program = (name) => this.graphics.program(name, name, {
-            DEGREE: degree, SCAN_COLORS: +colored, FADING: +fading, SCALAR_FIELD: 0, HAS_FLAGS: 1,
+    programs({ degree, colored, aligned }, fading = false) {
+        const program = (vertex, fragment) => this.graphics.program(vertex, fragment, {
+            DEGREE: degree, SCAN_COLORS: +colored, NORMALS: +aligned, FADING: +fading,
+            SCALAR_FIELD: 0, HAS_FLAGS: 1,
         });
-        return { depth: program("splat_depth"), sum: program("splat_sum"), shadow: program("shadow") };
+        return {
+            depth: program("splat", "splat_depth"), sum: program("splat", "splat_sum"),
+            behind: program("splat", "splat_behind"), shadow: program("shadow", "shadow"),
+        };
     }
 
     // The organs' colours in linear light: a newborn one's comes from that of the organ it grows
@@ -211,11 +236,14 @@ class Renderer {
         const { gl, graphics } = this, formats = [gl.RGBA16F, graphics.depth];
         if (this.targets?.sums.width !== width || this.targets.sums.height !== height) {
             Object.values(this.targets || {}).flat().forEach((target) => graphics.release(target));
+            const nearest = graphics.target(width, height, [graphics.depth], { deep: true });
+            const lit = graphics.target(width, height, [gl.RGBA16F]), deep = nearest.depth;
             this.targets = {
-                sums: graphics.target(width, height, formats, { deep: true }),
-                surface: graphics.target(width, height, formats),
+                nearest, lit,
+                sums: graphics.target(width, height, [gl.RGBA16F, gl.RGBA16F, gl.RG16F], { deep }),
+                surface: graphics.target(width, height, [...formats, gl.RG16F]),
                 filtered: [0, 1].map(() => graphics.target(width, height, [graphics.depth])),
-                lit: graphics.target(width, height, [gl.RGBA16F]),
+                behind: graphics.target(width, height, [], { deep, textures: lit.textures }),
             };
         }
         return this.targets;

@@ -1,0 +1,36 @@
+// A fragment's place in its splat.
+#include "depth.glsl"
+
+uniform mat4 projection;
+uniform float core;       // share of the radius in which a splat hides what lies behind
+uniform float thickness;  // depth, in radii, over which splats count as one surface
+
+flat in vec3 v_depth;  // see splat.vert
+flat in float v_radius;
+flat in vec2 v_stretch;
+
+vec2 place_in_point() {
+    return vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0);
+}
+
+// In the disc itself, of radius 1, which the eye sees foreshortened.
+vec2 place_in_disc() {
+    vec2 at = place_in_point();
+    return at + dot(at, v_stretch) * v_stretch;
+}
+
+float depth_in_disc() {
+    return v_depth.x + dot(v_depth.yz, place_in_point());
+}
+
+float depth_in_core() {
+    vec2 at = place_in_disc();
+    if (dot(at, at) > core * core) {
+        discard;
+    }
+    return depth_in_disc();
+}
+
+float window_depth(float depth) {
+    return 0.5 - 0.5 * (projection[2].z * depth - projection[3].z) / clip_w(depth);
+}
