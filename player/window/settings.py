@@ -29,7 +29,7 @@ def load_settings() -> Settings:
     """What was saved last; nothing where there is no such file, or it makes no sense."""
     try:
         return msgspec.json.decode((_folder() / FILE).read_bytes(), type=Settings)
-    except (OSError, msgspec.DecodeError, RecursionError):
+    except (OSError, ValueError, msgspec.DecodeError, RecursionError):
         return Settings()
 
 

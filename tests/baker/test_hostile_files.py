@@ -27,6 +27,18 @@ def test_sound_files_are_read(kind, tmp_path):
     assert check_file(File(kind, ()), tmp_path) == "read"
 
 
+@pytest.mark.parametrize(
+    "file",
+    [
+        File("settings", (("word", 2663),)),
+        File("xyz", (("repeat", 2599), ("number", 2599), ("repeat", 2599), ("repeat", 2599))),
+    ],
+    ids=str,
+)
+def test_what_the_fuzzer_found_is_read_or_refused_by_name(file, tmp_path):
+    check_file(file, tmp_path)
+
+
 @given(all_files())
 @settings(max_examples=250, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_any_damage_is_read_or_refused_by_name(tmp_path_factory, file):

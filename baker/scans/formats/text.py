@@ -35,7 +35,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     values = _split(lines[start], delimiter)
     width = len(values)
     if named is None and width not in USUAL_WIDTHS:
-        example = ",".join(["x", "y", "z", *["-"] * (width - 4), "label"])
+        example = excerpt(",".join(["x", "y", "z", *["-"] * (width - 4), "label"]))
         raise FormatError(
             f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
             f"for others say what they are, as in --columns {example} (- is not used).",
