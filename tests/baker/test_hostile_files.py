@@ -144,6 +144,13 @@ def test_sizes_in_a_laz_that_lie_do_not_end_the_process(tmp_path):
         assert "compressed chunks don't fit" in refused(tmp_path / "a.laz", lying)
 
 
+def test_the_size_of_chunks_of_a_laz_that_lies_does_not_end_the_process(tmp_path):
+    sound = (SOUND["laz 1.2"][1])()
+    place = sound.index(struct.pack("<I", 50_000))
+    lying = sound[:place] + struct.pack("<I", 3_400_000_000) + sound[place + 4 :]
+    assert "compressed chunks don't fit" in refused(tmp_path / "a.laz", lying)
+
+
 @pytest.mark.parametrize("side", [9_999, 10_001, 15_000, 60_000])
 def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
     path = tmp_path / "rgb_a.png"

@@ -16,6 +16,8 @@ from baker.scans.formats import FormatError, require_count, require_room
 BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
 MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2
 MIN_RECORD_BYTES = 54  # bytes of a variable length record without content
+VARIABLE_SIZE = 2**32 - 1  # chunks tell their own sizes
+MAX_CHUNK_BYTES = 1 << 30  # bytes of points; usual are 50,000 points
 LAYERED = 3  # the compressor that writes each field of a chunk as a layer of its own
 LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}
 """Layers of each kind of item: point, RGB, RGB and near infrared, wave packet; other items have
@@ -84,6 +86,8 @@ def _require_sound_chunks(path: Path, header: Any) -> None:
             table = _number(file, "<q", whole - 8)
         count = _number(file, "<I", table + 4) if begin + 8 <= table <= whole - 8 else 0
         is_sound = vlr.item_size() == size and count * size <= whole - begin and count > 0
+        (chunk_size,) = struct.unpack_from("<I", record, 12)  # points, for which room is made
+        is_sound &= chunk_size == VARIABLE_SIZE or chunk_size * size <= MAX_CHUNK_BYTES
         if is_sound:
             file.seek(begin)
             chunks = [length for _, length in lazrs.read_chunk_table(file, vlr)]
