@@ -1,7 +1,8 @@
 """The work of the command `bake`: a list of what would be baked, one plant or many."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, suppress
+from functools import cache
 from pathlib import Path
 from shutil import rmtree
 from threading import Event
@@ -62,7 +63,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
     begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
     folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
-    cache = Cache(folder) if folder else None
+    kept_in = Cache(folder) if folder else None
     remarks: list[str | None] = []
     if (corrected := with_corrections(options, outputs.clip)) is not options:
         remarks.append(f"corrections: {corrections_file(outputs.clip)}")
@@ -79,19 +80,26 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
             for line in finding_lines(findings):
                 progress.say(line)
             surveyed.set()
-            remarks.extend(compiling)
+            remarks.extend(compiling())
 
-        # The solver's code is read, or compiled, while scans are.
         beside = stack.enter_context(thread_map(2))
-        compiling = beside(compile_kernels, [tell] if is_compiled else [])
+
+        @cache
+        def compiling() -> Iterable[str | None]:
+            return beside(compile_kernels, [tell] if is_compiled else [])
+
+        def report(stage: str, done: int, total: int) -> None:
+            if stage == "aligning":  # all scans are sound: meanwhile the solver's code is read
+                compiling()
+            progress(stage, done, total)
 
         solve = stack.enter_context(interval_solver(outputs.cluster)) if outputs.cluster else None
-        clip, errors = bake_into(outputs, inputs, options, cache, solve, progress, announce)
+        clip, errors = bake_into(outputs, inputs, options, kept_in, solve, report, announce)
         rmtree(begun, ignore_errors=True)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     notes = clip.provenance["notes"] if outputs.verbose else []
-    kept = cache.summary() if cache and (outputs.cache or cache.found) else ""
+    kept = kept_in.summary() if kept_in and (outputs.cache or kept_in.found) else ""
     lines = [*notes, *filter(None, remarks)]
     lines += summary_lines(clip, outputs.clip, progress.seconds, kept, outputs.verbose)
     lines += error_lines(errors, clip.unit) if errors else []
