@@ -189,7 +189,7 @@ def test_bad_files_are_refused_in_a_sentence(blender: Blender) -> None:
             assert "hostile" in path
     kinds = {Path(path).stem: said.partition(".gclip ")[2] for path, said in blender.said.items()}
     assert kinds["missing"] == "can't be read: No such file or directory.\n"
-    assert kinds["newer"] == "is of format 2.1; this add-on reads 1.\n"
+    assert kinds["newer"] == "is of format 2.2; this add-on reads 1.\n"
     for name in ("empty", "cut", "cloud", "bent"):
         assert kinds[name] == "is not a growth clip, or it is damaged.\n"
     assert sum(map(bool, blender.said.values())) > BAD / 2
