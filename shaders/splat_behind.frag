@@ -1,8 +1,7 @@
 // Third pass over the splats: at the edges of the nearest surface the nearest one behind it.
 #include "splat_disc.glsl"
 
-uniform sampler2D front;   // relative depths of the nearest surface
-uniform sampler2D colors;  // and its cover
+uniform sampler2D front;  // relative depths of the nearest surface
 
 flat in vec3 v_color;
 flat in vec2 v_normal;
@@ -12,10 +11,9 @@ layout(location = 1) out vec4 out_depth;
 layout(location = 2) out vec2 out_normal;
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
     float depth = depth_in_core();
-    float behind = relative_depth(depth) - texelFetch(front, texel, 0).r;
-    if (behind < thickness * v_radius / scene_radius || texelFetch(colors, texel, 0).a == 1.0) {
+    float behind = relative_depth(depth) - texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
+    if (behind < thickness * v_radius / scene_radius) {
         discard;
     }
     out_color = vec4(v_color, 1.0);

@@ -3,6 +3,7 @@
 
 uniform mat4 projection;
 uniform float core;       // share of the radius in which a splat hides what lies behind
+uniform float span;       // share of the radius that the point is drawn with
 uniform float thickness;  // depth, in radii, over which splats count as one surface
 
 flat in vec3 v_depth;  // see splat.vert
@@ -10,7 +11,7 @@ flat in float v_radius;
 flat in vec2 v_stretch;
 
 vec2 place_in_point() {
-    return vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0);
+    return span * (vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0));
 }
 
 // In the disc itself, of radius 1, which the eye sees foreshortened.

@@ -100,6 +100,8 @@ class SplatParams:
             "focal_px": self.focal_px,
             "point_px_range": self.point_px_range,
             **asdict(self.shape),
+            "span": self.shape.core,
+            "lift": 0.0,
             "by_track": self.by_track,
         }
 
@@ -139,12 +141,13 @@ class Splats:
         context.depth_func = "<"
         self._points.draw("splat_depth", ranges, uniforms)
 
+        sums.summed.depth_mask = False
         sums.summed.use()
         sums.summed.clear(viewport=picture)
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
         sums.front.use(0)
-        self._points.draw("splat_sum", ranges, uniforms)
+        self._points.draw("splat_sum", ranges, uniforms | {"span": 1.0, "lift": 1.0})
 
         for unit, one in enumerate(sums.textures, start=1):
             one.use(unit)
@@ -152,11 +155,16 @@ class Splats:
         gbuffer.fill(self._passes, "splat_tiles", "splat_resolve", reach, **uniforms)
         if splats.shape.edge > 1.0:
             return None
-        sums.summed.use()
-        sums.summed.clear(NOTHING, NOTHING, NOTHING, 0.0, viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "<"
+        context.depth_func = "1"
+        sums.depths.use()
         gbuffer.colors.use(1)
+        self._passes.fill("splat_covered", colors=1)
+        context.depth_func = "<"
+        sums.summed.depth_mask = False
+        sums.summed.clear(NOTHING, NOTHING, NOTHING, 0.0, viewport=picture)
+        sums.summed.depth_mask = True
+        sums.summed.use()
         self._points.draw("splat_behind", ranges, uniforms)
         return sums
 
@@ -179,8 +187,8 @@ class SplatSums:
     ----------
     front : moderngl.Texture
     textures : list of moderngl.Texture
-    nearest, summed : moderngl.Framebuffer
-        The front, and the textures.
+    nearest, summed, depths : moderngl.Framebuffer
+        The front, the textures, and the depth buffer of both by itself.
     lit : moderngl.Framebuffer
         The G-buffer's light, with the depths of what was drawn last.
     """
@@ -192,11 +200,12 @@ class SplatSums:
         self._depth = context.depth_renderbuffer(size)
         self.nearest = context.framebuffer([self.front], self._depth)
         self.summed = context.framebuffer(self.textures, self._depth)
+        self.depths = context.framebuffer([], self._depth)
         self.lit = context.framebuffer([gbuffer.light], self._depth)
         self.lit.depth_mask = False
 
     def release(self) -> None:
-        for framebuffer in (self.nearest, self.summed, self.lit):
+        for framebuffer in (self.nearest, self.summed, self.depths, self.lit):
             framebuffer.release()
         for attached in (self.front, *self.textures):
             attached.release()

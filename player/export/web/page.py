@@ -31,6 +31,7 @@ SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
     *("splat.vert", "splat_depth.frag", "splat_sum.frag", "splat_behind.frag"),
     *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
+    "splat_covered.frag",
     *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
 )
 MOMENTS = 1000  # at which the page may change what it calls the day

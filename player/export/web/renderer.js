@@ -109,8 +109,9 @@ class Renderer {
             eye_dome: look.eyeDome, depth_cue: look.depthCue, floor_share: look.floor,
             transparent: false,
             core: clip.splat.core, thickness: clip.splat.thickness, edge: clip.splat.edge,
+            span: clip.splat.core, lift: 0,
         };
-        const { nearest, sums, surface, filtered, lit, behind } = this.targetsOf(samples * width, samples * height);
+        const { nearest, sums, surface, filtered, lit, covered, behind } = this.targetsOf(samples * width, samples * height);
         const pass = (target, name, more, defined) =>
             graphics.fill(target, name, { ...values, ...more }, defined);
         const clear = (target, ...color) => {
@@ -123,11 +124,12 @@ class Renderer {
         gl.enable(gl.DEPTH_TEST);
         clear(nearest, NOTHING, 0, 0, 0);
         this.drawPoints("depth", layers, values, every);
-        gl.disable(gl.DEPTH_TEST);
+        gl.depthMask(false);
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, front: [front, 1] }, every);
+        this.drawPoints("sum", layers, { ...values, span: 1, lift: 1, front: [front, 1] }, every);
+        gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
         pass(surface, "splat_resolve", {
             front: [front, 0], color_sums: [sums.textures[0], 1],
@@ -142,8 +144,11 @@ class Renderer {
         if (values.edge <= 1) {
             gl.enable(gl.DEPTH_TEST);
             clear(sums, NOTHING, NOTHING, NOTHING, 0);
-            const more = { front: [front, 1], colors: [colors, 2] };
-            this.drawPoints("behind", layers, { ...values, ...more }, every);
+            gl.depthMask(true);
+            gl.depthFunc(gl.ALWAYS);
+            pass(covered, "splat_covered", { colors: [colors, 0] });
+            gl.depthFunc(gl.LESS);
+            this.drawPoints("behind", layers, { ...values, front: [front, 1] }, every);
             gl.enable(gl.BLEND);
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
             gl.depthFunc(gl.GREATER);
@@ -243,6 +248,7 @@ class Renderer {
                 sums: graphics.target(width, height, [gl.RGBA16F, gl.RGBA16F, gl.RG16F], { deep }),
                 surface: graphics.target(width, height, [...formats, gl.RG16F]),
                 filtered: [0, 1].map(() => graphics.target(width, height, [graphics.depth])),
+                covered: graphics.target(width, height, [], { deep }),
                 behind: graphics.target(width, height, [], { deep, textures: lit.textures }),
             };
         }
