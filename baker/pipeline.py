@@ -32,7 +32,7 @@ from baker.interpolation.interval_job import (
     interval_jobs,
     solve_intervals,
 )
-from baker.interpolation.own_numbers import renumbered, with_own_numbers
+from baker.interpolation.own_numbers import solve_under_own_numbers
 from baker.interpolation.provenance import (
     describe_provenance,
     describe_tracks,
@@ -71,7 +71,7 @@ from baker.segmentation.stage import (
 from baker.transport.tasks import transport_tasks
 from baker.transport.wasserstein import wasserstein
 from baker.verdict import FollowedOrgans, judged
-from gclip import Clip, HeldOutScan, ScanMark
+from gclip import Clip, ScanMark
 
 Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
@@ -163,9 +163,7 @@ def bake_recorded(
         tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
         jobs = interval_jobs(aligned, matches, tracks, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        own_jobs, organs_of = zip(*map(with_own_numbers, jobs), strict=True)
-        solved = solve(own_jobs, partial(progress, "transport"))
-        intervals = tuple(map(renumbered, solved, organs_of))
+        intervals = solve_under_own_numbers(jobs, solve, partial(progress, "transport"))
 
         order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
         clip = Clip(
@@ -178,10 +176,7 @@ def bake_recorded(
             time_unit=series.unit,
             floor=aligned.floor,
             spacing=aligned.spacing,
-            held_out=tuple(
-                HeldOutScan(held.scan.name, held.scan.time, held.scan.date, held.keyframe.positions)
-                for held in survey.held_out
-            ),
+            held_out=tuple(held.in_clip for held in survey.held_out),
             provenance=describe_provenance(
                 survey.raw, series, survey.alignment, labels, hierarchies, options
             ),
@@ -278,8 +273,7 @@ def _segment(
             for given, organs in zip(labels.labels, segmented, strict=True)
         ]
     own = with_corrected_organs(own, aligned, corrections)
-    given = zip(labels.labels, own, strict=True)
-    labels = replace(labels, labels=tuple(None if was is None else is_ for was, is_ in given))
+    labels = labels.with_given(own)
     if not is_complete or not (labels.consistent or options.paper):
         hierarchies = coarse_hierarchies(clouds, own, bases)
         labels = follow_labels(labels, clouds, hierarchies, bases, corrections)

@@ -11,6 +11,7 @@ from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
 from baker.scans import Scan, Series
+from gclip import HeldOutScan
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,12 @@ class HeldOut:
 
     scan: Scan
     keyframe: Keyframe
+
+    @property
+    def in_clip(self) -> HeldOutScan:
+        """What a clip keeps of it, to be compared with."""
+        scan = self.scan
+        return HeldOutScan(scan.name, scan.time, scan.date, self.keyframe.positions)
 
 
 @dataclass(frozen=True)

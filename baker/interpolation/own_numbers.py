@@ -4,19 +4,35 @@ Who is numbered how in the series depends on all scans. Without that a cache fin
 although organs of other intervals are matched otherwise.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.interval_job import IntervalJob
+from baker.interpolation.interval_job import IntervalJob, IntervalSolver
 from baker.matching import IntervalOrgans, match_from_pairs
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip import Interval
 
 Numbers = NDArray[np.intp]
+
+
+def solve_under_own_numbers(
+    jobs: Sequence[IntervalJob], solve: IntervalSolver, progress: Callable[[int, int], None]
+) -> tuple[Interval, ...]:
+    """Solve intervals that know nothing of the series' numbers, and number their organs as it does.
+
+    Parameters
+    ----------
+    jobs : sequence of IntervalJob
+    solve : IntervalSolver
+    progress : callable
+        Called with the intervals solved and the intervals in all.
+    """
+    own_jobs, organs_of = zip(*map(with_own_numbers, jobs), strict=True)
+    return tuple(map(renumbered, solve(own_jobs, progress), organs_of))
 
 
 def with_own_numbers(job: IntervalJob) -> tuple[IntervalJob, Numbers]:

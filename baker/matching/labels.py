@@ -51,6 +51,11 @@ class LabelUse:
         """The labels of the scans that have any."""
         return [own for own in self.labels if own is not None]
 
+    def with_given(self, corrected: Sequence[Labels]) -> "LabelUse":
+        """The same, with other labels for those scans that have any."""
+        pairs = zip(self.labels, corrected, strict=True)
+        return replace(self, labels=tuple(None if own is None else new for own, new in pairs))
+
 
 def label_policy(
     labels: Sequence[Labels | None],
