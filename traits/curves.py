@@ -74,9 +74,11 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
             if one.track is None or value is None:
                 continue
             sure = namer.is_sure(one, trait, one.time)
-            off = (SURE_ANGLE if sure else UNSURE_ANGLE) if trait == "angle" else value
-            off *= 1.0 if trait == "angle" else SURE if sure else UNSURE
-            found.setdefault((one.track, trait), []).append((one.time, value, off, sure))
+            if trait == "angle":
+                margin = SURE_ANGLE if sure else UNSURE_ANGLE
+            else:
+                margin = value * (SURE if sure else UNSURE)
+            found.setdefault((one.track, trait), []).append((one.time, value, margin, sure))
     return [
         TraitCurve(track, trait, units[PLOTTED[trait]], *map(tuple, zip(*points, strict=True)))
         for (track, trait), points in sorted(found.items())

@@ -49,7 +49,7 @@ class PointCorrection:
 
 def locate_corrections(
     corrections: Sequence[Correction],
-    found: Series,
+    raw: Series,
     series: Series,
     aligned: AlignedSeries,
     scale: float,
@@ -59,8 +59,8 @@ def locate_corrections(
     Parameters
     ----------
     corrections : sequence of Correction
-    found, series : Series
-        All scans, and those to bake: what is said of others does not count.
+    raw, series : Series
+        All scans, and those to bake: what is said of the others is left aside.
     aligned : AlignedSeries
         Of the scans to bake.
     scale : float
@@ -72,7 +72,7 @@ def locate_corrections(
         Where a scan is not in the series, or a place is far from it.
     """
     numbers = {scan.name: k for k, scan in enumerate(series.scans)}
-    known, located = [scan.name for scan in found.scans], []
+    known, located = [scan.name for scan in raw.scans], []
 
     def point(place: Place, said: str) -> tuple[int, int]:
         k = numbers[place.scan]
