@@ -118,6 +118,7 @@ def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
     ("kind", "forged"),
     [
         ("interval", {"start": 7.0}),
+        ("interval", {"start": -7.0}),
         ("interval", {"tracks": ["<u2", [3], b"\0" * 6]}),
         ("interval", {"start_positions": ["<f8", [1], b"\0" * 8]}),
         ("interval", {"end_positions": ["|O", [1], b"\0" * 8]}),

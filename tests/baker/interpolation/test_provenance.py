@@ -1,5 +1,6 @@
 """What a clip says of itself: its packages, and its organs as tracks."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from baker import bake
@@ -19,6 +20,8 @@ def test_tracks_in_another_order_are_the_same_organs(write_scans):
     clip = bake([write_scans(days=(0, 1, 2, 3))], align="none", up="z", paths="straight")
     doubt = {"track": 2, "what": "leaf 2 tears"}
     clip.provenance["verdict"]["doubts"] = [doubt]
+    *others, last = clip.track_table
+    clip = replace(clip, track_table=(*others, replace(last, parent=1)))
     other = in_order(clip, [0, 3, 1, 2])
     assert [track.name for track in other.track_table] == ["stem", "leaf 3", "leaf 1", "leaf 2"]
     assert [track.id for track in other.track_table] == [0, 1, 2, 3]

@@ -53,6 +53,15 @@ def test_a_piece_that_is_cut_off_but_not_amid_others_stays(plant):
     np.testing.assert_array_equal(mended(points, labels), labels)
 
 
+def test_a_small_piece_that_has_more_neighbors_of_its_own_stays(plant):
+    """A bud on a leaf, say: it touches the leaf, but does not lie amid it."""
+    points, labels = plant
+    bud = np.column_stack([np.full(8, 5.0), np.full(8, 0.5), 8.1 + 0.02 * np.arange(8)])
+    points = np.concatenate([points, bud]).astype(np.float32)
+    labels = np.append(labels, np.zeros(8, np.int64))
+    np.testing.assert_array_equal(mended(points, labels), labels)
+
+
 def test_a_piece_that_only_touches_another_organ_stays(plant):
     points, labels = plant
     gap = (labels == 1) & (points[:, 0] > 7.5) & (points[:, 0] < 8.7)
