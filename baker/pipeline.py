@@ -28,17 +28,10 @@ from baker.interpolation.colors import painted
 from baker.interpolation.fields import with_fields
 from baker.interpolation.interval_job import (
     IntervalSolver,
-    attachment_heights,
     interval_jobs,
     solve_intervals,
 )
-from baker.interpolation.own_numbers import solve_under_own_numbers
-from baker.interpolation.provenance import (
-    describe_provenance,
-    describe_tracks,
-    in_order,
-    organ_order,
-)
+from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import (
     PAPER,
     GreedyRules,
@@ -163,13 +156,11 @@ def bake_recorded(
         tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
         jobs = interval_jobs(aligned, matches, tracks, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        intervals = solve_under_own_numbers(jobs, solve, partial(progress, "transport"))
-
-        order = organ_order(organs, {} if labels.are_names else attachment_heights(jobs))
+        intervals = tuple(solve(jobs, partial(progress, "transport")))
         clip = Clip(
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
             intervals=intervals,
-            track_table=describe_tracks(series, organs, labels, order),
+            track_table=describe_tracks(series, organs, labels),
             origin=tuple(survey.raw.scans[0].origin.tolist()),
             up=survey.alignment.up,
             unit=options.unit,
@@ -185,7 +176,7 @@ def bake_recorded(
         where, contacts = (aligned.clouds, aligned.bases), [job.attachments for job in jobs]
         followed = FollowedOrgans(*where, matches, tracks, labels.unlabelled, confirmed)
         clip = judged(clip, contacts, None if labels.are_names else followed, map)
-        return in_order(with_fields(clip, aligned.clouds, series.scans), order), survey
+        return with_fields(clip, aligned.clouds, series.scans), survey
 
 
 def survey_series(

@@ -134,15 +134,6 @@ def interval_jobs(
     ]
 
 
-def attachment_heights(jobs: Sequence[IntervalJob]) -> dict[int, float]:
-    """By organ the height of its attachment in the first scan in which that is known."""
-    heights: dict[int, float] = {}
-    for job in reversed(jobs):
-        for side in reversed(job.attachments):
-            heights |= {o: float(job.vertical.height(c).mean()) for o, c in side.items()}
-    return heights
-
-
 def _decays(
     tasks: Sequence[tuple[Task, ...]],
     tracks: Sequence[IntervalOrgans],

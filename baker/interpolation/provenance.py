@@ -1,59 +1,26 @@
 """What a clip says of itself: its organs as tracks, and where it came from."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from baker.alignment import Alignment
 from baker.interpolation.colors import organ_colors
-from baker.interpolation.own_numbers import renumbered
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
 from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
-from gclip import Clip, Track
+from gclip import Track
 from gclip.version import __version__
 
 
-def organ_order(organs: Sequence[Organ], heights: Mapping[int, float]) -> list[int]:
-    """The organs, the root first, as they appear; those of one scan from the lowest on.
-
-    heights: by organ the height of its attachment in the scan in which it appears, where that is
-    known and labels don't say which organ is which.
-    """
-    leaves = range(1, len(organs))
-    return [0, *sorted(leaves, key=lambda i: (organs[i].first, heights.get(i, np.inf), i))]
-
-
-def describe_tracks(
-    series: Series, organs: Sequence[Organ], labels: LabelUse, order: Sequence[int]
-) -> tuple[Track, ...]:
-    """The organs as tracks: the stem, and leaves by the scans' labels or by order of appearance.
-
-    Parameters
-    ----------
-    series : Series
-    organs : sequence of Organ
-        The root first.
-    labels : LabelUse
-        Whether labels are the scans' own.
-    order : sequence of int
-        The organs' `organ_order`, by which leaves are numbered and get their colours.
-
-    Returns
-    -------
-    tuple of gclip.Track
-    """
+def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
+    """The organs, the root first, as tracks: leaves go by the scans' labels, or as they appear."""
     by_label, scans = labels.are_names, series.scans
     times = [*(scan.time for scan in scans), None]
-    numbers, colors = np.argsort(order), organ_colors(len(organs))
-
     is_stem = not (by_label and organs[0].label is None)  # what else is the root carries nothing
 
     def name(index: int, organ: Organ) -> str:
@@ -63,37 +30,19 @@ def describe_tracks(
             return series.label_words[organ.label]
         if index == 0:
             return "stem" if is_stem else "plant"
-        return f"leaf {organ.label if by_label else numbers[index]}"
+        return f"leaf {organ.label if by_label else index}"
 
     return tuple(
         Track(
             id=index,
             name=name(index, organ),
-            color=colors[numbers[index]],
+            color=color,
             parent=organ.parent,
             born=scans[organ.first].time,
             lost=times[organ.last + 1],
             kind="organ" if index else "stem" if is_stem else "root",
         )
-        for index, organ in enumerate(organs)
-    )
-
-
-def in_order(clip: Clip, order: Sequence[int]) -> Clip:
-    """The clip with its tracks in another order: `order` has their present ids."""
-    rank = np.argsort(order)
-    tracks = [clip.track_table[old] for old in order]
-    parents = [None if t.parent is None else int(rank[t.parent]) for t in tracks]
-    verdict = clip.provenance["verdict"]
-    doubts = [doubt | {"track": int(rank[doubt["track"]])} for doubt in verdict["doubts"]]
-    return replace(
-        clip,
-        track_table=tuple(
-            replace(track, id=new, parent=parent)
-            for new, (track, parent) in enumerate(zip(tracks, parents, strict=True))
-        ),
-        intervals=tuple(renumbered(interval, rank) for interval in clip.intervals),
-        provenance=clip.provenance | {"verdict": verdict | {"doubts": doubts}},
+        for index, (organ, color) in enumerate(zip(organs, organ_colors(len(organs)), strict=True))
     )
 
 

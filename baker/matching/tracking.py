@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import chain_ends
 from baker.matching.corrections import PointCorrection
 from baker.matching.descriptors import describe_organs
 from baker.matching.score import match_scores
@@ -33,7 +34,8 @@ def track_organs(
     clouds: (N, 3) aligned scans. hierarchies: their organs. root_points: the point of each scan at
     the plant base. stem: whether the organ there is known to be the stem of all others.
     corrections: where they are of successive scans, and what isn't the same, are kept to. Returns
-    each point's track number, (N,), from 0 by first appearance; each organ of a scan has its own.
+    each point's track number, (N,), from 0 by first appearance, those of one scan from the plant
+    base on; each organ of a scan has its own.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
@@ -48,8 +50,13 @@ def track_organs(
         if (k, later) in scores and (later == k + 1 or not same):
             pair = tuple(_organ_of(hierarchies[scan], point) for scan, point in one.places)
             scores[k, later][pair] = CERTAIN if same else -np.inf
+    bases = [cloud[base] for cloud, base in zip(clouds, root_points, strict=True)]
+    places = [
+        np.linalg.norm(own.attachments - base, axis=1)
+        for own, base in zip(organs, bases, strict=True)
+    ]
     tracks = []
-    for numbers, hierarchy in zip(follow([*map(len, organs)], scores), hierarchies, strict=True):
+    for numbers, hierarchy in zip(follow(places, scores), hierarchies, strict=True):
         sizes = [len(segment) for segment in hierarchy.segments if len(segment)]
         track = np.empty(sum(sizes), np.int64)
         track[np.concatenate(hierarchy.segments)] = np.repeat(numbers, sizes)
@@ -63,30 +70,26 @@ def _organ_of(hierarchy: Hierarchy, point: int) -> int:
 
 
 def follow(
-    counts: Sequence[int], scores: Mapping[tuple[int, int], NDArray[np.float64]]
+    places: Sequence[NDArray[np.floating]], scores: Mapping[tuple[int, int], NDArray[np.float64]]
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
-    counts: organs of each scan; scores: (n, m) of each pair of organs of an earlier and a later
-    scan, chained only above 0. Returns each organ's track number, from 0 by first appearance.
+    places: (n,) of each scan's organs, along the plant. scores: (n, m) of each pair of organs of an
+    earlier and a later scan, chained only above 0. Returns each organ's track number, from 0 by
+    first appearance, then by place.
     """
-    starts = np.concatenate([[0], np.cumsum(counts)])
-    predecessors = _predecessors(starts, scores)
-    tracks = np.empty(starts[-1], np.int64)
-    count = 0
-    for organ in range(starts[-1]):
-        if predecessors[organ] >= 0:
-            tracks[organ] = tracks[predecessors[organ]]
-        else:
-            tracks[organ] = count
-            count += 1
+    starts = np.cumsum([0, *map(len, places)])
+    scan = np.repeat(np.arange(len(places)), np.diff(starts))
+    rank = np.argsort(np.lexsort((np.concatenate(places), scan)))
+    first = chain_ends(_predecessors(starts, scores))
+    tracks = np.unique(rank[first], return_inverse=True)[1]
     return np.split(tracks, starts[1:-1])
 
 
 def _predecessors(
     starts: NDArray[np.intp], scores: Mapping[tuple[int, int], NDArray[np.float64]]
 ) -> NDArray[np.intp]:
-    """For each organ of the series, scan after scan, which organ it was before; -1 for none."""
+    """For each organ of the series, scan after scan, which organ it was before; or itself."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
@@ -107,6 +110,6 @@ def _predecessors(
     ).tocsr()
     first, second = min_weight_full_bipartite_matching(costs)
     found = second < total
-    predecessors = np.full(total, -1, np.intp)
+    predecessors = np.arange(total)
     predecessors[second[found]] = first[found]
     return predecessors

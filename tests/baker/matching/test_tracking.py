@@ -153,6 +153,17 @@ def test_an_organ_that_shrinks_scores_less_than_one_that_stays_or_grows():
     assert scores[0] < scores[2] - 0.2
 
 
+def places(*counts):
+    """Of so many organs in each scan, one above the other."""
+    return [np.arange(count) for count in counts]
+
+
+def test_tracks_are_numbered_by_appearance_and_then_along_the_plant():
+    worth = {(0, 1): np.array([[-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])}
+    first, second = follow([np.array([9.0, 3.0]), np.array([5.0, 3.0, 1.0])], worth)
+    assert (first.tolist(), second.tolist()) == ([1, 0], [2, 1, 0])
+
+
 def test_a_path_through_a_later_scan_beats_a_poor_successor():
     one, two = np.array([[5.0]]), np.array([[0.0, 5.0]])
     worth = {
@@ -160,18 +171,19 @@ def test_a_path_through_a_later_scan_beats_a_poor_successor():
         (1, 2): np.array([[-1.0, 4.0]]),
         (0, 2): np.array([[3.0, -1.0]]),
     }
-    assert [t.tolist() for t in follow([1, 1, 2], worth)] == [[0], [1], [0, 1]]
-    assert [t.tolist() for t in follow([1, 1, 2], {(0, 1): one, (1, 2): two})] == [[0], [0], [1, 0]]
+    assert [t.tolist() for t in follow(places(1, 1, 2), worth)] == [[0], [1], [0, 1]]
+    successors = {(0, 1): one, (1, 2): two}
+    assert [t.tolist() for t in follow(places(1, 1, 2), successors)] == [[0], [0], [1, 0]]
 
 
 def test_no_match_is_worth_it():
     never = {(0, 1): np.full((2, 2), -np.inf)}
-    assert [t.tolist() for t in follow([2, 2], never)] == [[0, 1], [2, 3]]
+    assert [t.tolist() for t in follow(places(2, 2), never)] == [[0, 1], [2, 3]]
 
 
 def test_births_and_losses_in_one_interval():
     worth = {(0, 1): np.array([[2.0, -1.0, -1.0], [-1.0, -1.0, -1.0]])}
-    assert [t.tolist() for t in follow([2, 3], worth)] == [[0, 1], [0, 2, 3]]
+    assert [t.tolist() for t in follow(places(2, 3), worth)] == [[0, 1], [0, 2, 3]]
 
 
 def test_a_known_stem_orders_its_organs_however_they_hang():
