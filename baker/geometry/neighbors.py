@@ -87,6 +87,31 @@ def point_spacing(points: NDArray[np.floating]) -> float:
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
 
 
+def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
+    """Covariance of the positions of each point and its neighbors.
+
+    Parameters
+    ----------
+    points, neighbors : (N, 3) float, Neighbors
+
+    Returns
+    -------
+    (6, N) float64
+        The elements xx, yy, zz, xy, yz and zx, in squared units of the points.
+    """
+    found = np.empty((6, len(points)))
+    columns = np.ascontiguousarray(points.T, np.float64)
+    for begin in range(0, len(points), POINTS_AT_ONCE):
+        part = slice(begin, begin + POINTS_AT_ONCE)
+        near = neighbors.indices[part].T.copy()  # neighbour by neighbour
+        count = len(near) + 1
+        x, y, z = (axis.take(near) - axis[part] for axis in columns)  # the point itself is at 0
+        for element, (a, b) in enumerate(((x, x), (y, y), (z, z), (x, y), (y, z), (z, x))):
+            products = np.einsum("kn,kn->n", a, b)
+            found[element, part] = (products - a.sum(axis=0) * b.sum(axis=0) / count) / count
+    return found
+
+
 def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
     """Area of the surface that each point stands for, up to a common factor.
 
@@ -105,19 +130,10 @@ def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np
     if not neighbors.indices.size:
         return np.ones(len(points))
     area = neighbors.reach.astype(np.float64) ** 2
-    columns = np.ascontiguousarray(points.T, np.float64)
-    for begin in range(0, len(points), POINTS_AT_ONCE):
-        part = slice(begin, begin + POINTS_AT_ONCE)
-        near = neighbors.indices[part, :NEIGHBORS_FOR_REACH].T.copy()  # neighbour by neighbour
-        count = len(near) + 1
-        x, y, z = (axis[near] - axis[part] for axis in columns)  # the point itself is at 0
-        xx, yy, zz, xy, yz, zx = (
-            ((a * b).sum(axis=0) - a.sum(axis=0) * b.sum(axis=0) / count) / count
-            for a, b in ((x, x), (y, y), (z, z), (x, y), (y, z), (z, x))
-        )
-        # The products of two principal variances, summed: on a sheet that of the larger two. On a
-        # disk, evenly covered, each of those is a quarter of the squared radius.
-        products = xx * yy + yy * zz + zz * xx - xy**2 - yz**2 - zx**2
-        spread = 4.0 * np.sqrt(np.maximum(products, 0.0))
-        area[part] = np.minimum(area[part], PLANAR_RATIO * spread)
+    xx, yy, zz, xy, yz, zx = covariances(points, neighbors.first(NEIGHBORS_FOR_REACH))
+    # The products of two principal variances, summed: on a sheet that of the larger two. On a
+    # disk, evenly covered, each of those is a quarter of the squared radius.
+    products = xx * yy + yy * zz + zz * xx - xy**2 - yz**2 - zx**2
+    spread = 4.0 * np.sqrt(np.maximum(products, 0.0))
+    area = np.minimum(area, PLANAR_RATIO * spread)
     return np.minimum(area, np.quantile(area, MAX_AREA_QUANTILE))

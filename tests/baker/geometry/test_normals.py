@@ -1,6 +1,7 @@
 import numpy as np
+import pytest
 
-from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.neighbors import Neighbors, nearest_neighbors
 from baker.geometry.normals import octahedral, surface_normals
 
 
@@ -27,6 +28,25 @@ def test_normals_of_a_sphere_point_outwards() -> None:
     codes = surface_normals(noisy, nearest_neighbors(noisy))
     angle = np.degrees(np.arccos(np.abs((decoded(codes) * points).sum(axis=1)).clip(0, 1)))
     assert np.quantile(angle, 0.95) < 6.0
+
+
+@pytest.mark.parametrize("flatness", [(3.0, 1.0, 0.001), (3.0, 1.0, 0.9), (1.0, 1e-3, 0.0)])
+def test_normals_are_the_smallest_eigenvectors(flatness: tuple[float, float, float]) -> None:
+    random = np.random.default_rng(2)
+    turns = np.linalg.qr(random.normal(size=(50, 3, 3)))[0]
+    clouds = (random.normal(size=(50, 11, 3)) * flatness) @ turns.transpose(0, 2, 1)
+    everybody = np.array([[*range(k), *range(k + 1, 11)] for k in range(11)], np.int32)
+    for cloud in clouds:
+        eigenvectors = np.linalg.eigh(np.cov(cloud.T))[1]
+        codes = surface_normals(cloud, Neighbors(everybody, np.ones((11, 10), np.float32)))
+        np.testing.assert_array_equal(codes, np.tile(octahedral(eigenvectors[:, :1].T), (11, 1)))
+
+
+@pytest.mark.parametrize("axis", np.eye(3))
+def test_normals_of_a_line_are_across_it(axis: np.ndarray) -> None:
+    line = np.random.default_rng(3).random((20, 1)) * axis
+    normals = decoded(surface_normals(line, nearest_neighbors(line)))
+    np.testing.assert_allclose(normals @ axis, 0, atol=0.01)
 
 
 def test_fewer_points_than_make_a_plane() -> None:
