@@ -12,6 +12,7 @@ from baker.errors import InputError, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans import clean
+from baker.scans.child_process import ChildProcess
 from baker.scans.cloud import Cloud, own_origin, relative_to, shared_origin
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
@@ -65,8 +66,9 @@ def read_series(
     entries = listing.schedule.entries
     if report_progress:
         map = reporting(map, report_progress, len(entries))
-    read = partial(listing.read, options=options)
-    raw, digests = zip(*map(read, entries), strict=True)
+    with ChildProcess() as child:
+        read = partial(listing.read, options=options, child=child)
+        raw, digests = zip(*map(read, entries), strict=True)
     shared = shared_origin(raw[0].points)
     origins = [own_origin(cloud.points, shared) for cloud in raw]
     found = list(map(_about, origins, raw))
@@ -126,8 +128,13 @@ class Listing:
         """All files that one scan is made from."""
         return (entry.path, *(self.images.beside(entry.path) if self.images else ()))
 
-    def read(self, entry: Entry, options: Options) -> tuple[Cloud, str]:
-        """What a scan's files hold, but for points without a place, and their digest."""
+    def read(
+        self, entry: Entry, options: Options, child: ChildProcess | None = None
+    ) -> tuple[Cloud, str]:
+        """What a scan's files hold, but for points without a place, and their digest.
+
+        child: where native code reads, as of `baker.scans.formats.read_columns`.
+        """
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names = [*filter(None, options.columns.split(","))]
         carried = [*filter(None, options.fields.split(","))]
@@ -135,7 +142,7 @@ class Listing:
         def read() -> Cloud:
             if self.images:
                 return self.images.read(entry.path, use_labels)
-            columns = read_columns(entry.path, names)
+            columns = read_columns(entry.path, names, child)
             return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
 
         cloud, sha256 = read_unchanged(self.files(entry), read)

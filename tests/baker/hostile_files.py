@@ -177,9 +177,22 @@ def check_file(file: File, folder: Path) -> str:
 
 @cache
 def load_libraries() -> None:
-    for name in ("laspy", "open3d", "pye57", "scipy.interpolate", "tomllib"):
+    for name in ("scipy.interpolate", "tomllib"):
+        import_module(name)
+    for name in ("laspy", "open3d", "pye57"):
         if find_spec(name):
-            import_module(name)
+            _child().call(1 << 30, import_module_of_child, name)
+
+
+def import_module_of_child(name: str) -> None:
+    import_module(name)
+
+
+@cache
+def _child() -> Any:
+    from baker.scans.child_process import ChildProcess
+
+    return ChildProcess()
 
 
 def _reading(kind: str, path: Path) -> Callable[[], None]:
@@ -225,7 +238,8 @@ def _read_scan(path: Path) -> None:
     from baker.scans.formats import read_columns
     from baker.scans.labels import choose_labels
 
-    cloud = choose_labels([choose_fields(read_columns(path), path)], [path])[0][0]
+    columns = read_columns(path, (), _child())
+    cloud = choose_labels([choose_fields(columns, path)], [path])[0][0]
     assert cloud.points.shape == (len(cloud), 3)
     assert cloud.labels is None or cloud.labels.shape == (len(cloud),)
     assert cloud.colors is None or cloud.colors.shape == (len(cloud), 3)

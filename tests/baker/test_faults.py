@@ -77,13 +77,13 @@ def test_a_scan_that_changes_while_it_is_read_is_named(write_scans, monkeypatch,
 
     load = read.read_columns
 
-    def load_and_change(path, names):
+    def load_and_change(path, *more):
         if path.name != "day01.txt":
-            return load(path, names)
+            return load(path, *more)
         if harm == "breaks":
             path.write_text("1 2 3 0\n4 5")
-            return load(path, names)
-        columns = load(path, names)
+            return load(path, *more)
+        columns = load(path, *more)
         text = path.read_text()
         if harm == "goes":
             path.unlink()

@@ -15,8 +15,10 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from baker.errors import InputError, asking
+from baker.scans.child_process import ChildEnded, ChildProcess
 from baker.scans.cloud import Columns
 
 READERS = {
@@ -30,9 +32,12 @@ READERS = {
 }
 """Suffix in lower case -> module of this package."""
 
+NATIVE = {"las", "e57", "mesh"}  # modules whose libraries a damaged file can bring down
+
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
 GZIP = ".gz"
-LARGEST_UNPACKED = 1 << 32  # bytes of a gzipped scan; more is no scan, but a trap
+BYTES_A_BYTE = 100  # that a file may unpack to, or native code may take to read it,
+UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30  # and how many more
 
 
 class FormatError(Exception):
@@ -72,6 +77,12 @@ def require_count(announced: int, found: int, what: str = "points") -> None:
         raise FormatError(f"is cut short, or its header is wrong: {sizes}.")
 
 
+def require_modest(path: Path, size: int) -> None:
+    """FormatError where a compressed file would be unpacked to so many bytes that it is a trap."""
+    if size > UNPACKED_BYTES + BYTES_A_BYTE * path.stat().st_size:
+        raise FormatError(f"unpacks to more than {BYTES_A_BYTE} times its size, as no scan does.")
+
+
 def suffix_of(path: Path) -> str:
     """The suffix that tells the format, in lower case and without that of gzip."""
     suffix = path.suffix.lower()
@@ -88,39 +99,83 @@ def require_known(path: Path) -> None:
 
 
 def read_columns(
-    path: Path, names: Sequence[str] = (), largest_unpacked: int = LARGEST_UNPACKED
+    path: Path, names: Sequence[str] = (), child: ChildProcess | None = None
 ) -> Columns:
     """All numeric fields of a scan; the suffix of `path` tells the format.
 
-    Raises InputError: an unknown suffix, or a file that can't be opened or is not sound.
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str, optional
+        Of the columns of a text table.
+    child : ChildProcess, optional
+        Where native code reads, which a damaged file may bring down; by default in this process.
+
+    Returns
+    -------
+    Columns
+
+    Raises
+    ------
+    InputError
+        An unknown suffix, or a file that can't be opened or is not sound.
     """
     require_known(path)
-    if names and READERS[suffix_of(path)] != "text":
-        raise InputError(f"'{path}' is no text table: leave out --columns.")
     kind = suffix_of(path)
+    reader = READERS[kind]
+    if names and reader != "text":
+        raise InputError(f"'{path}' is no text table: leave out --columns.")
     try:
-        with asking(path), warnings.catch_warnings(action="ignore"):
+        with asking(path):
             with path.open("rb") as file:  # libraries say little of folders and forbidden files
                 if not file.read(1):
                     raise FormatError("is an empty file.")
-            reader = import_module(f"{__name__}.{READERS[kind]}")
-            with _unpacked(path, largest_unpacked) as plain:
-                columns: Columns = reader.read(plain, *([names] if names else []))
+            with _unpacked(path) as plain:
+                arguments: tuple[Any, ...] = (reader, plain, *([names] if names else []))
+                if child and reader in NATIVE:
+                    memory = NATIVE_BYTES + BYTES_A_BYTE * plain.stat().st_size
+                    columns: Columns = _read_in(child, memory, *arguments)
+                else:
+                    columns = _read(*arguments)
             if not any(map(len, columns.values.values())):
                 raise FormatError("holds no points.")
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
-    except (InputError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # of a library; a panic of the LAZ decoder is no Exception
-        reason = " ".join((str(error) or type(error).__name__).split())[:120]
-        sound = f"is no sound {kind[1:].upper()} file, or is cut short ({reason})"
-        raise InputError(f"'{path}' {sound}.") from error
     return columns
 
 
+def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
+    """By the module of that name, whatever its libraries raise where a file is not sound."""
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            columns: Columns = import_module(f"{__name__}.{reader}").read(path, *names)
+            return columns
+    except (FormatError, InputError, OSError, ImportError, MemoryError):
+        raise
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # a panic of the LAZ decoder is no Exception
+        reason = " ".join((str(error) or type(error).__name__).split())[:120]
+        raise FormatError(_unsound(path, reason)) from error
+
+
+def _read_in(child: ChildProcess, memory: int, *arguments: Any) -> Columns:
+    try:
+        columns: Columns = child.call(memory, _read, *arguments)
+    except ChildEnded as error:
+        raise FormatError(_unsound(arguments[1], str(error))) from error
+    except MemoryError as error:
+        reason = f"reading it takes more than {memory >> 30} GiB of memory"
+        raise FormatError(_unsound(arguments[1], reason)) from error
+    return columns
+
+
+def _unsound(path: Path, reason: str) -> str:
+    return f"is no sound {path.suffix[1:].upper()} file, or is cut short ({reason})."
+
+
 @contextmanager
-def _unpacked(path: Path, largest: int) -> Iterator[Path]:
+def _unpacked(path: Path) -> Iterator[Path]:
     """The file itself, or where it is gzipped one with its content for as long as it is read."""
     if path.suffix.lower() != GZIP:
         yield path
@@ -130,8 +185,7 @@ def _unpacked(path: Path, largest: int) -> Iterator[Path]:
         try:
             with gzip.open(path) as packed, plain.open("wb") as file:
                 while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]
-                    if file.write(chunk) and file.tell() > largest:
-                        raise FormatError(f"unpacks to more than {largest >> 20:,} MiB.")
+                    require_modest(path, file.tell() + file.write(chunk))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
         if plain.stat().st_size == 0:

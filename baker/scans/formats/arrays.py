@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_room
+from baker.scans.formats import FormatError, require_modest, require_room
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")
@@ -70,6 +70,7 @@ def _is_column(values: NDArray) -> bool:
 def _require_sound_headers(path: Path) -> None:
     """Refuse arrays that announce more than the archive holds, before numpy makes room for them."""
     with zipfile.ZipFile(path) as archive:
+        require_modest(path, sum(member.file_size for member in archive.infolist()))
         for member in archive.infolist():
             with archive.open(member) as file:
                 version = np.lib.format.read_magic(file)

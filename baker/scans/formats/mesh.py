@@ -31,8 +31,8 @@ def read(path: Path) -> Columns:
     vertices, colors, faces = read_mesh(path)
     if not len(vertices) or not len(faces):
         raise FormatError(
-            f"holds no mesh: {len(vertices)} vertices and {len(faces)} faces found; export "
-            "points without faces as PLY."
+            f"holds no mesh, or is cut short: {len(vertices)} vertices and {len(faces)} faces "
+            "found; export points without faces as PLY."
         )
     columns = dict(zip("xyz", vertices.T, strict=True))
     if len(colors) == len(vertices):
@@ -43,11 +43,6 @@ def read(path: Path) -> Columns:
 def _read_by_open3d(path: Path) -> Mesh:
     import open3d
 
-    if path.suffix.lower() == ".glb":  # room is made for as much as its first chunk announces
-        with path.open("rb") as file:
-            announced = int.from_bytes(file.read(16)[12:], "little")
-        if announced > path.stat().st_size:
-            raise FormatError(f"is cut short: its first chunk announces {announced} bytes.")
     with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
         mesh = open3d.io.read_triangle_mesh(path)
     colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)

@@ -197,10 +197,15 @@ def test_a_gzipped_file_that_is_cut_short_or_none_is_refused(tmp_path):
             read(tmp_path / "a.xyz.gz")
 
 
-def test_a_gzipped_file_that_unpacks_to_too_much_is_refused(tmp_path):
-    (tmp_path / "a.xyz.gz").write_bytes(gzip.compress(b"1 2 3\n" * (1 << 19)))
-    with pytest.raises(InputError, match=r"a\.xyz\.gz' unpacks to more than 1 MiB"):
-        read_columns(tmp_path / "a.xyz.gz", largest_unpacked=1 << 20)
+@pytest.mark.parametrize("suffix", [".npz", ".xyz.gz"])
+def test_a_file_that_unpacks_to_far_more_than_a_scan_is_refused(tmp_path, suffix):
+    path, count = tmp_path / f"a{suffix}", 4_000_000
+    if suffix == ".npz":
+        np.savez_compressed(path, points=np.zeros((count, 3)))
+    else:
+        path.write_bytes(gzip.compress(b"0 0 0 0 0 0 0 0 0 0 0 0\n" * count))
+    with pytest.raises(InputError, match=r"unpacks to more than 100 times its size"):
+        read_columns(path)
 
 
 def test_a_line_of_a_gzipped_file_is_named(tmp_path):
