@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 
 from baker.alignment.pose import Pose, pose_at
 from baker.alignment.sample import EvenSample
-from baker.alignment.stem_base import base_candidates, stem_base
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, second_yaw, wrapped
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 from baker.scans.finding import Finding
 
-MAX_BASE_OFFSET = 0.06  # of the plant's largest size: bases so near are in one place
 # Share of the organs' levers that the median pair of scans has to gain by being turned, times the
 # root of the number of pairs: many pairs that gain a little are as sure as a few that gain much.
 # Half of the pairs have to gain something too: one leaf may have moved. Of 20 real series in one
@@ -29,71 +27,6 @@ LARGE_MOVE, LARGE_TURN = 0.2, 15.0  # of the plant's largest size, and degrees: 
 MOST_TOLD = 3  # scans with doubts
 
 Points = NDArray[np.float64]
-
-
-def common_base(
-    samples: Sequence[EvenSample],
-    stems: Sequence[int | None],
-    offsets: Sequence[Points],
-    vertical: Vertical,
-) -> tuple[list[list[Points]], NDArray[np.bool_]]:
-    """Where each scan's stem leaves the ground, and which scans have it in one place.
-
-    A place is a scan's base if the lowest points about the vertical through it are there: a leaf
-    that hangs lower hangs elsewhere. Of the bases that single scans may have, the place on which
-    most scans agree is taken.
-
-    Parameters
-    ----------
-    samples : sequence of EvenSample
-    stems : sequence of int or None
-        The label of each scan's stem; its points alone are looked at.
-    offsets : sequence of (3,) float64
-        Of each scan's coordinates from the first one's.
-    vertical : Vertical
-
-    Returns
-    -------
-    bases : list of lists of (3,) float64
-        Of each scan in its own coordinates: the base, or the candidates where it is not in place.
-    in_place : (S,) bool
-        None is where there is no place on which most scans agree.
-    """
-    pools = [
-        sample.pool if stem is None else sample.pool[sample.pool_labels == stem]
-        for sample, stem in zip(samples, stems, strict=True)
-    ]
-    own = [
-        base_candidates(sample, vertical) if stem is None else [stem_base(pool, vertical)]
-        for sample, stem, pool in zip(samples, stems, pools, strict=True)
-    ]
-    radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
-    best: list[Points | None] = [None] * len(samples)
-    for candidates, offset in zip(own, offsets, strict=True):
-        for place in candidates:
-            found = [
-                _base_about(place + offset - other, tried, pool, radius, vertical)
-                for tried, pool, other in zip(own, pools, offsets, strict=True)
-            ]
-            if sum(f is None for f in found) < sum(b is None for b in best):
-                best = found
-    in_place = np.array([base is not None for base in best])
-    if 3 * in_place.sum() < 2 * len(samples):
-        return own, np.zeros(len(samples), bool)
-    return [b if base is None else [base] for b, base in zip(own, best, strict=True)], in_place
-
-
-def _base_about(
-    place: Points, candidates: Sequence[Points], pool: Points, radius: float, vertical: Vertical
-) -> Points | None:
-    """A scan's base at a place: a candidate near it, else the lowest points about it, or None."""
-    nearest = min(candidates, key=lambda base: float(np.linalg.norm(base - place)))
-    if np.linalg.norm(nearest - place) <= radius:
-        return nearest
-    about = pool[np.linalg.norm(vertical.at_height(pool - place, 0.0), axis=1) <= radius]
-    if not len(about) or abs(vertical.height(about - place).min()) > radius:
-        return None
-    return stem_base(about, vertical)
 
 
 def best_poses(

@@ -66,18 +66,7 @@ class AlignedSeries:
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
-    """The scans, each moved by its transform.
-
-    Parameters
-    ----------
-    series : Series
-    alignment : Alignment
-        Of the same scans.
-
-    Returns
-    -------
-    list of Keyframe
-    """
+    """The scans, each moved by its transform."""
     keyframes = []
     found = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
     for scan, transform, base in found:
@@ -96,29 +85,8 @@ def hold_out(
 ) -> tuple[Series, list[Keyframe], tuple[HeldOut, ...]]:
     """Divide an aligned series into the scans to bake and those left out for verification.
 
-    Parameters
-    ----------
-    series : Series
-    keyframes : sequence of Keyframe
-        The series' scans, aligned.
-    every : int or None
-        Every so many scans one is left out (`--holdout`); None leaves none out.
-
-    Returns
-    -------
-    series : Series
-    keyframes : list of Keyframe
-        The scans to bake.
-    held_out : tuple of HeldOut
-
-    Raises
-    ------
-    InputError
-        Where that leaves out no scan.
-
-    References
-    ----------
-    Section 4 of the paper, "Verification".
+    Every so many scans one is left out (section 4 of the paper). InputError where that leaves out
+    no scan.
     """
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:

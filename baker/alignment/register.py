@@ -7,19 +7,17 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.frames import best_poses, common_base, frame_finding, share_frame
+from baker.alignment.frames import best_poses, frame_finding, share_frame
 from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, transform_onto
 from baker.alignment.sample import even_sample
-from baker.alignment.stem_base import stem_labels
+from baker.alignment.stem_base import common_base, stem_labels
 from baker.alignment.strangers import strangers
 from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
 from baker.scans.finding import Finding
-
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
@@ -34,12 +32,12 @@ class Alignment:
     @property
     def moves(self) -> list[tuple[float, float]]:
         """By how many degrees each scan was turned, and how far its plant base was moved."""
-        moves: list[tuple[float, float]] = []
+        moves = []
         for transform, base in zip(self.transforms, self.bases, strict=True):
             before = np.linalg.solve(transform, np.append(base, 1.0))[:3]
-            cosine = (np.trace(transform[:3, :3]) - 1.0) / 2.0
-            angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-            moves.append((float(angle), float(np.linalg.norm(base - before))))
+            cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
+            angle = float(np.degrees(np.arccos(cosine)))
+            moves.append((angle, float(np.linalg.norm(base - before))))
         return moves
 
 
@@ -53,7 +51,7 @@ def align(
     offsets: Sequence[NDArray[np.float64]] | None = None,
     ground_up: Sequence[float] | None = None,
     unit: str = "",
-    progress: Progress | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
     map: MapLike = map,
 ) -> Alignment:
     """Bring a series of clouds of one plant into the frame of the first.
@@ -103,7 +101,9 @@ def align(
     places, in_place = common_base(samples, stems, offsets, vertical)
     if root is not None:
         places[0] = [np.asarray(root, float)]
-    transforms = [_moved_by(offset) for offset in offsets]
+    transforms = [np.eye(4) for _ in offsets]
+    for transform, offset in zip(transforms, offsets, strict=True):
+        transform[:3, 3] = offset
     bases = [place[0] for place in places]
     if method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
@@ -152,9 +152,3 @@ def _brought_together(
         transforms[at] = given[near[0]] @ transform_onto(*pair, yaw)
     to_first = np.linalg.inv(transforms[0])
     return [np.eye(4), *(to_first @ transform for transform in transforms[1:])]
-
-
-def _moved_by(offset: NDArray[np.float64]) -> NDArray[np.float64]:
-    transform = np.eye(4)
-    transform[:3, 3] = offset
-    return transform

@@ -49,38 +49,25 @@ def even_sample(
     return EvenSample(pool, pool[indices], radii, labels, labels[indices], gaps)
 
 
-def touching_pairs(sample: EvenSample, k: int = 0) -> NDArray[np.intp]:
-    """Edges of a connected graph of the sample's points.
+def touching_graph(sample: EvenSample, k: int = 0) -> "csr_matrix":
+    """A connected graph of the sample's points, symmetric, weighted by the edges' lengths.
 
     Points touch when they lie within two of the sample's radii, or as near as a point's k-th
     neighbor usually is: where the sample is nearly all of a thin cloud its radius says little.
     Where that leaves gaps (a scan has shadows) the edges of the minimum spanning tree bridge them.
-    (E, 2), each edge both ways round.
     """
+    from scipy.sparse import csr_matrix
     from scipy.spatial import KDTree
 
-    tree = KDTree(sample.points)
-    distances, _ = tree.query(sample.points, k=[min(k, len(sample.points) - 1) + 1])
+    points, count = sample.points, len(sample.points)
+    tree = KDTree(points)
+    distances, _ = tree.query(points, k=[min(k, count - 1) + 1])
     radius = max(2.0 * sample.radii[-1], float(np.median(distances)))
-    close = tree.query_pairs(radius, output_type="ndarray")
-    spanning = spanning_tree(sample.points, 0)
-    bridges = np.column_stack([spanning.parent[spanning.order[1:]], spanning.order[1:]])
-    pairs = np.concatenate([close, bridges])
-    return np.concatenate([pairs, pairs[:, ::-1]])
-
-
-def weighted_graph(
-    pairs: NDArray[np.intp], lengths: NDArray[np.floating], count: int
-) -> "csr_matrix":
-    """The directed graph of (E, 2) edges with (E,) lengths, each edge once."""
-    from scipy.sparse import csr_matrix
-
-    _, first = np.unique(pairs[:, 0] * count + pairs[:, 1], return_index=True)
-    positive = np.maximum(lengths[first], MIN_LENGTH)
-    return csr_matrix((positive, tuple(pairs[first].T)), shape=(count, count))
-
-
-def distance_graph(points: NDArray[np.float64], pairs: NDArray[np.intp]) -> "csr_matrix":
-    """The graph of (n, 3) points with (E, 2) edges, weighted by their lengths."""
-    lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    return weighted_graph(pairs, lengths, len(points))
+    spanning = spanning_tree(points, 0)
+    bridges = np.stack([spanning.parent[spanning.order[1:]], spanning.order[1:]])
+    close = tree.query_pairs(radius, output_type="ndarray").T
+    low, high = np.sort(np.concatenate([close, bridges], axis=1), axis=0)
+    low, high = np.divmod(np.unique(low * count + high), count)
+    lengths = np.maximum(np.linalg.norm(points[low] - points[high], axis=1), MIN_LENGTH)
+    graph = csr_matrix((lengths, (low, high)), (count, count))
+    return graph + graph.T

@@ -1,4 +1,4 @@
-"""The plant base: where the stem leaves the ground."""
+"""The plant base, where the stem leaves the ground: of a scan, and of a series."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,12 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import (
-    NEIGHBORS_ON_SURFACE,
-    EvenSample,
-    touching_pairs,
-    weighted_graph,
-)
+from baker.alignment.sample import NEIGHBORS_ON_SURFACE, EvenSample, touching_graph
+from baker.geometry.graph import MIN_LENGTH
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
 
@@ -20,6 +16,9 @@ MAX_CANDIDATES = 3
 LOW_SHARE = 0.1  # of the height: the slab in which the stem's base is looked for
 MIN_PART_SHARE = 0.1  # of that slab's points: fewer are noise, not a stem
 BASE_SHARE = 0.04  # of the height: the part of the stem whose middle is the base
+MAX_BASE_OFFSET = 0.06  # of the plant's largest size: bases so near are in one place
+
+Points = NDArray[np.float64]
 
 
 def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
@@ -50,7 +49,7 @@ def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
     return scores
 
 
-def stem_base(points: NDArray[np.float64], vertical: Vertical) -> NDArray[np.float64]:
+def stem_base(points: Points, vertical: Vertical) -> Points:
     """(3,) middle of the lowest points of a stem's (N, 3), at the height of the lowest one."""
     heights = vertical.height(points)
     low = heights <= heights.min() + BASE_SHARE * np.ptp(heights)
@@ -58,7 +57,60 @@ def stem_base(points: NDArray[np.float64], vertical: Vertical) -> NDArray[np.flo
     return np.asarray(vertical.at_height(middle, float(heights.min()))[0], np.float64)
 
 
-def base_candidates(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.float64]]:
+def common_base(
+    samples: Sequence[EvenSample],
+    stems: Sequence[int | None],
+    offsets: Sequence[Points],
+    vertical: Vertical,
+) -> tuple[list[list[Points]], NDArray[np.bool_]]:
+    """Where each scan's stem leaves the ground, and which scans have it in one place.
+
+    A place is a scan's base if the lowest points about the vertical through it are there: a leaf
+    that hangs lower hangs elsewhere. Of the bases that single scans may have, the place on which
+    most scans agree is taken. Only the points of a labelled stem are looked at; `offsets` leads
+    from the first scan's coordinates to each one's.
+
+    Returned are each scan's base in its own coordinates, or the candidates where it is not in
+    place; and (S,) whether it is. None is where there is no place on which most scans agree.
+    """
+    pools = [
+        sample.pool if stem is None else sample.pool[sample.pool_labels == stem]
+        for sample, stem in zip(samples, stems, strict=True)
+    ]
+    own = [
+        base_candidates(sample, vertical) if stem is None else [stem_base(pool, vertical)]
+        for sample, stem, pool in zip(samples, stems, pools, strict=True)
+    ]
+    radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
+    best: list[Points | None] = [None] * len(samples)
+    for candidates, offset in zip(own, offsets, strict=True):
+        for place in candidates:
+            found = [
+                _base_about(place + offset - other, tried, pool, radius, vertical)
+                for tried, pool, other in zip(own, pools, offsets, strict=True)
+            ]
+            if sum(f is None for f in found) < sum(b is None for b in best):
+                best = found
+    in_place = np.array([base is not None for base in best])
+    if 3 * in_place.sum() < 2 * len(samples):
+        return own, np.zeros(len(samples), bool)
+    return [b if base is None else [base] for b, base in zip(own, best, strict=True)], in_place
+
+
+def _base_about(
+    place: Points, candidates: Sequence[Points], pool: Points, radius: float, vertical: Vertical
+) -> Points | None:
+    """A scan's base at a place: a candidate near it, else the lowest points about it, or None."""
+    nearest = min(candidates, key=lambda base: float(np.linalg.norm(base - place)))
+    if np.linalg.norm(nearest - place) <= radius:
+        return nearest
+    about = pool[np.linalg.norm(vertical.at_height(pool - place, 0.0), axis=1) <= radius]
+    if not len(about) or abs(vertical.height(about - place).min()) > radius:
+        return None
+    return stem_base(about, vertical)
+
+
+def base_candidates(sample: EvenSample, vertical: Vertical) -> list[Points]:
     """Positions where a single scan's stem may leave the ground, the likeliest first.
 
     The tip of a hanging leaf may lie as low as the stem's base, or lower. But the paths from the
@@ -68,23 +120,21 @@ def base_candidates(sample: EvenSample, vertical: Vertical) -> list[NDArray[np.f
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
-    pairs = touching_pairs(sample, NEIGHBORS_ON_SURFACE)
-    count, heights = len(sample.points), vertical.height(sample.points)
+    graph = touching_graph(sample, NEIGHBORS_ON_SURFACE)
+    heights = vertical.height(sample.points)
     height = np.ptp(heights)
-    low = heights <= heights.min() + LOW_SHARE * height
-    among_low = pairs[low[pairs].all(axis=1)]
-    _, part = connected_components(weighted_graph(among_low, np.ones(len(among_low)), count))
-    descents = np.maximum(heights[pairs[:, 0]] - heights[pairs[:, 1]], 0.0)
-    graph = weighted_graph(pairs, descents, count)
+    low = np.flatnonzero(heights <= heights.min() + LOW_SHARE * height)
+    parts, part = connected_components(graph[low][:, low], directed=False)
+    starts, ends = graph.nonzero()
+    graph.data = np.maximum(heights[starts] - heights[ends], MIN_LENGTH)
     candidates = []
-    for number in np.unique(part[low]):
-        members = np.flatnonzero(low & (part == number))
-        if len(members) < MIN_PART_SHARE * low.sum():
+    for members in (low[part == number] for number in range(parts)):
+        if len(members) < MIN_PART_SHARE * len(low):
             continue
-        lowest = members[np.argmin(heights[members])]
+        lowest = int(members[np.argmin(heights[members])])
         base = members[heights[members] <= heights[lowest] + BASE_SHARE * height]
         middle = vertical.at_height(sample.points[base].mean(axis=0)[None], heights[lowest])[0]
-        candidates.append((float(dijkstra(graph, indices=lowest).mean()), int(lowest), middle))
+        candidates.append((float(dijkstra(graph, indices=lowest).mean()), lowest, middle))
     if not candidates:
         return [sample.points[np.argmin(heights)]]
     ranked = sorted(candidates, key=lambda candidate: candidate[:2])
@@ -97,15 +147,9 @@ def base_point(
     neighbors: Neighbors | None = None,
     near: NDArray[np.floating] | None = None,
 ) -> int:
-    """The point of a scan where the plant leaves the ground; outliers aside.
+    """The point of an (N, 3) scan that is nearest to the (3,) plant base, outliers aside.
 
-    Parameters
-    ----------
-    points : (N, 3) float
-    vertical : Vertical
-    neighbors : Neighbors, optional
-    near : (3,) float, optional
-        The plant base, of which the nearest point is taken; by default it is the lowest point.
+    Where that is not known it is the lowest point.
     """
     neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_REACH)
     distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)

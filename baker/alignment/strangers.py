@@ -1,6 +1,7 @@
 """Scans that don't seem to be of this plant."""
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +35,8 @@ def strangers(
     sizes = np.maximum(sizes, MIN_SIZE * sizes.max() or 1.0)
     slender = [_slenderness(*each) for each in zip(samples, sizes, strict=True)]
     unlikeness = np.zeros((count, count))
-    for i in range(count):
-        for j in range(i + 1, min(i + SCANS_AROUND + 1, count)):
+    for i, j in combinations(range(count), 2):
+        if j - i <= SCANS_AROUND:
             step = np.linalg.inv(transforms[i]) @ transforms[j]
             distance = trimmed_residual(samples[i], samples[j], step)
             unlikeness[i, j] = distance / (np.sqrt(sizes[i]) * np.sqrt(sizes[j]))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import EvenSample, distance_graph, touching_pairs
+from baker.alignment.sample import EvenSample, touching_graph
 from baker.geometry.up_axis import Vertical
 from baker.scans.finding import Finding
 
@@ -30,17 +30,7 @@ def find_up(
 
     One direction for all scans: away from the ground where one was found, else z, unless seen along
     another direction the plants look far more like plants: a thin straight stem at the lowest
-    point, and most of the surface high up.
-
-    Parameters
-    ----------
-    samples : sequence of EvenSample
-    names : sequence of str
-        The scans' names, for the findings.
-    requested : str
-        The direction, where the user gave one, or "auto".
-    ground_up : (3,) float, optional
-        Unit vector away from the ground.
+    point, and most of the surface high up. requested: the direction, where the user gave one.
     """
     if requested != "auto":
         return requested, [Finding("up", f"{requested}, as asked")]
@@ -86,8 +76,7 @@ def _costs(sample: EvenSample) -> NDArray[np.float64]:
     points = sample.points[:SAMPLE_SIZE]
     if len(points) < 2:
         return np.zeros(len(NEEDED_LEADS))
-    coarse = replace(sample, points=points, radii=sample.radii[:SAMPLE_SIZE])
-    graph = distance_graph(points, touching_pairs(coarse))
+    graph = touching_graph(replace(sample, points=points, radii=sample.radii[:SAMPLE_SIZE]))
     costs = []
     for name in NEEDED_LEADS:
         vertical = Vertical.named(name)

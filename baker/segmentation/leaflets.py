@@ -9,8 +9,7 @@ bumps of its margin are short.
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import connected_knn_graph, geodesic_distances
-from baker.geometry.merge_tree import branches
+from baker.geometry.graph import branches, connected_knn_graph, geodesic_distances
 
 # docs/method.md, "Leaflets".
 NEIGHBORS = 5  # of the kNN graph; more of them connect leaves that lie close by
