@@ -33,8 +33,6 @@ from baker.interpolation.interval_job import (
 )
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import (
-    PAPER,
-    GreedyRules,
     LabelUse,
     follow_labels,
     follow_organs,
@@ -147,7 +145,6 @@ def bake_recorded(
             hierarchies,
             by_label=labels.consistent or choices.whole,
             distance=wasserstein,
-            rules=PAPER if choices.paper else GreedyRules(),
             report_progress=partial(progress, "matching"),
         )
         organs, tracks = follow_organs(matches, labels.consistent)

@@ -1,13 +1,10 @@
 """Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
 
-from baker.matching.hierarchical import PAPER, GreedyRules
 from baker.matching.labels import LabelUse, follow_labels, label_policy
 from baker.matching.match import Match, match_by_label, match_from_pairs, match_series
 from baker.matching.tracks import IntervalOrgans, Organ, follow_organs
 
 __all__ = [
-    "PAPER",
-    "GreedyRules",
     "IntervalOrgans",
     "LabelUse",
     "Match",

@@ -1,15 +1,11 @@
 """Descriptors of a scan's organs for matching: attachment point, size, direction, order."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-
-if TYPE_CHECKING:
-    from scipy.spatial import KDTree
 
 SAMPLE_SIZE = 128  # points of an organ that its descriptors and distances are found from
 ATTACHMENT_POINTS = 5  # of these, the nearest to the parent, whose mean is the attachment point
@@ -75,15 +71,6 @@ def describe_organs(
         order=_order_along_stem(along, root, softness) if is_stem else np.zeros(count),
         height=along / max(along.max(), np.finfo(float).tiny) if is_stem else np.zeros(count),
     )
-
-
-def size_from_parent(cloud: NDArray[np.floating], parent: "KDTree | None") -> float:
-    """Root mean square distance of an organ from its point nearest to its parent.
-
-    That is the Wasserstein distance of shrinking it into a bud; of no parent, into its centroid.
-    """
-    bud = cloud.mean(axis=0) if parent is None else cloud[np.argmin(parent.query(cloud)[0])]
-    return float(np.sqrt(((cloud - bud) ** 2).sum(axis=1).mean()))
 
 
 def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp]], int, list[int]]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from baker.matching.hierarchical import Distance, GreedyRules, Points, match_hierarchies
+from baker.matching.hierarchical import Distance, Points, match_hierarchies
 from baker.segmentation.hierarchy import Hierarchy
 
 
@@ -12,7 +12,7 @@ from baker.segmentation.hierarchy import Hierarchy
 class Match:
     """The segments of two successive scans, matched one to one.
 
-    Matching may have merged segments of the hierarchies that it was given; indices refer to these.
+    Matching may have merged segments of the second hierarchy that it was given.
     """
 
     first: Hierarchy
@@ -54,7 +54,6 @@ def match_series(
     *,
     by_label: bool,
     distance: Distance,
-    rules: GreedyRules | None = None,
     report_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[Match]:
     """Match each scan of a series to the next one.
@@ -71,7 +70,6 @@ def match_series(
     distance : callable
         Of two segments, (n, 3) and (m, 3), in length units; for matching down the hierarchies. The
         pipeline chooses it: the Wasserstein distance.
-    rules : GreedyRules, optional
     report_progress : callable
         Called with the number of segments matched and the number of all.
 
@@ -85,17 +83,13 @@ def match_series(
     for k, following in enumerate(hierarchies[1:]):
         current = matches[-1].second if matches else hierarchies[0]
         if by_label:
-            match = match_by_label(current, following)
+            matches.append(match_by_label(current, following))
         else:
-            first, second, pairs = match_hierarchies(
-                (clouds[k], clouds[k + 1]),
-                (current, following),
-                distance,
-                rules or GreedyRules(),
-                partial(_report, report_progress, sum(sizes[:k]), sum(sizes)),
+            report = partial(_report, report_progress, sum(sizes[:k]), sum(sizes))
+            merged, pairs = match_hierarchies(
+                (clouds[k], clouds[k + 1]), (current, following), distance, report
             )
-            match = match_from_pairs(first, second, pairs)
-        matches.append(match)
+            matches.append(match_from_pairs(current, merged, pairs))
         report_progress(sum(sizes[: k + 1]), sum(sizes))
     return matches
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from baker.matching.match import Match
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import Hierarchy
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,6 @@ def follow_organs(
 ) -> tuple[list[Organ], list[IntervalOrgans]]:
     """Chain the matches of successive intervals into organs.
 
-    Where matching merged segments of a scan for the interval that it starts, the merged segment
-    goes on as the organ that its largest part was.
-
     Parameters
     ----------
     matches : sequence of Match
@@ -50,14 +47,12 @@ def follow_organs(
     organs: list[Organ] = []
     known: dict[int | None, int] | None = {} if consistent else None
     intervals: list[IntervalOrgans] = []
-    for k, match in enumerate(matches):
-        if k == 0:
-            first = _name(match.first, {}, 0, organs, known)
-        else:
-            first = _carried(matches[k - 1].second, intervals[-1].second, match.first)
+    first = _name(matches[0].first, {}, 0, organs, known)
+    for k, match in enumerate(matches, start=1):
         kept = {b: first[a] for a, b in match.pairs}
-        second = _name(match.second, kept, k + 1, organs, known)
+        second = _name(match.second, kept, k, organs, known)
         intervals.append(IntervalOrgans(first, second))
+        first = second
     return organs, intervals
 
 
@@ -81,14 +76,3 @@ def _name(
             known[label] = named[segment]
         organs[named[segment]] = replace(organs[named[segment]], last=scan)
     return named
-
-
-def _carried(before: Hierarchy, organs: dict[int, int], after: Hierarchy) -> dict[int, int]:
-    """Organs of a scan's segments after merging: that of the largest segment merged into each."""
-    home = after.numbers()
-    empty_home = next((s for s, m in enumerate(after.segments) if not len(m)), NO_PARENT)
-    carried: dict[int, int] = {}
-    for segment in sorted(organs, key=lambda s: len(before.segments[s])):
-        members = before.segments[segment]
-        carried[int(home[members[0]]) if len(members) else empty_home] = organs[segment]
-    return carried

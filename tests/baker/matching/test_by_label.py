@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 
 from baker.matching import follow_organs, match_by_label
-from baker.matching.match import match_from_pairs
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 
@@ -51,15 +50,3 @@ def test_independent_labels_never_bring_an_organ_back():
     matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
     organs, _ = follow_organs(matches, consistent=False)
     assert sum(organ.label == 1 for organ in organs) == 2
-
-
-def test_a_merged_segment_goes_on_as_its_largest_part():
-    parts = Hierarchy((np.arange(3), np.arange(3, 10)), (0, 1), (NO_PARENT, 0), 0)
-    merged = Hierarchy((np.arange(10),), (0,), (NO_PARENT,), 0)
-    matches = [
-        match_from_pairs(parts, parts, [(0, 0), (1, 1)]),
-        match_from_pairs(merged, merged, [(0, 0)]),
-    ]
-    organs, named = follow_organs(matches, consistent=False)
-    assert organs[named[1].first[0]].label == 1
-    assert named[1].first == named[1].second

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.matching.hierarchical import (
-    PAPER,
-    GreedyRules,
-    assign_by_minima,
-    assign_with_dummies,
-    match_hierarchies,
-)
+from baker.matching.hierarchical import assign_by_minima, match_hierarchies
 from baker.matching.match import Match, match_from_pairs, match_series
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.wasserstein import wasserstein
@@ -41,60 +35,49 @@ LEFT, RIGHT = rod([0, 0, 5], [4, 0, 7]), rod([0, 0, 5], [-4, 0, 7])
 LOWER_STEM, UPPER_STEM = rod([0, 0, 0], [0, 0, 5]), rod([0, 0, 5], [0, 0, 10])
 
 
-def matched(first, second, rules, distance=rms_distance) -> Match:
+def matched(first, second, distance=rms_distance) -> Match:
     (p, h), (q, g) = first, second
-    return match_from_pairs(*match_hierarchies((p, q), (h, g), distance, rules))
+    return match_from_pairs(h, *match_hierarchies((p, q), (h, g), distance))
 
 
-@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
-def test_children_meet_whatever_their_order(rules):
+def test_children_meet_whatever_their_order():
     first = scan([NO_PARENT, 0, 0], STEM, LEFT, RIGHT)
     second = scan([NO_PARENT, 0, 0], STEM, RIGHT, LEFT)
-    match = matched(first, second, rules)
+    match = matched(first, second)
     assert sorted(match.pairs) == [(0, 0), (1, 2), (2, 1)]
     assert not match.births
     assert not match.losses
 
 
-@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
-def test_a_stem_cut_at_a_new_fork_is_merged_again(rules):
+def test_a_stem_cut_at_a_new_fork_is_merged_again():
     first = scan([NO_PARENT], STEM)
     second = scan([NO_PARENT, 0, 0], LOWER_STEM, UPPER_STEM, LEFT)
-    match = matched(first, second, rules)
+    match = matched(first, second)
     assert len(match.second.segments) == 2
     stem = match.second.segments[match.pairs[0][1]]
     assert len(stem) == len(LOWER_STEM) + len(UPPER_STEM)
     assert [len(match.second.segments[b]) for b in match.births] == [len(LEFT)]
 
 
-def test_only_the_default_merges_in_the_first_scan():
+def test_nothing_merges_in_the_first_scan():
     first = scan([NO_PARENT, 0], LOWER_STEM, UPPER_STEM)
     second = scan([NO_PARENT], STEM)
-    assert len(matched(first, second, GreedyRules()).losses) == 0
-    assert len(matched(first, second, PAPER).losses) == 1
+    assert len(matched(first, second).losses) == 1
 
 
-@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
-def test_a_subtree_is_born_and_lost_whole(rules):
+def test_a_subtree_is_born_and_lost_whole():
     twig = rod([2, 0, 6], [2, 3, 8])
     bare, full = scan([NO_PARENT], STEM), scan([NO_PARENT, 0, 1], STEM, LEFT, twig)
-    born = matched(bare, full, rules)
+    born = matched(bare, full)
     assert [len(born.second.segments[b]) for b in born.births] == [len(LEFT), len(twig)]
-    lost = matched(full, bare, rules)
+    lost = matched(full, bare)
     assert [len(lost.first.segments[b]) for b in lost.losses] == [len(LEFT), len(twig)]
-
-
-def test_birth_and_loss_may_share_an_interval_by_default():
-    first = scan([NO_PARENT, 0], STEM, rod([0, 0, 1], [3, 0, 1]))
-    second = scan([NO_PARENT, 0], STEM, rod([0, 0, 9], [-3, 0, 9]))
-    assert len(matched(first, second, GreedyRules()).births) == 1
-    assert len(matched(first, second, PAPER).births) == 0
 
 
 def test_a_very_deep_hierarchy_is_no_recursion():
     pieces = [rod([0, 0, z], [0, 0, z + 0.9]) for z in range(1500)]
     chain = scan([NO_PARENT, *range(1499)], *pieces)
-    match = matched(chain, chain, PAPER, lambda a, b: abs(len(a) - len(b)))
+    match = matched(chain, chain, lambda a, b: abs(len(a) - len(b)))
     assert len(match.pairs) == 1500
 
 
@@ -115,26 +98,15 @@ def rosette(count, turn, seed):
     return scan([NO_PARENT] + [0] * count, STEM, *leaves)
 
 
-@pytest.mark.parametrize("rules", [PAPER, GreedyRules()], ids=["paper", "default"])
-def test_the_leaves_of_a_rosette_meet_the_nearest(rules):
+def test_the_leaves_of_a_rosette_meet_the_nearest():
     first, second = rosette(12, 0.0, 1), rosette(10, 0.05, 2)
-    match = matched(first, second, rules, wasserstein)
+    match = matched(first, second, wasserstein)
     leaves = [(a, b) for a, b in match.pairs if (a, b) != (0, 0)]
     for a, b in leaves:
         before = first[0][match.first.segments[a]].mean(axis=0)
         after = second[0][match.second.segments[b]].mean(axis=0)
         assert np.linalg.norm(after - before) < 1.0
     assert len(leaves) >= 8
-
-
-def test_dummies_are_used_where_they_are_cheaper():
-    costs = np.array([[1.0, 50.0], [50.0, 9.0]])
-    price = np.array([4.0, 4.0])
-    assert assign_with_dummies(costs, price, price) == [(0, 0)]
-    assert assign_with_dummies(costs, 2 * price, 2 * price) == [(0, 0), (1, 1)]
-    # However dear it is to stay alone, nobody takes another one's place to.
-    assert len(assign_with_dummies(np.full((2, 2), 5.0), 9 * price, price / 4)) == 2
-    assert assign_with_dummies(np.full((2, 2), 50.0), 9 * price, price) == []
 
 
 @pytest.mark.parametrize("by_label", [False, True])
@@ -146,7 +118,6 @@ def test_progress_goes_up_to_all_segments(by_label):
         [hierarchy for _, hierarchy in scans],
         by_label=by_label,
         distance=rms_distance,
-        rules=PAPER,
         report_progress=lambda done, total: told.append((done, total)),
     )
     assert (told[0], told[-1]) == ((0, 13), (13, 13))
