@@ -147,11 +147,11 @@ def bake_recorded(
             distance=wasserstein,
             report_progress=partial(progress, "matching"),
         )
-        organs, tracks = follow_organs(matches, labels.consistent)
+        organs, matches = follow_organs(matches, labels.consistent)
 
         # Transport (3.4) and interpolation, interval by interval
-        tasks = transport_tasks(aligned.clouds, matches, tracks, choices.bud, choices.paper)
-        jobs = interval_jobs(aligned, matches, tracks, tasks, choices, unlabelled=labels.unlabelled)
+        tasks = transport_tasks(aligned.clouds, matches, choices.bud, choices.paper)
+        jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         intervals = tuple(solve(jobs, partial(progress, "transport")))
         clip = Clip(
@@ -171,7 +171,7 @@ def bake_recorded(
         )
         confirmed = confirmed_organs(labels.given, survey.corrections)
         where, contacts = (aligned.clouds, aligned.bases), [job.attachments for job in jobs]
-        followed = FollowedOrgans(*where, matches, tracks, labels.unlabelled, confirmed)
+        followed = FollowedOrgans(*where, matches, labels.unlabelled, confirmed)
         clip = judged(clip, contacts, None if labels.are_names else followed, map)
         return with_fields(clip, aligned.clouds, series.scans), survey
 

@@ -18,7 +18,7 @@ from baker.interpolation.paths import Deviation, OrganPaths, attached
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
 from baker.options import Options
 from baker.transport.correspondences import correspond
@@ -51,7 +51,6 @@ class IntervalJob:
     start: Keyframe
     end: Keyframe
     match: Match
-    organs: IntervalOrgans  # the organ of each segment of the match
     bases: tuple[NDArray[np.floating], NDArray[np.floating]]  # (3,) plant bases
     tasks: tuple[Task, ...]  # what is transported, and what is lost
     timings: Mapping[int, Timing]  # by organ, of those that don't move evenly
@@ -66,7 +65,6 @@ class IntervalJob:
 def interval_jobs(
     series: AlignedSeries,
     matches: Sequence[Match],
-    tracks: Sequence[IntervalOrgans],
     tasks: Sequence[tuple[Task, ...]],
     options: Options,
     unlabelled: bool,
@@ -77,7 +75,7 @@ def interval_jobs(
     ----------
     series, options : AlignedSeries, Options
         The options are resolved.
-    matches, tracks, tasks : sequence of Match, IntervalOrgans and tuple of Task
+    matches, tasks : sequence of Match and tuple of Task
         Of each interval.
     unlabelled : bool
         The organs were found without labels. Most of what is lost then is a bit of a leaf that the
@@ -85,7 +83,7 @@ def interval_jobs(
     """
     keyframes = list(series.keyframes)
     if options.smooth:
-        keyframes = smooth_organs(keyframes, matches, tracks, series.times)
+        keyframes = smooth_organs(keyframes, matches, series.times)
     if options.even:
         pairs = zip(keyframes, series.neighbors, strict=True)
         keyframes = [replace(k, area=point_area(k.positions, near)) for k, near in pairs]
@@ -93,7 +91,7 @@ def interval_jobs(
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     clouds = [frame.positions for frame in keyframes]
     if curved:
-        timings = organ_timings(clouds, matches, tracks, series.times, series.spacing)
+        timings = organ_timings(clouds, matches, series.times, series.spacing)
     registered = not (options.paper or options.whole)
     chosen = InterpolationOptions(
         transport=TransportOptions(  # the paper's cost is the distance, on a kNN support as it is
@@ -110,8 +108,8 @@ def interval_jobs(
         even=options.even or 0.0,
         precision=options.precision,
     )
-    attached_at = organ_attachments(clouds, spacings, matches, tracks)
-    decays = _decays(tasks, tracks, Motion(options.decay), unlabelled)
+    attached_at = organ_attachments(clouds, spacings, matches)
+    decays = _decays(tasks, matches, Motion(options.decay), unlabelled)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
@@ -119,7 +117,6 @@ def interval_jobs(
             start=keyframes[k],
             end=keyframes[k + 1],
             match=matches[k],
-            organs=tracks[k],
             bases=(bases[k], bases[k + 1]),
             tasks=tasks[k],
             timings=timings[k],
@@ -136,18 +133,18 @@ def interval_jobs(
 
 def _decays(
     tasks: Sequence[tuple[Task, ...]],
-    tracks: Sequence[IntervalOrgans],
+    matches: Sequence[Match],
     decay: Motion,
     unlabelled: bool,
 ) -> list[dict[int, Motion]]:
     """How each lost organ leaves: what a later scan shows again was hidden, and does not fall."""
     decays, later = [], set[int]()
-    for interval, organs in zip(reversed(tasks), reversed(tracks), strict=True):
+    for interval, match in zip(reversed(tasks), reversed(matches), strict=True):
         lost = [task.organ for task in interval if task.event == "loss"]
         fading = {organ for organ in lost if unlabelled or organ in later}
         fading = fading if decay is Motion.FALL else set()
         decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
-        later |= {*organs.second.values()}
+        later |= {*match.second.organs}
     return decays[::-1]
 
 
@@ -215,12 +212,12 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     thread's share of all.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    paths = OrganPaths(clouds[1], job.match, job.organs) if options.curved else None
+    paths = OrganPaths(clouds[1], job.match.second) if options.curved else None
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
     if options.registered:
-        match, names = job.match, (job.organs.first, job.organs.second)
+        match = job.match
         matched = [a for a, _ in match.pairs], [b for _, b in match.pairs]
-        sides = (match.first, match.second), job.bases, job.attachments, names, matched
+        sides = (match.first, match.second), job.bases, job.attachments, matched
         shapes = list(map(organ_shapes, clouds, *sides))
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
@@ -245,7 +242,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     solved = [*moved]
     if paths:
         curved, at_end = paths.curved(moved, deviations), attachments(clouds[1], job.match.second)
-        solved = attached(curved, job.match, job.organs, at_end, job.spacing)
+        solved = attached(curved, job.match.second, at_end, job.spacing)
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even),

@@ -6,7 +6,7 @@ at its base and at its tip. Through a series an attachment moves little; tips do
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, sampled
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 if TYPE_CHECKING:
@@ -72,7 +72,6 @@ def organ_attachments(
     clouds: Sequence[Points],
     spacings: Sequence[float],
     matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
 ) -> list[tuple[Attachments, Attachments]]:
     """Find where the matched organs of each interval are attached, in both of its scans.
 
@@ -85,19 +84,13 @@ def organ_attachments(
         The aligned scans.
     spacings : sequence of float
         Their point spacings.
-    matches, organs : sequence of Match and IntervalOrgans
+    matches : sequence of Match
         Of each interval.
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
-    names = [organ.first for organ in organs] + [organs[-1].second]
-    matched = {
-        tracks.second[b]
-        for match, tracks in zip(matches, organs, strict=True)
-        for _, b in match.pairs
-    }
-    contacts = [
-        _contacts(*scan, matched) for scan in zip(clouds, spacings, hierarchies, names, strict=True)
-    ]
+    matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
+    scans = zip(clouds, spacings, hierarchies, strict=True)
+    contacts = [_contacts(*scan, matched) for scan in scans]
     chosen: list[Attachments] = [{} for _ in clouds]
     for organ in matched:
         places = [scan for scan, found in enumerate(contacts) if organ in found]
@@ -108,7 +101,7 @@ def organ_attachments(
 
 
 def _contacts(
-    cloud: Points, spacing: float, hierarchy: Hierarchy, names: Mapping[int, int], organs: set[int]
+    cloud: Points, spacing: float, hierarchy: Hierarchy, organs: set[int]
 ) -> dict[int, list[Points]]:
     """Of each of these organs the connected groups of its points that touch its parent."""
     from scipy.sparse import csr_matrix
@@ -118,7 +111,7 @@ def _contacts(
     trees: dict[int, KDTree] = {}
     contacts: dict[int, list[Points]] = {}
     for segment, members in enumerate(hierarchy.segments):
-        organ, parent = names.get(segment), hierarchy.parents[segment]
+        organ, parent = hierarchy.organs[segment], hierarchy.parents[segment]
         if organ not in organs or parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if not len(hierarchy.segments[parent]):

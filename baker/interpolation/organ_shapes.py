@@ -1,6 +1,6 @@
 """The shapes of a scan's organs: coordinates along and across each, from its attachment on."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,7 +42,6 @@ def organ_shapes(
     hierarchy: Hierarchy,
     base: NDArray[np.floating],
     attachments: Attachments,
-    names: Mapping[int, int],
     segments: Iterable[int],
 ) -> dict[int, OrganShape]:
     """The shapes of organs of a scan that have enough points, by organ.
@@ -58,8 +57,6 @@ def organ_shapes(
         The plant base, from which the root's spine begins.
     attachments : mapping of int to (c, 3) float ndarray
         By organ; those without one have no shape.
-    names : mapping of int to int
-        The organ of each segment.
     segments : iterable of int
         Those whose shapes, and whose ancestors', are wanted.
     """
@@ -69,7 +66,8 @@ def organ_shapes(
     needed = {above for segment in segments for above in (segment, *hierarchy.ancestors(segment))}
     for segment in hierarchy.from_the_root():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
-        organ, above = names[segment], shapes.get(names.get(parent, NO_PARENT))
+        organ = hierarchy.organs[segment]
+        above = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
         if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         contact = base[None] if parent == NO_PARENT else attachments.get(organ)

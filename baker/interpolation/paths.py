@@ -17,8 +17,7 @@ from baker.interpolation.organ_attachments import Attachment, attachment
 from baker.interpolation.organ_motion import OrganMotion
 from baker.interpolation.resampling import position_at
 from baker.interpolation.spine import at_levels
-from baker.matching import IntervalOrgans, Match
-from baker.segmentation.hierarchy import NO_PARENT
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -37,13 +36,12 @@ class OrganPaths:
 
     Straight go the root, and organs of few points.
 
-    end: points of the second scan, (N, 3); match, organs: the hierarchies, and which organ each
-    segment is.
+    end: points of the second scan, (N, 3), and scan: its hierarchy.
     """
 
-    def __init__(self, end: Points, match: Match, organs: IntervalOrgans) -> None:
-        self._end, self._scan = end, match.second
-        self._segments = {organ: segment for segment, organ in organs.second.items()}
+    def __init__(self, end: Points, scan: Hierarchy) -> None:
+        self._end, self._scan = end, scan
+        self._segments = {organ: segment for segment, organ in enumerate(scan.organs)}
 
     def deviation(self, moved: OrganMovers, motion: OrganMotion | None) -> Deviation | None:
         """How one task's movers deviate; None where they go straight."""
@@ -89,16 +87,15 @@ class OrganPaths:
 
 def attached(
     tasks: Sequence[OrganMovers],
-    match: Match,
-    organs: IntervalOrgans,
+    scan: Hierarchy,
     at_end: Mapping[int, Attachment],
     spacing: float,
 ) -> list[OrganMovers]:
     """The solved tasks of an interval, with organs that keep their distance from their parents.
 
     Parents come before their children, which follow them. Positions at the scans don't change; what
-    is lost is left alone. at_end: `attachments` of the second scan; spacing: the point spacing of
-    the scans, in their unit.
+    is lost is left alone. scan, at_end: hierarchy and `attachments` of the second scan; spacing:
+    the point spacing of the scans, in their unit.
     """
     from scipy.spatial import cKDTree
 
@@ -113,10 +110,10 @@ def attached(
     def tree(index: int, u: float) -> "cKDTree":
         return cKDTree(position_at(done[index].movers.curve, u), balanced_tree=False)
 
-    for segment in match.second.from_the_root():
-        parent = match.second.parents[segment]
-        index = place.get(organs.second[segment])
-        carrier = None if parent == NO_PARENT else place.get(organs.second[parent])
+    for segment in scan.from_the_root():
+        parent = scan.parents[segment]
+        index = place.get(scan.organs[segment])
+        carrier = None if parent == NO_PARENT else place.get(scan.organs[parent])
         if index is not None and carrier is not None:
             gap = at_end[segment].gap
             done[index] = _attached(done[index], partial(tree, carrier), gap, spacing)

@@ -15,7 +15,7 @@ from baker.alignment.keyframes import Keyframe
 from baker.geometry.rigid import rotations_between
 from baker.interpolation.organ_attachments import attachments
 from baker.interpolation.spine import unit
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT
 
 MIN_SCANS = 4  # that show an organ, below which nothing tells swaying from growing
@@ -26,25 +26,23 @@ ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # median residuals at which a scan no
 def smooth_organs(
     keyframes: Sequence[Keyframe],
     matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
     times: Sequence[float],
 ) -> list[Keyframe]:
     """The keyframes with every organ turned about its attachment point onto its smooth direction.
 
     Organs that fewer than four scans show, and those without a parent, are only carried along.
     """
-    scans = [(matches[0].first, organs[0].first)]
-    scans += [(m.second, o.second) for m, o in zip(matches, organs, strict=True)]
+    scans = [matches[0].first, *(match.second for match in matches)]
     attached: list[dict[int, NDArray[np.float64]]] = []
     arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
-    for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
+    for k, (frame, hierarchy) in enumerate(zip(keyframes, scans, strict=True)):
         found = attachments(frame.positions, hierarchy)
         attached.append(
             {s: frame.positions[hierarchy.segments[s][one.nearest]] for s, one in found.items()}
         )
         for segment, base in attached[k].items():
             middle = frame.positions[hierarchy.segments[segment]].mean(axis=0)
-            arms.setdefault(named[segment], {})[k] = middle - base
+            arms.setdefault(hierarchy.organs[segment], {})[k] = middle - base
     turns: dict[tuple[int, int], NDArray[np.float64]] = {}
     for organ, course in arms.items():
         if len(course) >= MIN_SCANS:
@@ -54,14 +52,15 @@ def smooth_organs(
             rotations = rotations_between(directions, smooth)
             turns |= {(organ, k): turn for k, turn in zip(course, rotations, strict=True)}
     smoothed = []
-    for k, (frame, (hierarchy, named)) in enumerate(zip(keyframes, scans, strict=True)):
+    for k, (frame, hierarchy) in enumerate(zip(keyframes, scans, strict=True)):
         positions = frame.positions.astype(np.float64)
         carried = {NO_PARENT: (np.eye(3), np.zeros(3))}
         for segment in hierarchy.from_the_root():
             turn, shift = carried[hierarchy.parents[segment]]
-            if (named[segment], k) in turns:
+            organ = hierarchy.organs[segment]
+            if (organ, k) in turns:
                 base = attached[k][segment]
-                shift, turn = turn @ base + shift, turns[named[segment], k]
+                shift, turn = turn @ base + shift, turns[organ, k]
                 shift = shift - turn @ base
             members = hierarchy.segments[segment]
             positions[members] = positions[members] @ turn.T + shift

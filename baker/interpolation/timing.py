@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 
 # Cosines of an organ's displacements in two intervals from which on, and at which, one predicts the
 # other (docs/method.md, "Timing").
@@ -46,7 +46,6 @@ class Timing:
 def organ_timings(
     clouds: Sequence[NDArray[np.floating]],
     matches: Sequence[Match],
-    organs: Sequence[IntervalOrgans],
     times: Sequence[float],
     spacing: float,
 ) -> list[dict[int, Timing]]:
@@ -61,7 +60,7 @@ def organ_timings(
     F. N. Fritsch and J. Butland (1984), A Method for Constructing Local Monotone Piecewise Cubic
     Interpolants: the speed at a scan is the weighted harmonic mean of those before and after.
     """
-    changes = list(map(_changes, clouds, clouds[1:], matches, organs))
+    changes = list(map(_changes, clouds, clouds[1:], matches))
     moved, grown = [change[0] for change in changes], [change[1] for change in changes]
     cosines = [
         _cosine(displacement, following[organ])
@@ -87,7 +86,7 @@ def organ_timings(
 
 
 def _changes(
-    source: NDArray[np.floating], target: NDArray[np.floating], match: Match, organs: IntervalOrgans
+    source: NDArray[np.floating], target: NDArray[np.floating], match: Match
 ) -> tuple[dict[int, Vector], dict[int, Vector]]:
     """By matched organ (3,) the displacement of its middle, and (1,) what its radius grows by."""
     moved, grown = {}, {}
@@ -95,10 +94,10 @@ def _changes(
         before, after = match.first.segments[a], match.second.segments[b]
         if len(before) and len(after):
             start, end = source[before].astype(float), target[after].astype(float)
-            moved[organs.second[b]] = end.mean(axis=0) - start.mean(axis=0)
+            moved[match.second.organs[b]] = end.mean(axis=0) - start.mean(axis=0)
             if min(len(start), len(end)) >= MIN_POINTS_FOR_RADIUS:
                 radii = [np.sqrt(points.var(axis=0).sum()) for points in (start, end)]
-                grown[organs.second[b]] = np.diff(radii)
+                grown[match.second.organs[b]] = np.diff(radii)
     return moved, grown
 
 

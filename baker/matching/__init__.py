@@ -2,10 +2,9 @@
 
 from baker.matching.labels import LabelUse, follow_labels, label_policy
 from baker.matching.match import Match, match_by_label, match_from_pairs, match_series
-from baker.matching.tracks import IntervalOrgans, Organ, follow_organs
+from baker.matching.tracks import Organ, follow_organs
 
 __all__ = [
-    "IntervalOrgans",
     "LabelUse",
     "Match",
     "Organ",

@@ -17,17 +17,7 @@ class Organ:
     last: int
 
 
-@dataclass(frozen=True)
-class IntervalOrgans:
-    """Which organ each segment of the two hierarchies of an interval's match is."""
-
-    first: dict[int, int]
-    second: dict[int, int]
-
-
-def follow_organs(
-    matches: Sequence[Match], consistent: bool
-) -> tuple[list[Organ], list[IntervalOrgans]]:
+def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Organ], list[Match]]:
     """Chain the matches of successive intervals into organs.
 
     Parameters
@@ -41,28 +31,28 @@ def follow_organs(
     -------
     organs : list of Organ
         By first appearance, the root first.
-    intervals : list of IntervalOrgans
-        One for each interval.
+    matches : list of Match
+        The same, of hierarchies that know the organs of their segments.
     """
     organs: list[Organ] = []
     known: dict[int | None, int] | None = {} if consistent else None
-    intervals: list[IntervalOrgans] = []
-    first = _name(matches[0].first, {}, 0, organs, known)
+    first = _named(matches[0].first, {}, 0, organs, known)
+    followed = []
     for k, match in enumerate(matches, start=1):
-        kept = {b: first[a] for a, b in match.pairs}
-        second = _name(match.second, kept, k, organs, known)
-        intervals.append(IntervalOrgans(first, second))
+        kept = {b: first.organs[a] for a, b in match.pairs}
+        second = _named(match.second, kept, k, organs, known)
+        followed.append(replace(match, first=first, second=second))
         first = second
-    return organs, intervals
+    return organs, followed
 
 
-def _name(
+def _named(
     hierarchy: Hierarchy,
     kept: dict[int, int],
     scan: int,
     organs: list[Organ],
     known: dict[int | None, int] | None,
-) -> dict[int, int]:
+) -> Hierarchy:
     """The organ of each segment: kept as it is, known by a label that names organs, or new."""
     named = dict(kept)
     for segment in hierarchy.from_the_root():
@@ -75,4 +65,4 @@ def _name(
         if known is not None:
             known[label] = named[segment]
         organs[named[segment]] = replace(organs[named[segment]], last=scan)
-    return named
+    return replace(hierarchy, organs=tuple(named[s] for s in range(len(hierarchy.segments))))

@@ -19,6 +19,7 @@ class Hierarchy:
     parents:  index of the segment it grows from, NO_PARENT for the root.
     root:     index of the root segment.
     notes:    sentences for the user (gaps bridged, a virtual root).
+    organs:   which organ of the series each segment is, once these are followed.
     """
 
     segments: tuple[NDArray[np.intp], ...]
@@ -26,6 +27,7 @@ class Hierarchy:
     parents: tuple[int, ...]
     root: int
     notes: tuple[str, ...] = ()
+    organs: tuple[int, ...] = ()
 
     def numbers(self) -> NDArray[np.int64]:
         """(N,) the segment of each point."""

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.transport.problem import Points
 
@@ -32,7 +32,6 @@ class Task:
 def transport_tasks(
     clouds: Sequence[Points],
     matches: Sequence[Match],
-    tracks: Sequence[IntervalOrgans],
     attachment_points: int | None = None,
     paper: bool = False,
 ) -> list[tuple[Task, ...]]:
@@ -42,7 +41,6 @@ def transport_tasks(
     ----------
     clouds : sequence of (N, 3) float ndarray
     matches : sequence of Match
-    tracks : sequence of IntervalOrgans
         Of each interval.
     attachment_points : int, optional
         Points that a new organ unfolds from; by default 1 % of what it grows on.
@@ -54,14 +52,13 @@ def transport_tasks(
     list of tuple of Task
         The `interval_tasks` of each interval.
     """
-    intervals = zip(pairwise(clouds), matches, tracks, strict=True)
+    intervals = zip(pairwise(clouds), matches, strict=True)
     return [tuple(interval_tasks(*interval, attachment_points, paper)) for interval in intervals]
 
 
 def interval_tasks(
     points: tuple[Points, Points],
     match: Match,
-    organs: IntervalOrgans,
     attachment_points: int | None = None,
     paper: bool = False,
 ) -> list[Task]:
@@ -74,7 +71,7 @@ def interval_tasks(
     """
     first, second = match.first, match.second
     tasks = [
-        Task("match", organs.second[b], first.segments[a], second.segments[b])
+        Task("match", second.organs[b], first.segments[a], second.segments[b])
         for a, b in match.pairs
         if len(first.segments[a]) and len(second.segments[b])
     ]
@@ -89,10 +86,10 @@ def interval_tasks(
         if place not in attachments:
             attachments[place] = _attachment_points(points, match, *place, attachment_points, paper)
         members = second.segments[segment]
-        tasks.append(Task("birth", organs.second[segment], attachments[place], members))
+        tasks.append(Task("birth", second.organs[segment], attachments[place], members))
     nothing = np.empty(0, np.intp)
     lost = (*match.losses, *emptied)
-    tasks += [Task("loss", organs.first[s], first.segments[s], nothing) for s in lost]
+    tasks += [Task("loss", first.organs[s], first.segments[s], nothing) for s in lost]
     return [task for task in tasks if len(task.start) or len(task.end)]
 
 

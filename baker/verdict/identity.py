@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
@@ -28,7 +28,6 @@ class FollowedOrgans:
     clouds: Sequence[NDArray[np.floating]]  # (N, 3), of each scan
     bases: Sequence[int]  # index of the point at each plant base
     matches: Sequence[Match]  # of each interval
-    tracks: Sequence[IntervalOrgans]
     stem: bool  # whether the organ at the plant base is known to be the stem
     # (interval, label) of organs that someone said are the same at both ends
     confirmed: Collection[tuple[int, int | None]] = ()
@@ -55,7 +54,8 @@ class _Organs:
 
 def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[IdentityDoubt]:
     """Judge the matches, births and losses of an interval."""
-    match, tracks = series.matches[index], series.tracks[index]
+    match = series.matches[index]
+    tracks, later_tracks = match.first.organs, match.second.organs
     first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
     scores = np.zeros((len(first.share), len(second.share)))
     scores[np.ix_(first.segments, second.segments)] = match_scores(
@@ -71,9 +71,9 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
             continue
         if a == match.first.root or min(shares) == 0.0 or max(shares) < MIN_SHARE:
             continue
-        organ, growth = tracks.first[a], float(second.size[b] / first.size[a])
+        organ, growth = tracks[a], float(second.size[b] / first.size[a])
         if became.get(a) != b and (a in became or b in came_from):
-            rival = tracks.first[came_from[b]] if b in came_from else tracks.second[became[a]]
+            rival = tracks[came_from[b]] if b in came_from else later_tracks[became[a]]
             yield IdentityDoubt(organ, "{name} and {other} may be mixed up", 1.0, rival)
         if growth > MAX_GROWTH:
             what = "{name} may be two organs (suddenly much larger)"
@@ -83,10 +83,10 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
             yield IdentityDoubt(organ, what, 1.0 / (max(growth, 1e-3) * MAX_SHRINKAGE))
     for a in match.losses:
         if (strength := float(first.share[a]) / MIN_SHARE) >= 1.0:
-            yield IdentityDoubt(tracks.first[a], "{name} is large but vanishes", strength)
+            yield IdentityDoubt(tracks[a], "{name} is large but vanishes", strength)
     for b in match.births:
         if (strength := float(second.share[b]) / MAX_BORN_SHARE) >= 1.0:
-            yield IdentityDoubt(tracks.second[b], "{name} is large but new", strength)
+            yield IdentityDoubt(later_tracks[b], "{name} is large but new", strength)
 
 
 def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:

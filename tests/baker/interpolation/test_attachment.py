@@ -11,7 +11,6 @@ from scipy.spatial import cKDTree
 from baker.interpolation.movers import OrganMovers
 from baker.interpolation.organ_attachments import attachments
 from baker.interpolation.paths import attached
-from baker.matching import IntervalOrgans, Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip.evaluate import bernstein
 from gclip.pack import Movers
@@ -28,11 +27,11 @@ def at(moved: OrganMovers, u: float) -> np.ndarray:
 
 def tasks_of(
     leaf: tuple[np.ndarray, ...], stem: tuple[np.ndarray, ...] | None = None, born: bool = False
-) -> tuple[list[OrganMovers], Match, IntervalOrgans]:
+) -> tuple[list[OrganMovers], Hierarchy]:
     """A stem that stands at x = 0 or moves as given, and a leaf, on the given paths."""
     upright = np.column_stack([np.zeros((COUNT, 2)), np.linspace(0, 50, COUNT)])
     first, second = np.arange(COUNT), np.arange(COUNT, 2 * COUNT)
-    hierarchy = Hierarchy((first, second), (0, 1), (NO_PARENT, 0), 0)
+    hierarchy = Hierarchy((first, second), (0, 1), (NO_PARENT, 0), 0, organs=(0, 1))
     moved = [
         OrganMovers(
             Movers(Motion.MOVE, tuple(p.astype(np.float32) for p in curve), np.full(COUNT, organ)),
@@ -44,14 +43,13 @@ def tasks_of(
         )
         for organ, members, curve in ((0, first, stem or (upright, upright)), (1, second, leaf))
     ]
-    match = Match(hierarchy, hierarchy, ((0, 0), (1, 1)), (), ())
-    return moved, match, IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
+    return moved, hierarchy
 
 
-def held(solved: list[OrganMovers], match: Match, organs: IntervalOrgans) -> list[OrganMovers]:
+def held(solved: list[OrganMovers], scan: Hierarchy) -> list[OrganMovers]:
     """The tasks with organs held at their parents, at a point spacing of 1."""
     end = np.concatenate([moved.movers.curve[-1] for moved in solved])
-    return attached(solved, match, organs, attachments(end, match.second), 1.0)
+    return attached(solved, scan, attachments(end, scan), 1.0)
 
 
 def widening(moved: list[OrganMovers]) -> float:
@@ -67,9 +65,9 @@ def blade() -> np.ndarray:
 
 def test_a_base_that_would_leave_its_stem_stays() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
-    solved, match, organs = tasks_of(leaf)
+    solved, scan = tasks_of(leaf)
     assert widening(solved) > TOLERANCE
-    after = held(solved, match, organs)
+    after = held(solved, scan)
     assert widening(after) < TOLERANCE
     assert len(after[1].movers) == COUNT  # drawn to its stem, which needs no mover to span a gap
     for u in (0.0, 1.0):
@@ -81,8 +79,8 @@ def test_a_base_that_would_leave_its_stem_stays() -> None:
 def test_a_gap_that_the_scans_show_is_kept() -> None:
     """Drawn as near as at the scans, not onto the stem."""
     away = blade() + np.array([10.0, 0.0, 0.0])
-    solved, match, organs = tasks_of((away, away + np.array([12.0, 0.0, 0.0]), away))
-    after = held(solved, match, organs)
+    solved, scan = tasks_of((away, away + np.array([12.0, 0.0, 0.0]), away))
+    after = held(solved, scan)
     gap = cKDTree(at(after[0], 0.5)).query(at(after[1], 0.5))[0].min()
     assert gap == pytest.approx(10.5, abs=1.0)
 
@@ -100,48 +98,46 @@ def test_no_path_parts_an_organ_from_its_stem(degree: int) -> None:
         1: (blade(), blade()[::-1] + aside * [0, 0, 1]),
         2: (blade(), blade() + aside, blade()),
     }[degree]
-    solved, match, organs = tasks_of(leaf, swinging())
+    solved, scan = tasks_of(leaf, swinging())
     assert widening(solved) > TOLERANCE
-    after = held(solved, match, organs)
+    after = held(solved, scan)
     assert widening(after) < TOLERANCE
 
 
 def test_what_is_born_unfolds_from_its_stem() -> None:
     bud = np.tile([0.0, 0.0, 25.0], (COUNT, 1))
-    solved, match, organs = tasks_of((bud, (bud + blade()) / 2, blade()), swinging(), born=True)
+    solved, scan = tasks_of((bud, (bud + blade()) / 2, blade()), swinging(), born=True)
     assert widening(solved) > TOLERANCE
-    after = held(solved, match, organs)
+    after = held(solved, scan)
     assert widening(after) < TOLERANCE
 
 
 def test_the_tip_hardly_follows() -> None:
     leaf = (blade(), blade() + np.array([12.0, 0.0, 0.0]), blade())
-    solved, match, organs = tasks_of(leaf)
-    after = held(solved, match, organs)
+    solved, scan = tasks_of(leaf)
+    after = held(solved, scan)
     moved = np.linalg.norm(at(after[1], 0.5)[:COUNT] - at(solved[1], 0.5), axis=1)
     assert moved[0] > 4
     assert moved[-1] < 0.01
 
 
 def test_what_is_attached_is_left_alone() -> None:
-    solved, match, organs = tasks_of((blade(), blade()))
-    after = held(solved, match, organs)
+    solved, scan = tasks_of((blade(), blade()))
+    after = held(solved, scan)
     assert after[1] is solved[1]
 
 
 def test_a_child_follows_a_parent_that_is_itself_shifted() -> None:
     """A branch that leaves its stem half-way, and on it a leaf that goes along with the branch."""
     aside = np.array([0.0, 9.0, 0.0])
-    solved, _, _ = tasks_of((blade(), blade() + aside, blade()))
+    solved, _ = tasks_of((blade(), blade() + aside, blade()))
     twig = 0.3 * blade() + [4.0, 0.0, 17.5]
     curve = tuple(p.astype(np.float32) for p in (twig, twig + aside, twig))
     movers = replace(solved[1].movers, curve=curve, tracks=np.full(COUNT, 2))
     solved.append(replace(solved[1], movers=movers))
     segments = tuple(np.arange(k * COUNT, (k + 1) * COUNT) for k in range(3))
-    hierarchy = Hierarchy(segments, (0, 1, 2), (NO_PARENT, 0, 1), 0)
-    names = {k: k for k in range(3)}
-    match = Match(hierarchy, hierarchy, tuple(names.items()), (), ())
-    after = held(solved, match, IntervalOrgans(names, names))
+    hierarchy = Hierarchy(segments, (0, 1, 2), (NO_PARENT, 0, 1), 0, organs=(0, 1, 2))
+    after = held(solved, hierarchy)
     assert widening(after) < TOLERANCE
     assert widening(after[1:]) < TOLERANCE
 
@@ -152,7 +148,9 @@ def stem_and_leaf(count: int) -> tuple[np.ndarray, Hierarchy]:
     along = np.linspace(4, 0.2, count)
     leaf = np.stack([along, np.zeros(count), 5 + along], axis=1)
     segments = np.arange(50), np.arange(50, 50 + count)
-    return np.concatenate([stem, leaf]), Hierarchy(segments, (0, 1), (NO_PARENT, 0), 0)
+    return np.concatenate([stem, leaf]), Hierarchy(
+        segments, (0, 1), (NO_PARENT, 0), 0, organs=(0, 1)
+    )
 
 
 @pytest.mark.parametrize("count", [30, 200, 1000])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baker.interpolation.organ_attachments import organ_attachments
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 STEM, LEAF = 400, 300
@@ -28,11 +28,10 @@ def plant(droop: float) -> np.ndarray:
 
 def attachments_of(clouds: list[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
     parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
-    hierarchy = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0)
+    hierarchy = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0, organs=(0, 1))
     match = Match(hierarchy, hierarchy, ((0, 0), (1, 1)), (), ())
-    organs = IntervalOrgans({0: 0, 1: 1}, {0: 0, 1: 1})
     count = len(clouds) - 1
-    found = organ_attachments(clouds, [0.15] * len(clouds), [match] * count, [organs] * count)
+    found = organ_attachments(clouds, [0.15] * len(clouds), [match] * count)
     return [(first[1].mean(axis=0), second[1].mean(axis=0)) for first, second in found]
 
 
@@ -45,11 +44,10 @@ def test_a_tip_that_touches_the_stem_is_no_attachment(droops: tuple[float, ...])
 
 def test_what_is_born_has_none() -> None:
     parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
-    second = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0)
-    first = Hierarchy(parts[:1], (0,), (NO_PARENT,), 0)
+    second = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0, organs=(0, 1))
+    first = Hierarchy(parts[:1], (0,), (NO_PARENT,), 0, organs=(0,))
     match = Match(first, second, ((0, 0),), (1,), ())
-    organs = IntervalOrgans({0: 0}, {0: 0, 1: 1})
     clouds = [plant(0.0)[:STEM], plant(0.0)]
-    ((before, after),) = organ_attachments(clouds, [0.15, 0.15], [match], [organs])
+    ((before, after),) = organ_attachments(clouds, [0.15, 0.15], [match])
     assert not before
     assert not after

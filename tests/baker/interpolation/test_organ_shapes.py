@@ -18,10 +18,9 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     stem, leaf = rod(500, 0)[:, [2, 1, 0]], rod(300, 1) + np.array([0.0, 0.0, 60.0])
     cloud = np.concatenate([stem, leaf, np.zeros((5, 3))]).astype(np.float32)
     parts = (np.arange(500), np.arange(500, 800), np.arange(800, 805))
-    hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0)
+    hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 0), 0, organs=(10, 11, 12))
     attachments = {11: np.array([[0.0, 0.0, 60.0]]), 12: np.zeros((1, 3))}
-    names = {0: 10, 1: 11, 2: 12}
-    shapes = organ_shapes(cloud, hierarchy, np.zeros(3), attachments, names, range(3))
+    shapes = organ_shapes(cloud, hierarchy, np.zeros(3), attachments, range(3))
     assert set(shapes) == {10, 11}  # too few points have no shape
     np.testing.assert_allclose(shapes[11].spine.nodes[0], [0, 0, 60], atol=4)
     np.testing.assert_allclose(shapes[11].spine.nodes[-1], [98, 0, 60], atol=4)
@@ -31,5 +30,6 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
 
 def test_what_is_attached_nowhere_has_no_shape() -> None:
     cloud = np.concatenate([rod(100, 0), rod(100, 1)]).astype(np.float32)
-    hierarchy = Hierarchy((np.arange(100), np.arange(100, 200)), (0, 1), (NO_PARENT, 0), 0)
-    assert set(organ_shapes(cloud, hierarchy, cloud[0], {}, {0: 0, 1: 1}, [0, 1])) == {0}
+    parts = np.arange(100), np.arange(100, 200)
+    hierarchy = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0, organs=(0, 1))
+    assert set(organ_shapes(cloud, hierarchy, cloud[0], {}, [0, 1])) == {0}

@@ -9,7 +9,7 @@ from baker.interpolation.movers import OrganMovers
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
 from baker.interpolation.paths import OrganPaths
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip import Motion
 from gclip.pack import Movers
@@ -29,15 +29,14 @@ def plant(u: float) -> np.ndarray:
 
 
 def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
-    organs = IntervalOrgans({0: 0, 1: 1, 2: 2}, {0: 0, 1: 1, 2: 2, 3: 3})
-    return OrganPaths(clouds[1], match, organs)
+    return OrganPaths(clouds[1], match.second)
 
 
 def motions_of(clouds: list[np.ndarray], match: Match) -> list[OrganMotion | None]:
     """Of the stem, its leaf, the ball and the new ball."""
-    names, places = {0: 0, 1: 1, 2: 2, 3: 3}, {1: np.zeros((1, 3))}
+    places = {1: np.zeros((1, 3))}
     shapes = [
-        organ_shapes(cloud, hierarchy, cloud[np.argmin(cloud[:, 2])], places, names, [0, 1])
+        organ_shapes(cloud, hierarchy, cloud[np.argmin(cloud[:, 2])], places, [0, 1])
         for cloud, hierarchy in zip(clouds, (match.first, match.second), strict=True)
     ]
     return [*(fit_motion(shapes[0][organ], shapes[1][organ]) for organ in (0, 1)), None, None]
@@ -47,8 +46,8 @@ def motions_of(clouds: list[np.ndarray], match: Match) -> list[OrganMotion | Non
 def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMovers]]:
     clouds = [plant(0.0), np.concatenate([plant(1.0), plant(1.0)[-100:] + 1.0])]
     segments = tuple(np.split(np.arange(2 * COUNT + 200), [COUNT, 2 * COUNT, 2 * COUNT + 100]))
-    first = Hierarchy(segments[:3], (0, 1, 2), PARENTS[:3], 0)
-    second = Hierarchy(segments, (0, 1, 2, 3), PARENTS, 0)
+    first = Hierarchy(segments[:3], (0, 1, 2), PARENTS[:3], 0, organs=(0, 1, 2))
+    second = Hierarchy(segments, (0, 1, 2, 3), PARENTS, 0, organs=(0, 1, 2, 3))
     match = Match(first, second, ((0, 0), (1, 1), (2, 2)), (3,), ())
     tasks = []
     for organ, members in enumerate(segments):

@@ -5,7 +5,7 @@ import pytest
 
 from baker import Options, bake
 from baker.interpolation.timing import MAX_OFFSET, Timing, organ_timings
-from baker.matching import IntervalOrgans, Match
+from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 POINTS = np.random.default_rng(0).random((20, 3))
@@ -23,14 +23,12 @@ def offsets_of(organs, times, spacing: float = 1e-6) -> list[list[float]]:
     ]
     segments = tuple(np.arange(count) + count * n for n in range(len(organs)))
     numbers = tuple(range(len(organs)))
-    hierarchy = Hierarchy(segments, numbers, (NO_PARENT, *numbers[1:]), 0)
+    named = tuple(7 + n for n in numbers)
+    hierarchy = Hierarchy(segments, numbers, (NO_PARENT, *numbers[1:]), 0, organs=named)
     matches = [Match(hierarchy, hierarchy, tuple((n, n) for n in numbers), (), ())] * (
         len(times) - 1
     )
-    named = [IntervalOrgans({n: 7 + n for n in numbers}, {n: 7 + n for n in numbers})] * (
-        len(times) - 1
-    )
-    by_interval = organ_timings(clouds, matches, named, times, spacing)
+    by_interval = organ_timings(clouds, matches, times, spacing)
     return [
         [found[7 + n].offset if 7 + n in found else 0.0 for found in by_interval] for n in numbers
     ]
@@ -64,10 +62,9 @@ def radial_offsets(sizes) -> list[float]:
     """The offsets of an organ's growth, by interval."""
     shape = POINTS - POINTS.mean(axis=0)
     clouds = [size * shape + [0, 0, 5.0 * k] for k, size in enumerate(sizes)]
-    whole = Hierarchy((np.arange(len(shape)),), (0,), (NO_PARENT,), 0)
+    whole = Hierarchy((np.arange(len(shape)),), (0,), (NO_PARENT,), 0, organs=(7,))
     matches = [Match(whole, whole, ((0, 0),), (), ())] * (len(sizes) - 1)
-    named = [IntervalOrgans({0: 7}, {0: 7})] * (len(sizes) - 1)
-    timings = organ_timings(clouds, matches, named, np.arange(float(len(sizes))), 1e-6)
+    timings = organ_timings(clouds, matches, np.arange(float(len(sizes))), 1e-6)
     assert all(one[7].offset == pytest.approx(0, abs=1e-9) for one in timings)
     return [one[7].radial_offset for one in timings]
 

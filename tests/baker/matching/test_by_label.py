@@ -32,7 +32,7 @@ def test_match_by_label():
 
 def test_organs_keep_their_number_and_know_their_parent():
     matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
-    organs, named = follow_organs(matches, consistent=True)
+    organs, matches = follow_organs(matches, consistent=True)
     by_label = {organ.label: organ for organ in organs}
     assert len(organs) == 5
     assert organs[0].label == 0
@@ -40,10 +40,9 @@ def test_organs_keep_their_number_and_know_their_parent():
     assert (by_label[5].first, by_label[5].last) == (1, 1)
     assert organs[by_label[5].parent].label == 2
     assert organs[by_label[3].parent].label == 0
-    for k, match in enumerate(matches):
-        for a, b in match.pairs:
-            assert named[k].first[a] == named[k].second[b]
-    assert named[0].second == named[1].first
+    for match in matches:
+        assert all(match.first.organs[a] == match.second.organs[b] for a, b in match.pairs)
+    assert matches[0].second is matches[1].first
 
 
 def test_independent_labels_never_bring_an_organ_back():

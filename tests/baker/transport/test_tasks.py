@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from baker.matching import IntervalOrgans, match_by_label
+from baker.matching import follow_organs, match_by_label
 from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.transport.tasks import interval_tasks
 
@@ -20,9 +20,8 @@ def scan(*organs):
 
 def tasks_between(first, second, **options):
     (p, h), (q, g) = first, second
-    match = match_by_label(h, g)
-    numbers = IntervalOrgans(dict(enumerate(h.labels)), dict(enumerate(g.labels)))
-    return interval_tasks((p, q), match, numbers, **options)
+    _, (match,) = follow_organs([match_by_label(h, g)], consistent=True)
+    return interval_tasks((p, q), match, **options)
 
 
 def test_every_point_has_a_task():
