@@ -11,7 +11,7 @@ from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
 from baker.batch.listing import finding_lines, list_plants
-from baker.batch.outputs import Outputs, check_apart, check_output
+from baker.batch.outputs import Outputs, check_apart, check_cache, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
@@ -61,6 +61,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
+    check_cache(outputs)
     begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
     folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
     kept_in = Cache(folder) if folder else None

@@ -59,3 +59,13 @@ def check_apart(table: Path, inputs: Iterable[Path]) -> None:
         place = table.parent if given.is_dir() else table
         if place.exists() and given.exists() and place.samefile(given):
             raise InputError(f"{table} is among the inputs; write it elsewhere.")
+
+
+def check_cache(outputs: Outputs) -> None:
+    """Raise InputError where the cache's folder would stand where a file is to be written."""
+    if outputs.cache is None:
+        return
+    folder = outputs.cache.resolve()
+    for path in filter(None, (outputs.clip, outputs.report, outputs.traits)):
+        if path.resolve() in (folder, *folder.parents):
+            raise InputError(f"--cache {outputs.cache}: {path} is to be a file; name a folder.")

@@ -53,7 +53,9 @@ def run(command: str, work: Callable[[], int | None]) -> int:
     except KeyboardInterrupt:
         _print_error(command, "stopped; nothing half-written is left behind.")
         return 128 + signals[0] if signals else INTERRUPTED
-    except BrokenPipeError:
+    except (BrokenPipeError, SystemExit) as error:  # the second by rich, which writes --help
+        if BrokenPipeError not in (type(error), type(error.__context__)):
+            raise
         # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE

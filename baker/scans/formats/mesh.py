@@ -3,12 +3,16 @@
 Open3D's reader of OFF ends the process at damaged files (docs/method.md).
 """
 
+import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
 from baker.scans.formats import FormatError, require_count
@@ -43,10 +47,32 @@ def read(path: Path) -> Columns:
 def _read_by_open3d(path: Path) -> Mesh:
     import open3d
 
-    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
-        mesh = open3d.io.read_triangle_mesh(path)
+    with (
+        TemporaryDirectory(prefix="bake-") as folder,
+        open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error),
+    ):
+        mesh = open3d.io.read_triangle_mesh(_by_itself(path, Path(folder)))
     colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
     return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
+
+
+def _by_itself(path: Path, folder: Path) -> Path:
+    """The file, or a copy in the folder, from which Open3D opens no file in other folders."""
+    suffix = path.suffix.lower()
+    if suffix == ".stl":
+        return path
+    content = path.read_bytes()
+    if suffix == ".obj":  # materials, and their pictures, are not wanted
+        copy = folder / path.name
+        copy.write_bytes(re.sub(rb"(?m)^\s*mtllib\b.*", b"", content))
+        return copy
+    if suffix == ".glb":
+        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
+    document = json.loads(content)
+    for part in (*document.get("buffers", ()), *document.get("images", ())):
+        if ".." in re.split(r"[/\\]", part.get("uri", "")):
+            raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
+    return path
 
 
 def _read_off(path: Path) -> Mesh:

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from baker.batch.outputs import check_output
+from baker.cli import main
 from gclip.errors import UserError
 
 
@@ -31,3 +32,13 @@ def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypa
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # as for another user
     with pytest.raises(UserError, match=f"{tmp_path}: permission denied to write into this folder"):
         check_output(tmp_path / "a.gclip", True, "a clip", ".gclip")
+
+
+@pytest.mark.parametrize("cache", ["p.gclip", "p.html/kept", "../{}/t.csv"])
+def test_a_cache_where_a_file_goes_is_refused_before_the_work(write_scans, tmp_path, capsys, cache):
+    outputs = ["-o", tmp_path / "p.gclip", "--report", tmp_path / "p.html", "--traits"]
+    folder = tmp_path / cache.format(tmp_path.name)
+    words = [write_scans(), *outputs, tmp_path / "t.csv", "--cache", folder]
+    assert main([str(word) for word in words]) == 2
+    assert re.fullmatch(r"bake: --cache .* name a folder\.\n", capsys.readouterr().err)
+    assert [path.name for path in tmp_path.iterdir()] == ["scans"]

@@ -1,6 +1,7 @@
 """Meshes in every format give points spread evenly over their surface, with their colours."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -130,3 +131,32 @@ def test_parts_of_a_scene_stand_where_they_are_put(tmp_path):
     points = read(tmp_path / "a.glb").points
     assert points[:, 0].min() == pytest.approx(-0.5)
     assert points[:, 0].max() == pytest.approx(10.5)
+
+
+def test_materials_of_an_obj_are_not_opened(tmp_path):
+    """A pipe that nobody writes to would be waited for."""
+    folder = tmp_path / "scans"
+    folder.mkdir()
+    for pipe in (tmp_path / "pipe.mtl", folder / "pipe.mtl"):
+        os.mkfifo(pipe)
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"
+    for name in ("../pipe.mtl", "pipe.mtl", f"../../{tmp_path.name}/pipe.mtl"):
+        (folder / "a.obj").write_text(f"mtllib {name}\n{triangle}")
+        assert len(read(folder / "a.obj")) == MIN_POINTS
+
+
+@pytest.mark.parametrize("suffix", [".gltf", ".glb"])
+def test_parts_of_a_gltf_in_other_folders_are_not_opened(tmp_path, suffix):
+    write_mesh(painted_box(), tmp_path / f"a{suffix}")
+    content = (tmp_path / f"a{suffix}").read_bytes()
+    start, end = (
+        (0, len(content)) if suffix == ".gltf" else (20, 20 + content[12] + 256 * content[13])
+    )
+    document = json.loads(content[start:end])
+    document["images"] = [{"uri": "textures/../../leaf.png"}]
+    changed = json.dumps(document).encode()
+    size = len(changed).to_bytes(4, "little")
+    head = content[:12] + size + content[16:20] if start else b""
+    (tmp_path / f"a{suffix}").write_bytes(head + changed + content[end:])
+    with pytest.raises(InputError, match=r"refers to 'textures/\.\./\.\./leaf\.png', outside"):
+        read(tmp_path / f"a{suffix}")
