@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from gclip.file import check_whole
 from gclip.schema import Group, Motion
 
 if TYPE_CHECKING:
-    from gclip.clip import Clip
+    from gclip.clip import Clip, PointField
     from gclip.interval import Interval
 
 LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
@@ -42,6 +43,8 @@ class Frame:
     tracks: NDArray[np.integer]  #: (N,) track ids
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     litter: Frame | None = None  #: fallen organs on the ground that have not faded yet
+    fields: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
+    """By name (N,) values of each of the clip's fields, NaN where unknown."""
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -164,7 +167,18 @@ def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:
     nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
     parts = [evaluate_layer(clip, layer) for layer in layers] or [nothing]
     local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Frame(day, local, colors, tracks, clip.origin)
+    fields = {one.name: _field_at(one, layers) for one in clip.fields}
+    return Frame(day, local, colors, tracks, clip.origin, fields=fields)
+
+
+def _field_at(given: PointField, layers: list[Layer]) -> NDArray[np.floating]:
+    """(N,) values of the layers' movers; the ends themselves come out exactly."""
+    parts = [np.zeros(0, np.float32)]
+    for layer in layers:
+        ends = given.values[layer.interval][layer.group.first : layer.group.stop]
+        mixed = (1.0 - layer.blend) * ends[:, 0] + layer.blend * ends[:, 1]
+        parts.append({0.0: ends[:, 0], 1.0: ends[:, 1]}.get(layer.blend, mixed))
+    return np.concatenate(parts)
 
 
 def evaluate_layer(

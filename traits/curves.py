@@ -1,4 +1,4 @@
-"""The traits of organs over time, with how far they may be off: what plots are drawn from."""
+"""Traits of organs and means of their fields over time, with how far they may be off: plots."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from html import escape
 from os import cpu_count
 from typing import TYPE_CHECKING
 
+from traits.fields import field_means
 from traits.table import Namer
 from traits.traits import measure
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 PLOTTED = {"length": 1, "area": 2, "angle": 0}  # power of the length unit
+FIELD = "mean {}"  # a field of the scans, over an organ
 # What nine in ten values stay within, as shares of the largest (angles: in degrees), of those that
 # are sure and of others: `python -m bench.traits`.
 SURE, UNSURE = 0.05, 0.15
@@ -27,10 +29,10 @@ FIXED = 'vector-effect="non-scaling-stroke"'  # strokes as wide however the pict
 
 @dataclass(frozen=True)
 class TraitCurve:
-    """One trait of one organ at the scans that show it."""
+    """One trait or mean field of one organ at the scans that show it."""
 
     track: int
-    trait: str  #: one of PLOTTED
+    trait: str  #: one of `plotted`
     unit: str
     times: tuple[float, ...]
     values: tuple[float, ...]
@@ -38,9 +40,18 @@ class TraitCurve:
     sure: tuple[bool, ...]
 
     @property
+    def bottom(self) -> float:
+        """Where a plot begins: at 0 for traits, at the lowest value for fields."""
+        return 0.0 if self.trait in PLOTTED else min(self.values)
+
+    @property
     def top(self) -> float:
-        """The highest value that the band reaches; the lowest of a plot is 0."""
+        """The highest value that the band reaches."""
         return max(map(sum, self.points))
+
+    def level(self, value: float) -> float:
+        """Where a value lies between bottom and top, from 0 to 1."""
+        return max(value - self.bottom, 0.0) / ((self.top - self.bottom) or 1.0)
 
     @property
     def points(self) -> list[tuple[float, float]]:
@@ -48,8 +59,13 @@ class TraitCurve:
         return list(zip(self.values, self.margins, strict=True))
 
 
+def plotted(clip: Clip) -> list[str]:
+    """What there are curves of: the traits, and the mean of each field."""
+    return [*PLOTTED, *(FIELD.format(field.name) for field in clip.fields)]
+
+
 def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[TraitCurve]:
-    """Lengths, areas and angles of organs at the scans.
+    """Lengths, areas, angles and mean fields of organs at the scans.
 
     Parameters
     ----------
@@ -65,13 +81,16 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
     chosen = range(len(clip.track_table)) if tracks is None else tracks
     namer, unit = Namer(clip, ""), clip.unit or "units"
     units = {0: "°", 1: f" {unit}", 2: f" {unit}²"}
+    unit_of = {trait: units[power] for trait, power in PLOTTED.items()}
     with ThreadPoolExecutor(cpu_count()) as threads:
         scans = list(threads.map(partial(measure, clip, only=chosen), clip.times))
     found: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
     for one in (one for scan in scans for one in scan):
+        if one.track is None:
+            continue
         for trait in PLOTTED:
             value = getattr(one, trait)
-            if one.track is None or value is None:
+            if value is None:
                 continue
             sure = namer.is_sure(one, trait, one.time)
             if trait == "angle":
@@ -79,8 +98,11 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
             else:
                 margin = value * (SURE if sure else UNSURE)
             found.setdefault((one.track, trait), []).append((one.time, value, margin, sure))
+        for name, mean in field_means(clip, one.time, one.track).items():
+            known = (one.time, mean, 0.0, not namer.is_doubtful(one, one.time))
+            found.setdefault((one.track, FIELD.format(name)), []).append(known)
     return [
-        TraitCurve(track, trait, units[PLOTTED[trait]], *map(tuple, zip(*points, strict=True)))
+        TraitCurve(track, trait, unit_of.get(trait, ""), *map(tuple, zip(*points, strict=True)))
         for (track, trait), points in sorted(found.items())
     ]
 
@@ -100,7 +122,7 @@ def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
 
     def place(time: float, value: float) -> str:
         x = width * (time - first) / (last - first)
-        return f"{x:.1f},{height - 4.0 - (height - 8.0) * max(value, 0.0) / (curve.top or 1.0):.1f}"
+        return f"{x:.1f},{height - 4.0 - (height - 8.0) * curve.level(value):.1f}"
 
     points = list(zip(curve.times, curve.values, curve.margins, strict=True))
     upper = [place(time, value + margin) for time, value, margin in points]

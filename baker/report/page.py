@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from math import ceil
+from math import ceil, floor
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from baker.verdict.doubt import between, command_for, doubts_in, grouped, headli
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, writing
 from gclip.terminal.text import printable
-from traits.curves import trait_curves
+from traits.curves import TraitCurve, plotted, trait_curves
 
 MAX_TICKS = 5  # of the growth curves' axis, above 0
 MAX_CURVES = 40  # of the largest organs: nobody could tell more lines apart
@@ -70,7 +70,8 @@ def write_report(
                 pictures = take_pictures(clip, by_interval, part.parent, workers)
             except NoPicture as error:
                 no_pictures = str(error)
-        curves = [curve for curve in measured.result() if curve.trait == "length"]
+        found = measured.result()
+        curves = {trait: [one for one in found if one.trait == trait] for trait in plotted(clip)}
         page = _template().render(
             title=title,
             clip=clip,
@@ -82,9 +83,12 @@ def write_report(
             pictured=MAX_DOUBTS_PICTURED,
             no_pictures=no_pictures,
             shown=scans_pictured(clip),
-            curves=curves,
-            longest_last=sorted(curves, key=lambda curve: -curve.values[-1]),
-            ticks=length_ticks([curve.top for curve in curves]),
+            curves=curves["length"],
+            charts=[
+                (trait, sorted(own, key=lambda one: -one.values[-1]), ticks(own))
+                for trait, own in curves.items()
+                if trait not in ("area", "angle")
+            ],
             errors=errors,
             overall=overall(errors) if errors else None,
             defaults=Options().provenance(),
@@ -104,11 +108,13 @@ def largest_organs(clip: Clip) -> list[int]:
     return sorted(sorted(sizes, key=lambda track: -sizes[track])[:MAX_CURVES])
 
 
-def length_ticks(lengths: Sequence[float]) -> list[float]:
-    """Round lengths from 0 to no less than the longest of these, for the axis of a chart."""
-    longest = max(lengths, default=1.0)
-    step = round_length(2.5 * longest / MAX_TICKS)  # rounding may more than halve it
-    return [step * k for k in range(ceil(longest / step) + 1)]
+def ticks(curves: Sequence[TraitCurve]) -> list[float]:
+    """Round values below and above all of some curves, for the axis of their chart."""
+    low = min((curve.bottom for curve in curves), default=0.0)
+    high = max((curve.top for curve in curves), default=1.0)
+    high = high if high > low else low + (abs(low) or 1.0)
+    step = round_length(2.5 * (high - low) / MAX_TICKS)  # rounding may more than halve it
+    return [step * k for k in range(floor(low / step), ceil(high / step) + 1)]
 
 
 def _template() -> Any:

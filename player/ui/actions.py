@@ -21,7 +21,6 @@ Choice = TypeVar("Choice")
 STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
 SHADINGS = (0.0, 1.0, 2.0)
-CURVES = ("length", "area", "angle", "")  # traits of the picked organ that are plotted
 FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
@@ -136,7 +135,7 @@ def next_color_map(scene: Scene) -> Scene:
 
 
 def next_curve(scene: Scene) -> Scene:
-    curve = _after(scene.curve, CURVES)
+    curve = _after(scene.curve, (*scene.curves, ""))
     told = f"Plots the {curve} of the picked organ" if curve else "Plots nothing"
     return replace(scene, curve=curve, notice=told)
 

@@ -1,4 +1,4 @@
-"""The picked organ's length, area or angle over time, above the timeline and in step with it."""
+"""A trait or mean field of the picked organ over time, above the timeline and in step with it."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def draw_curve(
         return scene
     theme, sheet, clock, paint = pen.theme, pen.sheet, scene.timeline, packed(rgb(color))
     (left, right), top = ends, bottom - HEIGHT
-    across, up = (right - left) / (clock.last - clock.first), HEIGHT / (curve.top or 1.0)
+    across = (right - left) / (clock.last - clock.first)
     x = [left + (time - clock.first) * across for time in curve.times]
     y, high, low = (
-        [bottom - up * max(value + side * margin, 0.0) for value, margin in curve.points]
+        [bottom - HEIGHT * curve.level(value + side * margin) for value, margin in curve.points]
         for side in (0.0, 1.0, -1.0)
     )
     ground = packed(faint(theme.veil, 0.75))
@@ -54,10 +54,11 @@ def draw_curve(
     for i, sure in enumerate(curve.sure):
         sheet.add_circle_filled((x[i], y[i]), DOT, paint if sure else packed(theme.veil))
         sheet.add_circle((x[i], y[i]), DOT, paint, 0, 1.5)
-    for value, height in ((curve.top, top + SIZE / 2), (0.0, bottom - SIZE / 2)):
+    for value, height in ((curve.top, top + SIZE / 2), (curve.bottom, bottom - SIZE / 2)):
         text = format_number(value) + curve.unit
         pen.write(left - GAP, height, text, SIZE, theme.muted, align=1.0)
     with bare_window("curve", (0.0, top + 22.0), (left - GAP + 6.0, BUTTON)):
-        width = pen.width(curve.trait.capitalize(), 15.0) + 18.0
+        name = curve.trait[0].upper() + curve.trait[1:]
+        width = pen.width(name, 15.0) + 18.0
         imgui.set_cursor_pos((max(left - GAP + 6.0 - width, 0.0), 0.0))
-        return button(scene, "curve", curve.trait.capitalize(), (width, BUTTON))
+        return button(scene, "curve", name, (width, BUTTON))

@@ -150,7 +150,7 @@ ACTIONS: tuple[Action, ...] = (
     Action("next organ", "Organs", ("n",), "next organ", actions.pick_next(1), ORGANS),
     Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
     Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
-    Action("curve", "Organs", ("shift+l",), "plot length, area, angle", actions.next_curve),
+    Action("curve", "Organs", ("shift+l",), "plot another trait", actions.next_curve),
     Action("alone", "Organs", ("z",), "the organ alone", actions.isolate_picked),
     Action(
         "show all", "Organs", ("shift+x",), "show all organs",

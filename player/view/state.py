@@ -13,6 +13,7 @@ from player.view.choices import Compare, Output, Wish
 from player.view.edits import Edits
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
+from traits.curves import PLOTTED, plotted
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Scene:
     has_colors: bool  #: whether the clip carries the scans' own colours
     has_errors: bool = False  #: whether it carries scans that were left out, to compare with
     fields: tuple[str, ...] = ()  #: names of the clip's fields
+    curves: tuple[str, ...] = tuple(PLOTTED)  #: what may be plotted of an organ
     organs: int = 0  #: how many tracks the clip has
     clips: int = 1  #: how many are shown, 1 or 2
     chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
@@ -40,7 +42,7 @@ class Scene:
     panel: bool = False
     guides: bool = True  #: scale bar and axes
     legend: bool = True  #: what the colours mean
-    curve: str = "length"  #: which trait of the picked organ is plotted; "" for none
+    curve: str = "length"  #: the one of `curves` that is plotted of the picked organ; "" for none
     help: bool = False
     fullscreen: bool = False
     kiosk: bool = False  #: nothing but the plant and the date
@@ -89,7 +91,7 @@ class Exporting:
 def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
     """What these clips don't have is no longer shown, picked or compared with."""
     clip, style = clips[0], scene.style
-    organs, compare = len(clip.track_table), scene.compare
+    organs, compare, curves = len(clip.track_table), scene.compare, tuple(plotted(clip))
     if scene.organs != organs and style.marked:
         scene = scene.with_style(scene.notice, picked=None, second=None, alone=None)
         scene = replace(scene.with_style(scene.notice, hidden=frozenset()), chosen=())
@@ -103,6 +105,8 @@ def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
         has_colors=clip.has_colors,
         has_errors=bool(clip.held_out),
         fields=tuple(field.name for field in clip.fields),
+        curves=curves,
+        curve=scene.curve if scene.curve in (*curves, "") else curves[0],
         organs=organs,
         clips=len(clips),
         compare=compare,

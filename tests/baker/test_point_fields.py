@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 import gclip
+import player
 from baker import InputError, Options, bake
 from gclip import Clip
 from grow import plant
 from player.view.colors import Colors
 from player.view.style import ColorMode, Style
 from traits import Namer, write_table
+from traits.curves import plotted, trait_curves
 from traits.fields import field_means
 
 OPTIONS = Options(align="none", up="z", unit="mm", workers=1, fields="ndvi,layer")
@@ -71,6 +73,29 @@ def test_means_are_those_of_the_scans_points(clip: Clip, scans: Path) -> None:
     rows = list(csv.DictReader(StringIO(text.getvalue())))
     found = [r for r in rows if r["trait"] == "mean_ndvi" and r["organ"] == "stem"]
     assert float(found[0]["value"]) == pytest.approx(own, rel=1e-2)
+
+
+def test_points_of_a_frame_have_values(clip: Clip) -> None:
+    born = np.array([track.born for track in clip.track_table]) > 4.0
+    for day in (4.0, 5.0, 8.0):
+        frame = clip.at(day)
+        assert set(frame.fields) == {"ndvi", "layer"}
+        assert frame.fields["layer"].dtype == np.float32
+        assert frame.fields["layer"] == pytest.approx(np.where(born[frame.tracks], 8.0, day))
+    assert frame.fields["ndvi"] == pytest.approx(0.01 * frame.local[:, 2], abs=1e-3)
+
+
+def test_mean_fields_of_organs_are_plotted(clip: Clip, tmp_path: Path) -> None:
+    curves = {(one.track, one.trait): one for one in trait_curves(clip)}
+    assert plotted(clip) == ["length", "area", "angle", "mean ndvi", "mean layer"]
+    stem = clip.tracks["stem"].id
+    ndvi, layer = curves[stem, "mean ndvi"], curves[stem, "mean layer"]
+    assert layer.values == (4.0, 8.0)
+    assert (layer.bottom, layer.top, layer.level(6.0)) == (4.0, 8.0, 0.5)
+    assert ndvi.values == tuple(field_means(clip, day, stem)["ndvi"] for day in clip.times)
+    player.film(clip, str(tmp_path / "page.html"))
+    page = (tmp_path / "page.html").read_text()
+    assert f'"{stem} mean layer":["mean layer, 4 to 8"' in page
 
 
 def test_fields_are_colours_with_a_legend(clip: Clip) -> None:

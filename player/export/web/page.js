@@ -7,7 +7,6 @@ const FEWEST = 60000;
 const HEAVY = 150000, FIRST = 2;  // points from which a page begins at that level, not at the best
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
-const TRAITS = ["length", "area", "angle"];  // of the chosen organ, that are plotted
 const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
 const COVERED = 130;  // pixels of the page's foot, that the plant is kept clear of
 
@@ -17,7 +16,7 @@ function start(about, shaders) {
     const clip = new Clip(about), canvas = byId("picture");
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
-    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: TRAITS[0] };
+    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: clip.plotted[0] };
     const heaviest = Math.max(...clip.intervals.map(({ count }) => count));
     const state = {
         dirty: true, moved: 0, turning: clip.look.turning, fitted: true,
@@ -50,7 +49,9 @@ function start(about, shaders) {
         smaller: () => { look.pointSize = Math.max(look.pointSize / 1.15, 0.05); },
         organs: () => byId("organs").toggleAttribute("hidden"),
         choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
-        trait: () => { look.trait = TRAITS[(TRAITS.indexOf(look.trait) + 1) % TRAITS.length]; },
+        trait: () => {
+            look.trait = clip.plotted[(clip.plotted.indexOf(look.trait) + 1) % clip.plotted.length];
+        },
         go: (day) => clock.go(day),
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
@@ -79,7 +80,7 @@ function start(about, shaders) {
         plot();
     }
 
-    // The chosen organ's length, area or angle over the timeline, whose days it shares.
+    // A trait or mean field of the chosen organ over the timeline, whose days it shares.
     function plot() {
         const [label, curve] = clip.curves[`${look.chosen} ${look.trait}`] || [];
         byId("curve").hidden = !curve;

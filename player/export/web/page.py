@@ -25,7 +25,7 @@ from player.view.camera import Camera, axes
 from player.view.colors import Colors, format_number, resolved_color_mode
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
-from traits.curves import curve_svg, trait_curves
+from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -137,6 +137,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         },
         "sceneRadius": scene_radius(clip),
         "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
+        "plotted": plotted(clip),
         "curves": _curves(clip),
         "axes": axes(clip.up).tolist(),
         "look": {
@@ -185,11 +186,16 @@ def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
     span, table = (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
     return {
         f"{one.track} {one.trait}": (
-            f"{one.trait}, up to {format_number(max(one.values))}{one.unit}",
+            f"{one.trait}, {_range(one)}{one.unit}",
             curve_svg(one, span, _css(table[one.track].color)),
         )
         for one in trait_curves(clip, range(len(table)))
     }
+
+
+def _range(curve: TraitCurve) -> str:
+    low = f"{format_number(curve.bottom)} " if curve.bottom else "up "
+    return f"{low}to {format_number(max(curve.values))}"
 
 
 def _css(color: Sequence[int]) -> str:

@@ -14,12 +14,12 @@ import pytest
 
 from baker.cli import main
 from baker.report import write_report
-from baker.report.page import largest_organs, length_ticks
+from baker.report.page import largest_organs, ticks
 from baker.report.verification import verify
 from baker.verdict import Doubt, provenance_of
 from gclip import Clip, ClipError
 from gclip.errors import UserError
-from traits.curves import trait_curves
+from traits.curves import TraitCurve, trait_curves
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 
@@ -212,11 +212,19 @@ def test_a_browser_without_a_network_shows_all_of_it(chromium, report, tmp_path,
 
 @pytest.mark.parametrize("longest", [0.004, 0.99, 1.0, 37.0, 2600.0])
 def test_ticks_are_round_and_few_and_reach_the_longest(longest):
-    ticks = length_ticks([longest / 2, longest])
-    assert ticks[0] == 0.0
-    assert ticks[-2] < longest <= ticks[-1]
-    assert 2 <= len(ticks) <= 7
-    assert f"{ticks[1]:e}"[0] in "125"
+    values = longest / 2, longest
+    found = ticks([TraitCurve(0, "length", "", (0.0, 1.0), values, (0.0, 0.0), (True, True))])
+    assert found[0] == 0.0
+    assert found[-2] < longest <= found[-1]
+    assert 2 <= len(found) <= 7
+    assert f"{found[1]:e}"[0] in "125"
+
+
+def test_the_axis_of_a_field_begins_below_its_lowest_mean() -> None:
+    curve = TraitCurve(0, "mean ndvi", "", (0.0, 1.0), (-0.31, 0.28), (0.0, 0.0), (True, True))
+    assert ticks([curve]) == pytest.approx([-0.4, -0.2, 0.0, 0.2, 0.4])
+    flat = replace(curve, values=(20.0, 20.0))
+    assert len(ticks([flat])) > 1
 
 
 def test_growth_curves_have_a_band_and_are_measured_as_traits_are(
