@@ -28,6 +28,21 @@ def plant_on(day: float, seed: int) -> np.ndarray:
     return np.concatenate(rows)
 
 
+def write_las(folder: Path, days=(0, 1)) -> Path:
+    """Write a series of the plant as LAZ into a folder and return it."""
+    import laspy
+
+    folder.mkdir(parents=True)
+    for day in days:
+        rows = plant_on(day, seed=0)
+        las = laspy.create(point_format=3, file_version="1.2")
+        las.header.scales = np.full(3, 1e-4)
+        las.x, las.y, las.z = rows[:, :3].T
+        las.classification = rows[:, 3].astype(np.uint8)
+        las.write(folder / f"day{day:02d}.laz")
+    return folder
+
+
 @pytest.fixture
 def write_scans(tmp_path) -> ScanWriter:
     """Write a series of the plant into a folder and return it.

@@ -14,6 +14,7 @@ from baker import InputError, Options
 from baker.cli import main
 from baker.interpolation.interval_job import solve_intervals
 from baker.pipeline import bake_recorded
+from tests.baker.conftest import write_las
 
 LIGHT = ("--paths", "straight")  # a clip that is smaller than its report
 PLAIN = Options(align="none", up="z", workers=1)
@@ -354,3 +355,20 @@ def test_corrections_that_were_not_fetched_are_said(write_scans, tmp_path, capsy
     (tmp_path / "p.corrections.toml").symlink_to(tmp_path / "annex" / "p.corrections.toml")
     assert main([str(write_scans()), "-o", str(tmp_path / "p.gclip"), "-q"]) == 2
     assert one_sentence(capsys.readouterr().err, "p.corrections.toml' can't be read")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+def test_children_whose_end_is_ignored_are_no_fault(tmp_path):
+    """As some shells and services start their programs, with SIGCHLD ignored."""
+    plants = [write_las(tmp_path / name) for name in ("a", "b")]
+    ignoring = "signal.signal(signal.SIGCHLD, signal.SIG_IGN)"
+    for words in (
+        [plants[0], "-o", tmp_path / "p.gclip"],
+        [*plants, "-o", f"{tmp_path}/clips/", "--workers", "2"],
+    ):
+        code = f"import signal, sys; {ignoring}; from baker.cli import main; sys.exit(main())"
+        command = [sys.executable, "-c", code, *map(str, words), "-q", *LIGHT]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        assert (done.returncode, done.stderr) == (0, "")
+    clips = [tmp_path / "p.gclip", *sorted((tmp_path / "clips").iterdir())]
+    assert len({clip.read_bytes() for clip in clips}) == 1

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -155,16 +156,35 @@ def test_a_clip_cut_short_is_said_to_be(saved: Path) -> None:
 def test_checking_takes_time_in_proportion_to_the_intervals(make_clip, tmp_path: Path) -> None:
     """Each buffer's place is looked up, not searched for: all of them are wrong here."""
     clip = make_clip()
-    intervals = [replace(clip.intervals[0], start=k / 500, end=(k + 1) / 500) for k in range(2_500)]
-    path = tmp_path / "many.gclip"
-    replace(clip, scans=clip.scans[::2], intervals=tuple(intervals)).save(path)
 
     def change(text: dict, buffers: dict) -> None:
         text["sha256"] = dict.fromkeys(text["sha256"], "0" * 64)
 
-    findings = check(rewritten(path, change)).findings
-    assert len(findings) == 1 + 3 * 2_500
-    assert findings[1].startswith("interval 0000 (0 to 0.002 days): ")
+    def lines_of(count: int) -> int:
+        """How many lines of Python a check of so many intervals takes."""
+        times = np.linspace(0, 5, count + 1).tolist()
+        intervals = [replace(clip.intervals[0], start=a, end=b) for a, b in pairwise(times)]
+        path = tmp_path / f"{count}.gclip"
+        replace(clip, scans=clip.scans[::2], intervals=tuple(intervals)).save(path)
+        rewritten(path, change)
+        lines = 0
+
+        def trace(frame: object, event: str, argument: object) -> object:
+            nonlocal lines
+            lines += event == "line"
+            return trace
+
+        sys.settrace(trace)
+        try:
+            findings = check(path).findings
+        finally:
+            sys.settrace(None)
+        assert len(findings) == 1 + 3 * count
+        assert findings[1].startswith("interval 0000 (0 to ")
+        return lines
+
+    few, many = lines_of(100), lines_of(400)
+    assert many < 4.5 * few
 
 
 def test_several_files_one_exit_code(saved: Path, tmp_path: Path, capsys) -> None:

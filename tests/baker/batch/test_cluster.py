@@ -105,6 +105,14 @@ def test_few_plants_share_out_their_intervals(cluster, house, clips, tmp_path):
     assert any("solve_interval" in kind for kind in task_kinds(cluster))
 
 
+def test_nobody_can_reach_a_command_that_uses_a_cluster(cluster, house, tmp_path, monkeypatch):
+    """Neither a scheduler nor a page about it is started: nothing here waits for connections."""
+    listening = []
+    monkeypatch.setattr(socket.socket, "listen", lambda one, *_: listening.append(one))
+    assert bake(house / "p05", f"{tmp_path}/", cluster.address, "-q") == 0
+    assert not listening
+
+
 def test_one_plants_clip_is_the_same_too(cluster, house, clips, tmp_path):
     out = tmp_path / "plant.gclip"
     assert bake(house / "p04", str(out), cluster.address, "-q") == 0

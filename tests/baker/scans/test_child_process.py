@@ -14,7 +14,7 @@ from baker import InputError, Options
 from baker.cli import main
 from baker.scans import read_series
 from baker.scans.child_process import ChildEnded, ChildProcess
-from tests.baker.conftest import plant_on
+from tests.baker.conftest import write_las
 
 ROOM = 1 << 30
 UNGUARDED = """
@@ -33,20 +33,6 @@ def is_running(pid: int) -> bool:
     return subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True).stdout[
         :1
     ] not in (b"", b"Z")
-
-
-def write_las(folder: Path, days=(0, 1)) -> Path:
-    import laspy
-
-    folder.mkdir(parents=True)
-    for day in days:
-        rows = plant_on(day, seed=0)
-        las = laspy.create(point_format=3, file_version="1.2")
-        las.header.scales = np.full(3, 1e-4)
-        las.x, las.y, las.z = rows[:, :3].T
-        las.classification = rows[:, 3].astype(np.uint8)
-        las.write(folder / f"day{day:02d}.laz")
-    return folder
 
 
 def test_returns_and_raises_what_the_function_does(child):
