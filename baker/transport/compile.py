@@ -18,21 +18,29 @@ def compile_kernels(
     Parameters
     ----------
     report_progress : callable
-        Called with the number of loops compiled and of all, only if some have to be compiled.
+        Called with 0 and 1 once something has to be compiled, with 1 and 1 when that is done.
 
     Returns
     -------
     str or None
         A sentence for the user where compiled code cannot be kept, so that every process compiles.
     """
-    from numba.core.event import install_listener
+    from numba.core.event import Listener, install_listener
 
-    from baker.transport import bisection, network_simplex
+    compiled = []
 
-    named = {**vars(bisection), **vars(network_simplex)}
-    kernels = [value for value in named.values() if hasattr(value, "py_func")]
-    with install_listener("numba:compile", _progress_listener(kernels, report_progress)):
+    class FirstCompilation(Listener):
+        def on_start(self, event: Any) -> None:
+            if not compiled:
+                report_progress(0, 1)
+            compiled.append(event)
+
+        def on_end(self, event: Any) -> None: ...
+
+    with install_listener("numba:compile", FirstCompilation()):
         _solve_smallest()
+    if compiled:
+        report_progress(1, 1)
     if code_folder() is None:
         return (
             "Compiled code can't be kept: there is no room for it, or no permission to write, "
@@ -50,27 +58,6 @@ def _solve_smallest() -> None:
     edges, mass = bisection_plan(points, points[::-1], *uniform_masses(4, 4), seed=0)
     near = np.zeros((4, 1), np.int64), np.zeros((4, 1), np.int64)
     improve_cells(points, points, near, edges, mass, np.array([0, len(mass)]), 2, True)
-
-
-def _progress_listener(kernels: list[Any], report_progress: Callable[[int, int], None]) -> Any:
-    from numba.core.event import Event, Listener
-
-    functions = {kernel.py_func for kernel in kernels}
-    started, done = set[Any](), set[Any]()
-
-    class Progress(Listener):
-        def on_start(self, event: Event) -> None:
-            if not started:
-                report_progress(0, len(functions))
-            started.add(event.data["dispatcher"].py_func)
-
-        def on_end(self, event: Event) -> None:
-            function = event.data["dispatcher"].py_func
-            if function in functions - done:
-                done.add(function)
-                report_progress(len(done), len(functions))
-
-    return Progress()
 
 
 if __name__ == "__main__":

@@ -50,9 +50,7 @@ def compile_in(folder: Path) -> tuple[list[tuple[int, int]], str | None]:
 
 def test_loops_are_compiled_once(tmp_path: Path) -> None:
     reported, sentence = compile_in(tmp_path)
-    count = reported[-1][1]
-    assert reported == [(done, count) for done in range(count + 1)]
-    assert count >= 5
+    assert reported == [(0, 1), (1, 1)]
     assert sentence is None
     assert compile_in(tmp_path) == ([], None)
 
@@ -60,7 +58,7 @@ def test_loops_are_compiled_once(tmp_path: Path) -> None:
 def test_without_room_for_its_code_a_bake_says_so_and_goes_on(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     reported, sentence = compile_in(tmp_path / "file")
-    assert reported[-1][0] == reported[-1][1]
+    assert reported == [(0, 1), (1, 1)]
     assert "NUMBA_CACHE_DIR" in sentence
 
 
