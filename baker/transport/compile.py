@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from baker.transport.compiled import code_folder
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import bisection_plan
 
@@ -27,6 +26,8 @@ def compile_kernels(
     """
     from numba.core.event import Listener, install_listener
 
+    from baker.transport.network_simplex import network_simplex
+
     compiled = []
 
     class FirstCompilation(Listener):
@@ -41,11 +42,11 @@ def compile_kernels(
         _solve_smallest()
     if compiled:
         report_progress(1, 1)
-    if code_folder() is None:
+    if network_simplex.stats.cache_path is None:  # type: ignore[attr-defined]
         return (
-            "Compiled code can't be kept: there is no room for it, or no permission to write, "
-            "beside the program and in the user's cache folder. Every bake compiles it anew, for "
-            "some seconds; NUMBA_CACHE_DIR may name another folder."
+            "Compiled code can't be kept: there is no permission to write beside the program and "
+            "in the user's cache folder. Every bake compiles it anew, for some seconds; "
+            "NUMBA_CACHE_DIR may name another folder."
         )
     return None
 
