@@ -76,7 +76,7 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     before = sample.predecessor
     is_inside = (before >= 0) & (level[before] == level)
     entry = chain_ends(np.where(is_inside, before, np.arange(len(level))))
-    for members in _parts(sample, level):
+    for members in _parts(sample.graph, level):
         here = int(level[members[0]])
         through = before[entry[members]]
         source = np.where(through < 0, -1, node[through])
@@ -87,12 +87,12 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     return _measured(sample, node, parent)
 
 
-def _parts(sample: PlantSample, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+def _parts(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The connected parts of all level sets, from the base on."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    edges = sample.graph.tocoo()
+    edges = graph.tocoo()
     inside = level[edges.row] == level[edges.col]
     shape = edges.shape
     kept = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
@@ -174,45 +174,28 @@ def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> Plan
 def _stem_diameter(
     points: NDArray[np.float64], graph: "csr_matrix", distance: NDArray[np.float64], spacing: float
 ) -> float:
-    """Median width of the sections up to six diameters above the base: a fixed point, found by
-    iteration; 0 where there are none."""
+    """Median width of the sections up to six diameters above the base; 0 where there are none.
+
+    A fixed point, found by iteration.
+    """
     if spacing == 0.0:
         return 0.0
     diameter = 8.0 * spacing
     for _ in range(MAX_ROUNDS):
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
-        levels = np.arange(0.5 * diameter, STEM_LENGTH * diameter, thickness)
-        found = _sections(points, graph, distance, levels, thickness)
-        if not len(found):
+        level = np.floor((distance - 0.5 * diameter) / thickness).astype(np.intp)
+        last = np.ceil((STEM_LENGTH - 0.5) * diameter / thickness) - 1
+        stem = np.flatnonzero((level >= 0) & (level <= last))
+        sections = [stem[part] for part in _parts(graph[stem][:, stem], level[stem])]
+        sections = [own for own in sections if len(own) >= MIN_POINTS_OF_SECTION]
+        if not sections:
             return 0.0
-        before = diameter
-        diameter = float(np.quantile(found[:, 0], 0.5, weights=found[:, 1], method="inverted_cdf"))
+        widths = [section_width(points[own], distance[own]) for own in sections]
+        weights, before = [*map(len, sections)], diameter
+        diameter = float(np.quantile(widths, 0.5, weights=weights, method="inverted_cdf"))
         if abs(diameter - before) < 0.02 * before:
             break
     return diameter
-
-
-def _sections(
-    points: NDArray[np.float64],
-    graph: "csr_matrix",
-    distance: NDArray[np.float64],
-    levels: NDArray[np.float64],
-    thickness: float,
-) -> NDArray[np.float64]:
-    """(s, 2) width and number of points of each component of the levels that begin there."""
-    from scipy.sparse.csgraph import connected_components
-
-    found = []
-    for begin in levels:
-        level = np.flatnonzero((distance >= begin) & (distance < begin + thickness))
-        if len(level) < MIN_POINTS_OF_SECTION:
-            continue
-        _, part = connected_components(graph[level][:, level], directed=False)
-        for members in (level[own] for own in split_by_label(part)[1]):
-            if len(members) >= MIN_POINTS_OF_SECTION:
-                width = section_width(points[members], distance[members])
-                found.append((width, len(members)))
-    return np.array(found)
 
 
 def section_width(points: NDArray[np.float64], distance: NDArray[np.float64]) -> float:
