@@ -6,6 +6,7 @@ Each stage is a section of the paper and hands its result on; none calls another
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +60,7 @@ from baker.segmentation.stage import (
     thin_hierarchies,
     whole_hierarchies,
 )
-from baker.transport.tasks import transport_tasks
+from baker.transport.tasks import interval_tasks
 from baker.transport.wasserstein import wasserstein
 from baker.verdict import FollowedOrgans, judged
 from gclip import Clip, ScanMark
@@ -150,13 +151,14 @@ def bake_recorded(
         organs, matches = follow_organs(matches, labels.consistent)
 
         # Transport (3.4) and interpolation, interval by interval
-        tasks = transport_tasks(aligned.clouds, matches, choices.bud, choices.paper)
+        intervals = zip(pairwise(aligned.clouds), matches, strict=True)
+        tasks = [interval_tasks(*each, choices.bud, choices.paper) for each in intervals]
         jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        intervals = tuple(solve(jobs, partial(progress, "transport")))
+        solved = tuple(solve(jobs, partial(progress, "transport")))
         clip = Clip(
             scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
-            intervals=intervals,
+            intervals=solved,
             track_table=describe_tracks(series, organs, labels),
             origin=tuple(survey.raw.scans[0].origin.tolist()),
             up=survey.alignment.up,

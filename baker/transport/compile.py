@@ -28,7 +28,7 @@ def compile_kernels(
 
     from baker.transport.network_simplex import network_simplex
 
-    compiled = []
+    compiled = list[Any]()
 
     class FirstCompilation(Listener):
         def on_start(self, event: Any) -> None:

@@ -43,40 +43,29 @@ def correspond(
     -------
     Correspondences
     """
-    if not parts:
-        return _correspond(start, end, (start, end), options)
-    shared = replace(options, shared=True)
-    rows, columns, work, solved = [], [], [], []
-    for part in parts:
+    whole = LeafletPair(np.arange(len(start)), np.arange(len(end)), (start, end))
+    options = replace(options, shared=bool(parts))
+    rows, columns, work, plans = [], [], [], []
+    for part in parts or (whole,):
         source, target = start[part.start], end[part.end]
-        placed_start, placed_end = part.registered or balance(source, target)
-        one = _correspond(placed_start, placed_end, (source, target), shared)
-        rows.append(part.start[one.rows])
-        columns.append(part.end[one.columns])
-        work.append(one.distance**options.power * len(part.end))
-        solved.append(one)
+        placed_source, placed_target = part.registered or balance(source, target)
+        plan = solve(placed_source, placed_target, options)
+        i, j = largest_entries(plan, len(source), len(target))
+        rows.append(part.start[i])
+        columns.append(part.end[j])
+        cost = plan.mass @ costs(source, target, (plan.rows, plan.columns), options.power)
+        work.append(float(cost) * (len(target) / len(end)))
+        plans.append(plan)
     order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
+    moved = (f"its leaflets moved each on its own, {len(parts)} parts in all",)
     return Correspondences(
         np.concatenate(rows)[order],
         np.concatenate(columns)[order],
-        (sum(work) / len(end)) ** (1 / options.power),
-        max(one.marginal_error for one in solved),
-        solved[int(np.argmax(work))].solver,
-        (f"its leaflets moved each on its own, {len(parts)} parts in all",) * (len(parts) > 1),
+        sum(work) ** (1 / options.power),
+        max(plan.marginal_error for plan in plans),
+        plans[int(np.argmax(work))].solver,
+        moved if len(parts) > 1 else plans[0].notes,
     )
-
-
-def _correspond(
-    start: Points, end: Points, true: tuple[Points, Points], options: TransportOptions
-) -> Correspondences:
-    """The pairs of one plan; their distance is that of the true positions."""
-    plan = solve(start, end, options)
-    rows, columns = largest_entries(plan, len(start), len(end))
-    distance = plan.distance
-    if start is not true[0]:
-        cost = plan.mass @ costs(*true, (plan.rows, plan.columns), options.power)
-        distance = float(cost) ** (1 / options.power)
-    return Correspondences(rows, columns, distance, plan.marginal_error, plan.solver, plan.notes)
 
 
 def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -1,8 +1,6 @@
 """What is transported in one interval: matched organs, new organs, and organs that are lost."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -29,45 +27,31 @@ class Task:
     end: NDArray[np.intp]  # (m,) points of the second scan; none of a lost organ
 
 
-def transport_tasks(
-    clouds: Sequence[Points],
-    matches: Sequence[Match],
-    attachment_points: int | None = None,
-    paper: bool = False,
-) -> list[tuple[Task, ...]]:
-    """What is transported in each interval of a series: matches, births and losses.
-
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-    matches : sequence of Match
-        Of each interval.
-    attachment_points : int, optional
-        Points that a new organ unfolds from; by default 1 % of what it grows on.
-    paper : bool
-        Choose as the paper does.
-
-    Returns
-    -------
-    list of tuple of Task
-        The `interval_tasks` of each interval.
-    """
-    intervals = zip(pairwise(clouds), matches, strict=True)
-    return [tuple(interval_tasks(*interval, attachment_points, paper)) for interval in intervals]
-
-
 def interval_tasks(
     points: tuple[Points, Points],
     match: Match,
     attachment_points: int | None = None,
     paper: bool = False,
-) -> list[Task]:
-    """The transport tasks between two aligned scans, (N, 3) points (section 3.3.1).
+) -> tuple[Task, ...]:
+    """What is transported in an interval: matches, births and losses (section 3.3.1).
 
-    Every point of the first scan is in the start of a match or a loss, every point of the second in
-    the end of one task. attachment_points: that a new organ grows from, l; by default 1 % of its
-    parent's, from 10 to 100 (the paper's choice), or as few as 3 where the new organ itself has
-    few: more would stretch far along the parent.
+    Parameters
+    ----------
+    points : (N, 3) and (M, 3) float ndarray
+        The two aligned scans.
+    match : Match
+    attachment_points : int, optional
+        Points that a new organ unfolds from, l; by default 1 % of its parent's, from 10 to 100 (the
+        paper's choice), or as few as 3 where the new organ itself has few: more would stretch far
+        along the parent.
+    paper : bool
+        Choose as the paper does.
+
+    Returns
+    -------
+    tuple of Task
+        Every point of the first scan is in the start of a match or a loss, every point of the
+        second in the end of one task.
     """
     first, second = match.first, match.second
     tasks = [
@@ -90,7 +74,7 @@ def interval_tasks(
     nothing = np.empty(0, np.intp)
     lost = (*match.losses, *emptied)
     tasks += [Task("loss", first.organs[s], first.segments[s], nothing) for s in lost]
-    return [task for task in tasks if len(task.start) or len(task.end)]
+    return tuple(task for task in tasks if len(task.start) or len(task.end))
 
 
 def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
