@@ -14,7 +14,7 @@ from baker.alignment.sample import EvenSample
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, second_yaw, wrapped
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 
 # Share of the organs' levers that the median pair of scans has to gain by being turned, times the
 # root of the number of pairs: many pairs that gain a little are as sure as a few that gain much.

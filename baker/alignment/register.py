@@ -17,7 +17,7 @@ from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 
 
 @dataclass(frozen=True)

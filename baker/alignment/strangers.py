@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.icp import trimmed_residual
 from baker.alignment.sample import EvenSample
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 
 SCANS_AROUND = 2  # before and after one that it is compared with
 # By how much a scan has to be less like those around it than these are like each other. Of 1,240

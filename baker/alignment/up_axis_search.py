@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample, touching_graph
 from baker.geometry.up_axis import Vertical
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 
 # Directions, and by how much the plants must look more upright along one than along z before it is
 # taken: z is usual, some programs write y; others speak through a ground, or beyond any doubt. Of

@@ -12,7 +12,7 @@ from baker.geometry.parallel import thread_map
 from baker.options import Options, worker_count
 from baker.pipeline import survey_series
 from baker.scans import Finding, Scan
-from baker.scans.finding import TOPICS
+from baker.scans.scan import TOPICS
 from gclip.terminal.text import Lossy, printable
 
 UNWRAPPED = 10**6  # columns of what is no terminal

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
 from baker.matching.tracking import track_organs
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
 
 Points = NDArray[np.floating]

@@ -4,8 +4,7 @@ Whatever stands in the way is an `InputError` with one sentence. One module a fo
 the registry in `baker.scans.formats`. Importing this package costs nothing heavy.
 """
 
-from baker.scans.finding import Finding
 from baker.scans.read import read_series
-from baker.scans.scan import Scan, Series
+from baker.scans.scan import Finding, Scan, Series
 
 __all__ = ["Finding", "Scan", "Series", "read_series"]

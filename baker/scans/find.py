@@ -10,12 +10,9 @@ from baker.errors import InputError, asking, excerpt
 from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
 from baker.scans.times.schedule import FoundScans, names_without_times, natural_key
 
+# Stems of texts, and readers of files, that often lie beside point clouds.
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
-"""Stems of the text files that often lie beside scans."""
-
 BESIDE_SCANS = {"mesh", "arrays"}
-"""Readers of files that often lie beside the point clouds they were made from."""
-
 MAX_SEARCHED = 10_000  # entries below a folder without scans, for one to name
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
@@ -24,23 +21,8 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     """Find the files of a series: those of one folder, or a list of files in order.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    passed over; beside point clouds, so are meshes and arrays.
-
-    Parameters
-    ----------
-    inputs : sequence of Path
-    times_file : Path, optional
-        Lists the times of the scans and so what belongs together: names may be any.
-
-    Returns
-    -------
-    FoundScans
-        At least two.
-
-    Raises
-    ------
-    InputError
-        For anything else.
+    passed over; beside point clouds, so are meshes and arrays. Where a file lists the times of the
+    scans, and so what belongs together, names may be any. InputError unless there are two or more.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
@@ -88,19 +70,8 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
-    if not scans and any(path.suffix.lower() in IMAGES for path in entries):
-        raise InputError(
-            f"'{folder}' holds images, but no camera.toml (or camera.json) that says how the "
-            "camera sees; it needs at least fx, fy, cx and cy, in pixels."
-        )
     if not scans:
-        below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
-        if deeper := next(filter(_is_scan, islice(folder.rglob("*"), MAX_SEARCHED)), None):
-            *above, name = deeper.relative_to(folder).parts
-            example = Path(folder, *("*" for _ in above), name)
-            raise InputError(f"'{folder}' holds no scans{below}: name them, as in bake {example}")
-        unknown = _unknown(entries) or f"; known are {KNOWN}"
-        raise InputError(f"'{folder}' holds no scans{below}{unknown}.")
+        raise InputError(f"'{folder}' holds {_instead_of_scans(folder, entries)}")
     if len(scans) == 1:
         one = f"only one scan, '{scans[0].name}'; growth needs at least two"
         example = folder.parent / "*" / scans[0].name
@@ -109,6 +80,20 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
+
+
+def _instead_of_scans(folder: Path, entries: Sequence[Path]) -> str:
+    if any(path.suffix.lower() in IMAGES for path in entries):
+        return (
+            "images, but no camera.toml (or camera.json) that says how the camera sees; it needs "
+            "at least fx, fy, cx and cy, in pixels."
+        )
+    below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
+    if deeper := next(filter(_is_scan, islice(folder.rglob("*"), MAX_SEARCHED)), None):
+        *above, name = deeper.relative_to(folder).parts
+        example = Path(folder, *("*" for _ in above), name)
+        return f"no scans{below}: name them, as in bake {example}"
+    return f"no scans{below}{_unknown(entries) or f'; known are {KNOWN}'}."
 
 
 def _unknown(entries: Sequence[Path]) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 from baker.scans.cloud import Cloud
-from baker.scans.finding import Finding
 from baker.scans.ground_plane import MIN_SCORE, Ground, find_ground
+from baker.scans.scan import Finding
 
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # that may be up, the usual ones first
 SCANS_TO_ASK = 3  # of a series, whether there may be a ground across an unusual direction

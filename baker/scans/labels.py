@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.scans.cloud import Cloud
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 from baker.scans.times.schedule import natural_key
 
 # What fields of labels are called: first those that tell organs apart, then those that tell their

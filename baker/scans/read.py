@@ -1,6 +1,6 @@
 """From the paths a user gives to a series of clean scans: the one place where the steps meet."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -71,23 +71,19 @@ def read_series(
         raw, digests = zip(*map(read, entries), strict=True)
     shared = shared_origin(raw[0].points)
     origins = [own_origin(cloud.points, shared) for cloud in raw]
-    found = list(map(_about, origins, raw))
-    paths = [entry.path for entry in entries]
-    keep = options.ground == "keep"
+    clouds = list(map(clean.drop_duplicates, map(relative_to, origins, raw)))
+    paths, names = [entry.path for entry in entries], [printable(entry.name) for entry in entries]
+    keep, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
-    clouds, field, words, labels = choose_labels(
-        found, paths, options.label_field is not None, are_needed
-    )
+    clouds, field, words, labels = choose_labels(clouds, paths, is_asked, are_needed)
     clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
-    clouds, ground_up, ground = take_out_ground(
-        clouds, [path.name for path in paths], up, keep, map
-    )
-    scan = partial(_scan, options=options)
-    scans = _agree(list(map(scan, entries, clouds, digests, origins)))
-    series = listing.series(scans, options)
+    files = [path.name for path in paths]
+    clouds, ground_up, ground = take_out_ground(clouds, files, up, keep, map)
+    clouds = _with_colors_in_all(list(map(partial(_thinned, options=options), clouds)), names)
+    series = listing.series(tuple(map(_scan, entries, names, clouds, digests, origins)), options)
     unit = options.unit or series.length
-    size = require_one_unit([scan.points for scan in scans], [scan.name for scan in scans], unit)
+    size = require_one_unit([cloud.points for cloud in clouds], names, unit)
     return replace(
         series,
         label_field=field,
@@ -97,22 +93,28 @@ def read_series(
     )
 
 
-def _about(origin: NDArray[np.float64], cloud: Cloud) -> Cloud:
-    return clean.drop_duplicates(relative_to(origin, cloud))
+def _thinned(cloud: Cloud, options: Options) -> Cloud:
+    if options.outliers is not None:
+        cloud = clean.drop_outliers(cloud, options.outliers)
+    if options.voxel is not None:
+        cloud = clean.downsample(cloud, options.voxel)
+    return cloud if options.resample is None else clean.resampled(cloud, options.resample)
 
 
-def _scan(
-    entry: Entry, cloud: Cloud, sha256: str, origin: NDArray[np.float64], options: Options
-) -> Scan:
-    """One scan, clean."""
-    steps: tuple[tuple[Callable[..., Cloud], float | None], ...] = (
-        (clean.drop_outliers, options.outliers),
-        (clean.downsample, options.voxel),
-        (clean.resampled, options.resample),
-    )
-    for step, value in steps:
-        cloud = cloud if value is None else step(cloud, value)
-    name, (time, date) = printable(entry.name), (entry.moment.time, entry.moment.date)
+def _with_colors_in_all(clouds: list[Cloud], names: list[str]) -> list[Cloud]:
+    """Colours in all scans or in none."""
+    without = [f"'{n}'" for n, cloud in zip(names, clouds, strict=True) if cloud.colors is None]
+    if not without:
+        return clouds
+    note = f"colours left out ({excerpt(', '.join(without))} without colours)."
+    return [
+        cloud if cloud.colors is None else replace(cloud, colors=None).noting(note)
+        for cloud in clouds
+    ]
+
+
+def _scan(entry: Entry, name: str, cloud: Cloud, sha256: str, origin: NDArray[np.float64]) -> Scan:
+    time, date = entry.moment.time, entry.moment.date
     contents = cloud.points, cloud.labels, cloud.colors, date, cloud.notes, sha256, cloud.scalars
     return Scan(name, entry.path, time, origin, *contents)
 
@@ -168,22 +170,7 @@ class Listing:
 def list_series(
     inputs: Sequence[Path], options: Options, times: Sequence[object] | None = None
 ) -> Listing:
-    """Find and time the scans that `read_series` would read; nothing of them is read yet.
-
-    Parameters
-    ----------
-    inputs, options, times
-        As those of `read_series`.
-
-    Returns
-    -------
-    Listing
-
-    Raises
-    ------
-    InputError
-        As `read_series` raises it.
-    """
+    """Find and time the scans that `read_series` would read, as it does; none is read yet."""
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera and options.label_field is not None:
         raise InputError(
@@ -204,15 +191,3 @@ def list_series(
         finding = replace(schedule.finding, found=found)
         schedule = replace(schedule, entries=kept, finding=finding)
     return Listing(schedule, images)
-
-
-def _agree(scans: list[Scan]) -> tuple[Scan, ...]:
-    """Colours in all scans or in none."""
-    colorless = [f"'{scan.name}'" for scan in scans if scan.colors is None]
-    if len(colorless) in (0, len(scans)):
-        return tuple(scans)
-    note = f"colours left out ({excerpt(', '.join(colorless))} without colours)."
-    return tuple(
-        scan if scan.colors is None else replace(scan, colors=None, notes=(*scan.notes, note))
-        for scan in scans
-    )

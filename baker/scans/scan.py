@@ -1,4 +1,4 @@
-"""The point clouds the baker works on."""
+"""The point clouds the baker works on, and what was decided about them."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,7 +7,35 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.scans.finding import Finding
+TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "labels", "organs")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One decision for a whole series, as `bake --list` and the first lines of a bake print it.
+
+    topic:  one of TOPICS, in whose order they are printed.
+    found:  what was decided and by which rule, in a botanist's words: "z, as scans usually have".
+    doubt:  what speaks against it, a clause without a full stop; "" where nothing does.
+    option: how to say it otherwise: "--up y". Named wherever there is a doubt.
+    """
+
+    topic: str
+    found: str
+    doubt: str = ""
+    option: str = ""
+
+    @property
+    def remark(self) -> str:
+        """The doubt and the option that settles it; "" where nothing is in doubt."""
+        settled_by = f"; say it with {self.option}" if self.doubt and self.option else ""
+        return self.doubt + settled_by
+
+    @property
+    def sentence(self) -> str:
+        """The finding as a line of text."""
+        doubt = f" Look at this: {self.remark}." if self.doubt else ""
+        return f"{self.topic}: {self.found}.{doubt}"
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 PLANT_SIZES = (2e-3, 100.0)  # meters

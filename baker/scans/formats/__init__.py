@@ -101,24 +101,11 @@ def require_known(path: Path) -> None:
 def read_columns(
     path: Path, names: Sequence[str] = (), child: ChildProcess | None = None
 ) -> Columns:
-    """All numeric fields of a scan; the suffix of `path` tells the format.
+    """All fields of a scan; the suffix of `path` tells the format.
 
-    Parameters
-    ----------
-    path : Path
-    names : sequence of str, optional
-        Of the columns of a text table.
-    child : ChildProcess, optional
-        Where native code reads, which a damaged file may bring down; by default in this process.
-
-    Returns
-    -------
-    Columns
-
-    Raises
-    ------
-    InputError
-        An unknown suffix, or a file that can't be opened or is not sound.
+    names: of the columns of a text table. child: where native code reads, which a damaged file may
+    bring down; by default in this process. Raises InputError: an unknown suffix, or a file that
+    can't be opened or is not sound.
     """
     require_known(path)
     kind = suffix_of(path)

@@ -100,19 +100,9 @@ def _read_off(path: Path) -> Mesh:
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     """Sample the faces evenly: one point in each equal share of the surface.
 
-    Parameters
-    ----------
-    vertices : mapping of str to (V,) ndarray
-        The fields of the vertices.
-    faces : (F, 3) ndarray, or sequence of F ndarrays of int
-        Numbers of each face's corners; faces of more corners are fans of triangles. A FormatError
-        where one is not among the vertices.
-
-    Returns
-    -------
-    Columns
-        Positions and colours interpolated between a triangle's corners, other fields of the nearest
-        corner. The vertices themselves where the faces have no area.
+    Positions and colours are interpolated between a triangle's corners, other fields those of the
+    nearest corner; faces of more corners are fans of triangles. The vertices themselves where the
+    faces have no area, a FormatError where a corner is not among them.
     """
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
         corners = faces.astype(np.int64)

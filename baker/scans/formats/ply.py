@@ -5,9 +5,7 @@ under the GPL. Format: http://paulbourke.net/dataformats/ply
 """
 
 import re
-from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +13,9 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_count, require_room
-from baker.scans.formats.mesh import Faces, points_on_surface
-from baker.scans.formats.text import read_lines, read_rows
+from baker.scans.formats import FormatError, require_room
+from baker.scans.formats.mesh import points_on_surface
+from baker.scans.formats.text import read_numbers
 
 MAX_HEADER_BYTES = 1 << 20
 CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use
@@ -31,17 +29,17 @@ Values = dict[str, NDArray | list[NDArray]]
 
 
 @dataclass(frozen=True)
-class Property:
-    name: str
-    type: np.dtype
-    length: np.dtype | None = None  # of a list the type of its length
-
-
-@dataclass(frozen=True)
 class Element:
-    name: str
+    """A kind of things in the file: their number, and of each property its NumPy type and, where
+    it is a list, that of its length, else None.
+    """
+
     count: int
-    properties: tuple[Property, ...] = ()
+    properties: dict[str, tuple[str, str | None]] = field(default_factory=dict)
+
+    @property
+    def has_lists(self) -> bool:
+        return any(length for _, length in self.properties.values())
 
 
 def read(path: Path) -> Columns:
@@ -49,36 +47,34 @@ def read(path: Path) -> Columns:
 
     Raises FormatError: not PLY, no vertices, or a body that doesn't hold what the header announces.
     """
-    header = _header(path)
-    order, elements = _announced(header, path.stat().st_size)
-    names = [element.name for element in elements]
-    if "vertex" not in names:
-        found = excerpt(", ".join(names)) or "none"
-        raise FormatError(f"has no element 'vertex' (it has {found}).")
-    values: dict[str, Values] = {}
-    if order:
-        body, place = np.fromfile(path, np.uint8, offset=len(header)), 0
-        for element in elements:
-            values[element.name], place = _binary(body, place, element)
-    else:
-        lines, number = read_lines(path, "latin-1"), len(_lines(header)) - 1
-        for element in elements:
-            stop = number + element.count
-            values[element.name] = _ascii(lines[number:stop], element, number + 1)
-            number = stop
-    vertex, faces = elements[names.index("vertex")], values.get("face", {})
-    columns = {
-        one.name: np.asarray(values["vertex"][one.name])
-        for one in vertex.properties
-        if one.length is None
-    }
-    corners: Faces = next((faces[name] for name in CORNERS if name in faces), ())
-    return points_on_surface(columns, corners)
-
-
-def _header(path: Path) -> bytes:
     with path.open("rb") as file:
         start = file.read(MAX_HEADER_BYTES)
+    header = _header(start)
+    order, elements = _announced(header.decode("latin-1"), path.stat().st_size - len(header))
+    if "vertex" not in elements:
+        found = excerpt(", ".join(elements)) or "none"
+        raise FormatError(f"has no element 'vertex' (it has {found}).")
+    if order:
+        body = np.fromfile(path, np.uint8, offset=len(header))
+    else:  # as if it were binary, all in 64 bits
+        text = path.read_bytes()[len(header) :]
+        body = read_numbers(text, len(header.splitlines()) + 1).view(np.uint8)
+    values: dict[str, Values] = {}
+    place = 0
+    for name, element in elements.items():
+        values[name], place = _read_element(body, place, element, order)
+    if not order and place < len(body):
+        raise FormatError(f"holds {(len(body) - place) // 8} values more than it announces.")
+    columns = {
+        name: np.asarray(values["vertex"][name]).astype(kind, copy=False)
+        for name, (kind, length) in elements["vertex"].properties.items()
+        if length is None
+    }
+    faces = values.get("face", {})
+    return points_on_surface(columns, next((faces[name] for name in CORNERS if name in faces), ()))
+
+
+def _header(start: bytes) -> bytes:
     first = re.match(rb"ply[ \t]*(\r\n|\r|\n)", start)
     if not first:
         raise FormatError("is not a PLY file: its first line isn't 'ply'.")
@@ -88,29 +84,25 @@ def _header(path: Path) -> bytes:
     return start[: end.end()]
 
 
-def _lines(header: bytes) -> list[str]:
-    return re.split("\r\n|\r|\n", header.decode("latin-1"))
-
-
-def _announced(header: bytes, size: int) -> tuple[str, list[Element]]:
+def _announced(header: str, room: int) -> tuple[str, dict[str, Element]]:
     """Order of the bytes ("" of a text) and elements, of which the file has room for all."""
-    order, elements = "", list[Element]()
-    for line in _lines(header)[1:]:
+    order, elements = "", dict[str, Element]()
+    for line in re.split("\r\n|\r|\n", header)[1:]:
         match line.split():
             case ["format", form, _] if form in ORDERS and not elements:
                 order = ORDERS[form]
             case ["element", name, count] if count.isascii() and count.isdigit():
-                elements.append(Element(name, int(count[:18])))
-                require_room(
-                    max(elements[-1].count, 1), bool(elements[-1].count), size - len(header)
-                )
+                _require_new(name, elements)
+                elements[name] = Element(int(count[:18]))
+                require_room(max(elements[name].count, 1), elements[name].count > 0, room)
             case ["property", kind, name] if elements and kind in TYPES:
-                _add(elements, Property(name, np.dtype(order + TYPES[kind])))
+                _require_new(name, known := [*elements.values()][-1].properties)
+                known[name] = order + TYPES[kind], None
             case ["property", "list", length, kind, name] if elements and {length, kind} <= {
                 *TYPES
             }:
-                types = np.dtype(order + TYPES[kind]), np.dtype(order + TYPES[length])
-                _add(elements, Property(name, *types))
+                _require_new(name, known := [*elements.values()][-1].properties)
+                known[name] = order + TYPES[kind], order + TYPES[length]
             case [] | ["comment" | "obj_info" | "end_header", *_]:
                 pass
             case _:
@@ -118,87 +110,54 @@ def _announced(header: bytes, size: int) -> tuple[str, list[Element]]:
     return order, elements
 
 
-def _add(elements: list[Element], new: Property) -> None:
-    last = elements[-1]
-    if new.name in (one.name for one in last.properties):
-        raise FormatError(f"has a PLY header that names '{excerpt(new.name)}' twice.")
-    elements[-1] = replace(last, properties=(*last.properties, new))
+def _require_new(name: str, known: dict) -> None:
+    if name in known:
+        raise FormatError(f"has a PLY header that names '{excerpt(name)}' twice.")
 
 
-def _binary(body: NDArray[np.uint8], place: int, element: Element) -> tuple[Values, int]:
+def _read_element(
+    body: NDArray[np.uint8], place: int, element: Element, order: str
+) -> tuple[Values, int]:
     """Values of an element that begins at a byte, and the byte where the next one begins."""
-    if not element.properties:
-        return {}, place
-    fields, end = list[tuple](), place
-    for number, one in enumerate(element.properties):  # lists are mostly as long as the first
-        if one.length and element.count:
-            (length,) = _numbers(body, end, one.length, 1)
-            fields.append((f"length {number}", one.length))
-            fields.append((f"values {number}", one.type, (_require_length(length, body),)))
-            end += one.length.itemsize + int(length) * one.type.itemsize
-        else:
-            fields.append((f"values {number}", one.type))
+
+    def take(kind: str, count: int) -> NDArray:
+        nonlocal place
+        stored = np.dtype(kind if order else float)
+        require_room(max(count, 1), stored.itemsize * (count > 0), len(body) - place)
+        start, place = place, place + count * stored.itemsize
+        return body[start:place].view(stored)
+
+    def take_one(kind: str, length: str | None) -> NDArray:
+        (count,) = take(length, 1) if length else (1,)
+        if not 0 <= count <= len(body):
+            raise FormatError(f"holds a list of {count:g} values, which can't be.")
+        return take(kind, int(count))
+
+    begin, count = place, element.count
+    if not count or not element.properties:
+        return {name: np.empty(0) for name in element.properties}, place
+    first = {name: take_one(*types) for name, types in element.properties.items()}
+    # Lists are mostly as long as the first ones: then all things are rows of one table.
+    fields = list[tuple]()
+    for name, (_, length) in element.properties.items():
+        if length:
+            fields.append((f"length of {name}", length if order else float))
+        shape = (len(first[name]),) if length else ()
+        fields.append((name, first[name].dtype, shape))
     record = np.dtype(fields)
-    if place + element.count * record.itemsize <= len(body):
-        rows = _numbers(body, place, record, element.count)
-        lengths = [rows[name] for name in record.names or () if name.startswith("length")]
+    end = begin + count * record.itemsize
+    if not element.has_lists:
+        require_room(count, record.itemsize, len(body) - begin)
+    if end <= len(body):
+        rows = body[begin:end].view(record)
+        lengths = [rows[name] for name, *_ in fields if name not in first]
         if all((own == own[0]).all() for own in lengths):
-            names = (one.name for one in element.properties)
-            found: Values = {name: rows[f"values {number}"] for number, name in enumerate(names)}
-            return found, place + rows.nbytes
-    elif not any(one.length for one in element.properties):
-        require_room(element.count, record.itemsize, len(body) - place)
-    values: dict[str, list[NDArray]] = {one.name: [] for one in element.properties}
-    for _ in range(element.count):
-        for one in element.properties:
-            length = 1
-            if one.length:
-                length = _require_length(_numbers(body, place, one.length, 1)[0], body)
-                place += one.length.itemsize
-            values[one.name].append(_numbers(body, place, one.type, length))
-            place += length * one.type.itemsize
-    return _joined(values, element), place
-
-
-def _numbers(body: NDArray[np.uint8], place: int, kind: np.dtype, count: int) -> NDArray:
-    require_room(max(count, 1), kind.itemsize * bool(count), len(body) - place)
-    return body[place : place + count * kind.itemsize].view(kind)
-
-
-def _require_length(length: float, body: NDArray) -> int:
-    if not 0 <= length <= len(body):
-        raise FormatError(f"holds a list of {length:g} values, which can't be.")
-    return int(length)
-
-
-def _ascii(lines: Sequence[str], element: Element, number: int) -> Values:
-    """Values of an element of whose lines the first one has this number in the file."""
-    require_count(element.count, len(lines), f"lines of '{excerpt(element.name)}'")
-    names = [one.name for one in element.properties]
-    if not any(one.length for one in element.properties):
-        record = np.dtype([(one.name, one.type) for one in element.properties])
-        if not (lines and names):
-            return {name: np.empty(0) for name in names}
-        rows = read_rows(lines, names, number, kind=record)
-        require_count(element.count, len(rows), "rows")
-        return {name: rows[name][:, 0] for name in names}
-    if len(names) == 1 and lines:
-        with suppress(ValueError):  # lists that are all as long
-            table = np.loadtxt(lines, element.properties[0].type, ndmin=2)
-            if len(table) == element.count and (table[:, 0] == table.shape[1] - 1).all():
-                return {names[0]: table[:, 1:]}
-    values: dict[str, list[NDArray]] = {name: [] for name in names}
-    for line, text in enumerate(lines, number):
-        words = text.split()
-        for one in element.properties:
-            length = int(words.pop(0)) if one.length and words else 1
-            if not 0 <= length <= len(words):
-                raise FormatError(f"fewer values than '{excerpt(one.name)}' needs.", line)
-            values[one.name].append(np.array(words[:length], float).astype(one.type))
-            del words[:length]
-    return _joined(values, element)
-
-
-def _joined(values: dict[str, list[NDArray]], element: Element) -> Values:
-    numbers = (one.name for one in element.properties if not one.length and element.count)
-    return {**values, **{name: np.concatenate(values[name]) for name in numbers}}
+            return {name: rows[name] for name in first}, end
+    found = {name: [values] for name, values in first.items()}
+    for _ in range(count - 1):
+        for name, types in element.properties.items():
+            found[name].append(take_one(*types))
+    return {
+        name: values if element.properties[name][1] else np.concatenate(values)
+        for name, values in found.items()
+    }, place

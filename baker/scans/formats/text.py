@@ -28,7 +28,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     `asked` names the columns, whatever a header says, those to skip "-" or "_"; a file may have
     fewer. Raises FormatError, with the line that doesn't fit.
     """
-    lines = read_lines(path, _encoding(path))
+    lines = _read_lines(path)
     if any(map(DECIMAL_COMMA.match, lines[:MAX_HEAD])):
         lines = [line.replace(",", ".") for line in lines]
     named, delimiter, start, count = _read_head(lines, asked)
@@ -56,7 +56,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         example = ",".join(["label", *"xyz", *["-"] * (width - 4)])
         hint = f"; say what the columns are, as in --columns {example}" * (width > 3)
         raise _not_numbers(values, start + 1, hint)
-    rows = read_rows(lines[start:], names, start + 1, delimiter, numbers)
+    rows = _read_rows(lines[start:], names, start + 1, delimiter, numbers)
     if count is not None:
         require_count(count, len(rows), "rows")
     notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
@@ -76,35 +76,42 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     return Columns(found, tuple(notes if unread or named is None else ()))
 
 
-def read_lines(path: Path, encoding: str) -> list[str]:
+def _read_lines(path: Path) -> list[str]:
     """The lines of a text. FormatError for one that no row of numbers can be."""
-    with path.open(encoding=encoding, errors="replace") as file:
+    with path.open(encoding=_encoding(path), errors="replace") as file:
         lines = file.readlines()
     if longest := next((k for k, line in enumerate(lines, 1) if len(line) >= LONGEST_LINE), None):
         raise FormatError(f"{LONGEST_LINE} characters or more are no row of numbers.", longest)
     return lines
 
 
-def read_rows(
+def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
+    """The numbers between white space in a text whose first line has this number in its file."""
+    try:
+        return np.array(text.split(), float)
+    except ValueError:
+        for line, row in enumerate(text.decode("latin-1").split("\n"), number):
+            if not all(map(_is_number, row.split())):
+                raise _not_numbers(row.split(), line) from None
+        raise
+
+
+def _read_rows(
     lines: Sequence[str],
     names: Sequence[str],
     number: int,
-    delimiter: str | None = None,
-    columns: Sequence[int] = (),
-    kind: Any = float,
-) -> NDArray:
-    """The numbers of these lines, of which the first one has this number in its file.
+    delimiter: str | None,
+    columns: Sequence[int],
+) -> NDArray[np.float64]:
+    """The numbers in some columns of these lines, of which the first has this number in its file.
 
-    `names` has one for each value of a row, `columns` those to read, where not all are wanted;
-    `kind` is their type, or of one that has fields of these names. Raises FormatError, with its
-    line, where a row has other values.
+    Raises FormatError, with its line, where a row has other values than one for each name.
     """
-    columns = columns or range(len(names))
     is_open_ended = "".join(lines[:1]).rstrip().endswith(delimiter or "\n")  # never by a newline
     usecols = columns if is_open_ended or len(columns) < len(names) else None
     form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": usecols, "ndmin": 2}
     try:
-        return np.loadtxt(lines, kind, **form)
+        return np.loadtxt(lines, float, **form)
     except ValueError:
         for line, text in enumerate(lines, number):
             values = _split(text.partition("#")[0], delimiter)

@@ -84,10 +84,7 @@ def find_camera(folder: Path) -> Path | None:
 def read_camera(path: Path) -> Camera:
     """Read the file that describes a camera.
 
-    Raises
-    ------
-    InputError
-        Where it is not TOML or JSON, or a field is missing, unknown or out of its bounds.
+    InputError where it is not TOML or JSON, or a field is missing, unknown or out of its bounds.
     """
     content: Any = None
     try:

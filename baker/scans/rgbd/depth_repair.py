@@ -27,8 +27,6 @@ REASONS = ("valid", "not measured", "painted", "off their surface", "on a border
 
 
 class Repaired(NamedTuple):
-    """A repaired depth image."""
-
     depth: Depth  #: (H, W) mm; 0 outside of all labels and where none could be found
     reason: NDArray[np.uint8]  #: (H, W) why depth was unknown, an index of `REASONS`
 
@@ -42,20 +40,8 @@ def repair(
 ) -> Repaired:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    Parameters
-    ----------
-    depth : (H, W) float64
-        mm, 0 where nothing was measured.
-    labels : (H, W) int
-    background : int
-        The label of what is no plant.
-    painted : (H, W) bool, optional
-        True where someone marked the depth as unknown.
-    options : RepairOptions, optional
-
-    References
-    ----------
-    Section 4 (Komatsuna).
+    depth: (H, W) mm, 0 where nothing was measured. painted: (H, W), where someone marked it as
+    unknown.
     """
     from scipy.ndimage import find_objects
 
@@ -129,23 +115,10 @@ def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
 def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
     """Fill each segment with the solution of Laplace's equation between its valid pixels.
 
-    Parameters
-    ----------
-    values : (H, W) float64
-    valid : (H, W) bool
-        Where `values` hold.
-    segment : (H, W) int
-        Number of each pixel's segment, 0 outside. Nothing flows between segments or out of them.
-
-    Returns
-    -------
-    (H, W) float64
-        NaN outside, and in parts of a segment (connected over pixels' sides) that hold no value.
-
-    References
-    ----------
-    The steady state of the implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular
-    Meshes using Diffusion and Curvature Flow, SIGGRAPH 1999.
+    Segments are numbered, 0 is outside; nothing flows between them or out of them. What is outside,
+    or connected over pixels' sides to no valid one, is NaN. This is the steady state of the
+    implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular Meshes using Diffusion
+    and Curvature Flow, SIGGRAPH 1999.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components, laplacian

@@ -4,10 +4,12 @@ import re
 import struct
 import warnings
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from baker.errors import InputError
@@ -22,9 +24,6 @@ from baker.scans.times.schedule import (
 )
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
-PNG = b"\x89PNG\r\n\x1a\n"
-SIGNATURES = (PNG, b"II*\0", b"MM\0*", b"\xff\xd8\xff", b"BM", *(b"P%d" % n for n in range(1, 7)))
-
 MAX_PIXELS = 100_000_000
 MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs 1032 bytes into one
 MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy picture of them
@@ -51,14 +50,10 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
 
     Raises InputError: fewer than two, one without depth, or labels for some frames only.
     """
-    colors, depths, labels, masks = (
-        _by_name(folder, getattr(patterns, kind)) for kind in patterns.__struct_fields__
-    )
+    colors, depths, labels, masks = (_by_name(folder, pattern) for pattern in astuple(patterns))
     if len(colors) < 2:
-        raise InputError(
-            f"'{folder}' holds {len(colors) or 'no'} colour image{'s' * (len(colors) != 1)} "
-            f"'{patterns.color}'; growth needs two."
-        )
+        images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
+        raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
     names = sorted(colors, key=natural_key)
     for kind, found in (("depth", depths), ("label", labels or colors)):
         for name in names:
@@ -146,33 +141,32 @@ def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
 
 def _decoded(path: Path, kept: str, other: str | None = None) -> NDArray:
     """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`."""
-    import imageio.v3 as iio
-    from PIL.Image import DecompressionBombError
+    from PIL import Image, UnidentifiedImageError
 
-    unreadable = (DecompressionBombError, OSError, SyntaxError, ValueError, EOFError, struct.error)
+    unreadable = (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error)
     # From memory, where a part that says it is a gigabyte makes no room for one.
     content = path.read_bytes()
     try:
-        if not content.startswith(SIGNATURES):
-            raise ValueError(f"it is none of {', '.join(FORMATS)}, or damaged")
-        with warnings.catch_warnings(action="ignore"):  # of details that don't matter here
-            image = iio.imopen(content, "r", plugin="pillow")
-            height, width = image.properties(index=0).shape[:2]
-            if width * height > MAX_PIXELS:
-                raise DecompressionBombError
-            if content.startswith(PNG) and width * height > MAX_PIXELS_PER_BYTE * len(content):
-                raise OSError(f"its {len(content)} bytes can't hold so many pixels")
-            mode = image.metadata(index=0)["mode"]
-            mode, found = mode if re.fullmatch(kept, mode) else other, mode
+        with (
+            warnings.catch_warnings(action="ignore"),  # of details that don't matter here
+            Image.open(BytesIO(content), formats=FORMATS) as image,
+        ):
+            count = image.width * image.height
+            if count > MAX_PIXELS:
+                raise Image.DecompressionBombError
+            if image.format == "PNG" and count > MAX_PIXELS_PER_BYTE * len(content):
+                raise ValueError(f"its {len(content)} bytes can't hold so many pixels")
+            mode = image.mode if re.fullmatch(kept, image.mode) else other
             if mode is not None:
-                return image.read(index=0, mode=mode, writeable_output=False)
+                return np.array(image.convert(mode))
     except unreadable as error:
-        cause = error.__cause__ or error  # imageio wraps what Pillow says as it opens a file
-        reason = " ".join(str(cause).split()).rstrip(".")
-        if isinstance(cause, DecompressionBombError):
+        reason = " ".join(str(error).split()).rstrip(".")
+        if isinstance(error, UnidentifiedImageError):
+            reason = f"it is none of {', '.join(FORMATS)}, or damaged"
+        if isinstance(error, Image.DecompressionBombError):
             reason = f"it has more than {MAX_PIXELS // 10**6} million pixels"
         raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
     raise InputError(
         f"'{path}' is no depth image: it must have one channel of whole numbers of 16 bits a "
-        f"pixel, not the kind '{found}'."
+        f"pixel, not the kind '{image.mode}'."
     )

@@ -53,18 +53,10 @@ class Reading:
 
 
 def read_times(texts: Sequence[str]) -> Reading | None:
-    """Read the times that all texts have.
+    """The times that all texts have: of each scan its file's name without suffix, or a folder's.
 
-    Parameters
-    ----------
-    texts : sequence of str
-        For each scan its file's name without suffix, or the name of a folder.
-
-    Returns
-    -------
-    Reading or None
-        The most likely reading in which all times differ, else one in which two scans have the
-        same time.
+    That is the most likely reading in which all times differ, else one in which two scans have the
+    same time.
     """
     readings = [
         reading

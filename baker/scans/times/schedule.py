@@ -16,7 +16,7 @@ from itertools import islice, pairwise
 from pathlib import Path
 
 from baker.errors import InputError
-from baker.scans.finding import Finding
+from baker.scans.scan import Finding
 from baker.scans.times.conventions import Moment
 from baker.scans.times.names import Reading, find_time, read_times
 from baker.scans.times.times_file import moments_from_file, moments_from_list
@@ -139,16 +139,15 @@ def schedule_in_time(
             )
     ordered = sorted(entries, key=lambda entry: entry.moment.time)
     for before, after in pairwise(ordered):
-        step = after.moment.time - before.moment.time
-        if step < MIN_TIME_STEP:
+        step, both = after.moment.time - before.moment.time, f"'{before.name}' and '{after.name}'"
+        if step == 0:
             raise InputError(
-                f"'{before.name}' and '{after.name}' have nearly the same time ({rule}); "
-                f"{MIN_TIME_STEP:g} days have to lie between two scans."
-                if step
-                else f"'{before.name}' and '{after.name}' have the same time, "
-                f"{after.moment.date} ({rule}); give one scan for each moment, or say the times "
-                "with --times FILE."
+                f"{both} have the same time, {after.moment.date} ({rule}); give one scan for each "
+                "moment, or say the times with --times FILE."
             )
+        if step < MIN_TIME_STEP:
+            least = f"{MIN_TIME_STEP:g} days have to lie between two scans"
+            raise InputError(f"{both} have nearly the same time ({rule}); {least}.")
     rule = f"{ordered[0].moment.date} to {ordered[-1].moment.date}, {rule}"
     if ordered != entries and not found.from_folder:
         rule += "; in the order of time, not in the order given"
@@ -172,24 +171,22 @@ def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
     untimed = [name for name in names if find_time(name.rpartition(".")[0]) is None]
     is_mixed = 0 < len(untimed) < len(names)
     why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
-    listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]]
-    more = ", ..." if len(entries) > len(listed) else ""
-    finding = Finding(
-        "order",
-        f"{how}: {', '.join(listed)}{more}",
-        f"{why}, so growth rates will be per scan and not per day",
-        "--times FILE",
-    )
-    return Schedule(tuple(entries), finding, "scans")
+    doubt = f"{why}, so growth rates will be per scan and not per day"
+    listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]] + ["..."]
+    found_order = f"{how}: {', '.join(listed[: len(entries)])}"
+    return Schedule(tuple(entries), Finding("order", found_order, doubt, "--times FILE"), "scans")
 
 
 def _require_clear_order(names: Sequence[str]) -> None:
     """Numbers at the same place of the names must all grow together, else which one is time?"""
-    numbers = [[int(n) for n in re.findall(r"\d+", name.rpartition(".")[0])] for name in names]
-    for i, (before, after) in enumerate(pairwise(numbers)):
+    for names_of_two in pairwise(names):
+        before, after = (
+            [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])]
+            for name in names_of_two
+        )
         if any(a > b for a, b in zip(before, after, strict=False)):
             raise InputError(
-                f"The order of '{names[i]}' and '{names[i + 1]}' can't be told from their names; "
-                "say it with --times FILE, with dates such as 2020-03-08 in the names, or by "
-                "naming the files in order."
+                "The order of '{}' and '{}' can't be told from their names; say it with --times "
+                "FILE, with dates such as 2020-03-08 in the names, or by naming the files in "
+                "order.".format(*names_of_two)
             )

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 from baker.scans.times.conventions import Moment, parse_date
 from baker.scans.times.names import read_times
 
@@ -14,7 +14,17 @@ MAX_FILE_BYTES = 1 << 24
 
 def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
     """The time of each of `names`, looked up by the name with or without folder and suffix."""
-    listed = _moments(path, _read_times(path))
+    rows = _rows(path)
+    times = _parse([time for _, _, time in rows])
+    listed: dict[str, Moment] = {}
+    for (number, name, text), time in zip(rows, times, strict=True):
+        if time is None:
+            raise InputError(
+                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
+                f"such as 2020-03-08), found the time '{text[:60]}'."
+            )
+        if listed.setdefault(name, time) is not time:
+            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
     moments = []
     for name in names:
         plain = name.rpartition("/")[2]
@@ -44,60 +54,39 @@ def _of_one_kind(moments: list[Moment], source: str) -> list[Moment]:
     return moments
 
 
+def _rows(path: Path) -> list[tuple[int, str, str]]:
+    """Number of the line, name and time, of each line that is no comment and no header."""
+    try:
+        with asking(path):
+            if path.exists() and not path.is_file():
+                raise InputError(f"'{path}' is not a regular file.")
+            if (size := path.stat().st_size) > MAX_FILE_BYTES:
+                most = f"a list of times has {MAX_FILE_BYTES} at most"
+                raise InputError(f"'{path}' holds {size} bytes; {most}.")
+            lines = map(str.strip, path.read_text(encoding="utf-8-sig").splitlines())
+    except UnicodeDecodeError as error:
+        raise InputError(f"'{path}' is not a text file.") from error
+    rows: list[tuple[int, str, str]] = []
+    for number, line in enumerate(lines, 1):
+        if not line or line.startswith(("#", "//")):
+            continue
+        parts = re.split(r"[,;\t]", line, maxsplit=2)
+        parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
+        name, time = (part.strip().strip("\"' ") for part in parts[:2])
+        if not time or not name:
+            raise InputError(
+                f"'{path}', line {number}: expected a scan's name and a time, found '{line[:60]}'."
+            )
+        rows.append((number, name, time))
+    return rows[1:] if rows and not re.search(r"\d", rows[0][2]) else rows
+
+
 def _parse(texts: Sequence[str]) -> list[Moment | None]:
     """Days and ISO dates as they stand; else the times as they are read from names."""
     moments = [_parse_time(text) for text in texts]
     if None in moments and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
         return list(reading.moments)
     return moments
-
-
-def _moments(path: Path, listed: dict[str, tuple[int, str]]) -> dict[str, Moment]:
-    moments = _parse([text for _, text in listed.values()])
-    for (number, text), moment in zip(listed.values(), moments, strict=True):
-        if moment is None:
-            raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
-                f"such as 2020-03-08), found the time '{text[:60]}'."
-            )
-    return {name: moment for name, moment in zip(listed, moments, strict=True) if moment}
-
-
-def _read_times(path: Path) -> dict[str, tuple[int, str]]:
-    """The line and the text of each name's time."""
-    listed: dict[str, tuple[int, str]] = {}
-    lines = [(number, line.strip()) for number, line in enumerate(_read_lines(path), 1)]
-    rows = [(n, line) for n, line in lines if line and not line.startswith(("#", "//"))]
-    for number, line in rows:
-        parts = re.split(r"[,;\t]", line, maxsplit=2)
-        parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
-        name, time = (part.strip().strip("\"' ") for part in parts[:2])
-        if number == rows[0][0] and time and not re.search(r"\d", time):
-            continue  # a header
-        if not time or not name:
-            raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time, found '{line[:60]}'."
-            )
-        if name in listed:
-            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
-        listed[name] = number, time
-    return listed
-
-
-def _read_lines(path: Path) -> list[str]:
-    try:
-        if path.is_fifo() or path.is_char_device():
-            raise InputError(f"'{path}' (times) is not a regular file.")
-        if (size := path.stat().st_size) > MAX_FILE_BYTES:
-            raise InputError(
-                f"'{path}' (times) holds {size} bytes; a list of times has {MAX_FILE_BYTES} at "
-                "most."
-            )
-        return path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"'{path}' (times) can't be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"'{path}' (times) is not a text file.") from error
 
 
 def _parse_time(text: str) -> Moment | None:

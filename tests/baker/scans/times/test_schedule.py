@@ -176,7 +176,7 @@ def test_faults_in_a_times_file(tmp_path, lines, fault):
 
 
 def test_times_file_not_there(tmp_path):
-    with pytest.raises(InputError, match=r"absent\.txt' \(times\) can't be read: No such file"):
+    with pytest.raises(InputError, match=r"absent\.txt' can't be read: No such file"):
         schedule("a.ply", "b.ply", times_file=tmp_path / "absent.txt")
 
 
