@@ -1,13 +1,14 @@
 """Bakes and exports killed at random moments: is the old output intact, or the new one whole?
 
-    python -m tests.kill [--count 200] [--seed 0] [--only bake,mp4,...]
+    python -m tests.kill [--count 200] [--seed 0] [--only bake,mp4,...] [--interrupt]
 
 Every way out runs in a process of its own, forked from one that has imported all it needs, and is
 killed (SIGKILL), half of the time at any moment, half of the time within 50 ms after its draft
 appears, which is when it writes.
 Each file at the output must then be what was there before, or what a run that is left alone writes;
-nothing else but its draft. Now and then a run is left alone: it must come out right whatever killed
-ones have left, and leave nothing itself.
+nothing else but its draft. With --interrupt it is stopped by Ctrl-C instead (SIGINT): it must then
+end with exit code 130 and leave no draft either. Now and then a run is left alone: it must come out
+right whatever killed ones have left, and leave nothing itself.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -30,8 +32,10 @@ from pathlib import Path
 
 DRAFT = re.compile(r"\..+\.\w{8}\.part")
 SOON = 0.05  # seconds after a draft appears
+BEGUN = 0.05  # seconds after which a command can be stopped
 EVERY = 10  # kills, after which a run is left alone
 PATIENCE = 300.0
+INTERRUPTED = 130  # exit code
 PRELOADED = [
     *("baker.cli", "grow.cli", "baker.pipeline", "baker.report.page", "traits.traits"),
     *("player.cli", "player.export", "scipy.spatial", "scipy.sparse.csgraph", "numba", "moderngl"),
@@ -87,21 +91,25 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
         ("html", "page.html"),
         ("ply", "clouds/%04d.ply"),
         ("glb", "plant.glb"),
+        ("csv", "traits.csv"),
     ):
         export = [str(clip), "-q", "--force", "--export", output]
         export += small if name in ("mp4", "png") else []
         seconds = [["--seconds", s] if name in ("mp4", "png", "ply") else [] for s in ("1", "2")]
-        other = ["--title", "old"] if name == "html" else []
+        other = {"html": ["--title", "old"], "csv": ["--day", "1"]}.get(name, [])
         place = output.partition("/")[0]
         old = [*export, *seconds[0], *other]
         found.append(WayOut(name, "player.cli", old, [*export, *seconds[1]], [place]))
-    return found
+    check = ["check", *[str(clip)] * 300]
+    return [*found, WayOut("check", "gclip.cli", check, check, [])]
 
 
-def killed(way: WayOut, folder: Path, duration: float, chance: random.Random) -> bool:
-    """Start the way out and kill it; whether it was still running then."""
+def killed(
+    way: WayOut, folder: Path, duration: float, chance: random.Random, stop: signal.Signals
+) -> bool:
+    """Start the way out and kill or stop it; whether it was still running then."""
     before = set(folder.iterdir())
-    at_draft, due = chance.random() < 0.5, chance.uniform(0, duration)
+    at_draft, due = chance.random() < 0.5, chance.uniform(BEGUN, max(BEGUN, duration))
     process = _started(way.module, way.new, folder)
     began = time.monotonic()
     while process.is_alive():
@@ -112,8 +120,12 @@ def killed(way: WayOut, folder: Path, duration: float, chance: random.Random) ->
             break
         time.sleep(0.001)
     running = process.is_alive()
-    process.kill()
-    process.join()
+    if running:
+        os.kill(process.pid, stop)
+    process.join(PATIENCE)
+    allowed = {-stop, 0} if stop == signal.SIGKILL else {INTERRUPTED, 0}
+    if process.exitcode not in allowed:
+        raise SystemExit(f"{way.name}: exit code {process.exitcode} after {stop.name}")
     return running
 
 
@@ -144,7 +156,7 @@ def varied(way: WayOut, output: str, files: Files) -> bool:
     return all(text.rstrip().endswith(b"</html>") for text in files.values())
 
 
-def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
+def try_out(way: WayOut, kills: int, seed: int, stop: signal.Signals) -> Counter[str]:
     """Kill it so many times. Counts what was left: old, new or broken outputs, and litter."""
     chance = random.Random(f"{seed} {way.name}")
     left: Counter[str] = Counter()
@@ -157,8 +169,10 @@ def try_out(way: WayOut, kills: int, seed: int) -> Counter[str]:
             duration = time.monotonic() - began
         shutil.copytree(olds, folder)
         for number in range(kills):
-            running = killed(way, folder, duration, chance)
+            running = killed(way, folder, duration, chance, stop)
             left["killed" if running else "too late"] += 1
+            if stop != signal.SIGKILL:
+                left["litter"] += len(_strange(way, folder))
             for output in way.outputs:
                 found = contents(folder, output)
                 if found == contents(olds, output):
@@ -182,12 +196,16 @@ def _litter(way: WayOut, folder: Path, news: Path) -> int:
     for output in way.outputs:
         if output not in way.varying and contents(folder, output) != contents(news, output):
             raise SystemExit(f"{way.name}: {output} is wrong after a run that was left alone")
-    strange = [path.name for path in folder.iterdir() if path.name not in way.outputs]
-    strange += [path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)]
-    strange = [name for name in strange if name not in before]
+    return len(_strange(way, folder) - before)
+
+
+def _strange(way: WayOut, folder: Path) -> set[str]:
+    """What lies there and is no output."""
+    strange = {path.name for path in folder.iterdir() if path.name not in way.outputs}
+    strange |= {path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)}
     if strange:
-        print(f"{way.name}: litter: {', '.join(sorted(set(strange)))}", flush=True)
-    return len(set(strange))
+        print(f"{way.name}: litter: {', '.join(sorted(strange))}", flush=True)
+    return strange
 
 
 def _restore(folder: Path, olds: Path, output: str) -> None:
@@ -213,6 +231,7 @@ def _started(module: str, arguments: Sequence[str], folder: Path) -> ForkServerP
 
 def _run(module: str, arguments: list[str], folder: Path) -> None:
     os.chdir(folder)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     sys.exit(import_module(module).main(arguments))
 
 
@@ -237,7 +256,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="names, with commas between")
+    parser.add_argument("--interrupt", action="store_true", help="by Ctrl-C")
     asked = parser.parse_args(argv)
+    stop = signal.SIGINT if asked.interrupt else signal.SIGKILL
     with tempfile.TemporaryDirectory() as name:
         ways = ways_out(*make_series(Path(name)))
         if asked.only:
@@ -245,7 +266,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         total: Counter[str] = Counter()
         for number, way in enumerate(ways):
             kills = asked.count * (number + 1) // len(ways) - asked.count * number // len(ways)
-            left = try_out(way, kills, asked.seed)
+            left = try_out(way, kills, asked.seed, stop)
             print(f"{way.name}: {_told(left)}", flush=True)
             total += left
     print(f"all: {_told(total)}")
