@@ -6,6 +6,7 @@ Open3D's reader of OFF ends the process at damaged files (docs/method.md).
 import json
 import re
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -62,17 +63,34 @@ def _by_itself(path: Path, folder: Path) -> Path:
     if suffix == ".stl":
         return path
     content = path.read_bytes()
-    if suffix == ".obj":  # materials, and their pictures, are not wanted
+    if suffix == ".obj":
         copy = folder / path.name
-        copy.write_bytes(re.sub(rb"(?m)^\s*mtllib\b.*", b"", content))
+        copy.write_bytes(_triangulated(content))
         return copy
     if suffix == ".glb":
         content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
     document = json.loads(content)
-    for part in (*document.get("buffers", ()), *document.get("images", ())):
-        if ".." in re.split(r"[/\\]", part.get("uri", "")):
-            raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
+    for parts in (document.get("buffers", ()), document.get("images", ())):
+        for part in parts.values() if isinstance(parts, dict) else parts:  # a dict in glTF 1.0
+            if ".." in re.split(r"[/\\]", part.get("uri", "")):
+                raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
     return path
+
+
+def _triangulated(content: bytes) -> bytes:
+    """An OBJ's text without materials, and with faces of more corners as fans of triangles.
+
+    Materials and their pictures are not wanted, and could be any files; Open3D leaves out faces of
+    more than three corners.
+    """
+    content = re.sub(rb"\\\r?\n", b" ", content)  # lines that go on
+    content = re.sub(rb"(?m)^[ \t]*mtllib\b.*", b"", content)
+    return re.sub(rb"(?m)^[ \t]*f((?:[ \t]+[^\s#]+){4,})", _fan, content)
+
+
+def _fan(face: re.Match[bytes]) -> bytes:
+    first, *others = face[1].split()
+    return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(others))
 
 
 def _read_off(path: Path) -> Mesh:

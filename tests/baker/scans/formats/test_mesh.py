@@ -100,6 +100,24 @@ def test_faces_of_more_corners_are_fans(tmp_path):
     assert (points[:, :2].max(axis=0) > 0.98).all()
 
 
+def test_an_obj_keeps_faces_of_any_number_of_corners(tmp_path):
+    """One of five on a line that goes on, one of four, one of three."""
+    corners = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1.5 0\nv 0 1 0\n"
+    square = "v 0 0 9\nv 1 0 9\nv 1 1 9\nv 0 1 9\nvn 0 0 1\nf 6//1 7//1 8//1 9//1 # a square\n"
+    (tmp_path / "a.obj").write_text(corners + "f -5 -4 \\\n -3 -2 -1\n" + square + "f 6 7 8\n")
+    cloud = read(tmp_path / "a.obj")
+    assert "6 triangles:" in cloud.notes[0]
+    is_square = cloud.points[:, 2] > 5
+    assert is_square.mean() == pytest.approx(1.5 / 4, abs=0.01)  # of the area, 2.5 and 1 and 0.5
+
+
+@pytest.mark.parametrize("parts", [[{"uri": "a.bin"}], {"bin": {"uri": "../a.bin"}}, [3], 7, [{}]])
+def test_a_gltf_of_any_layout_is_refused_in_a_sentence(tmp_path, parts):
+    (tmp_path / "a.gltf").write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": parts}))
+    with pytest.raises(InputError, match=r"a\.gltf' (holds no mesh|is no sound GLTF|refers to)"):
+        read(tmp_path / "a.gltf")
+
+
 def test_faces_without_area_leave_the_vertices(tmp_path):
     vertices = {axis: np.arange(4.0) for axis in "xyz"}
     columns = points_on_surface(vertices, np.array([[0, 0, 0], [0, 1, 2]]))
