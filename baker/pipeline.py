@@ -21,7 +21,7 @@ from baker.alignment.keyframes import (
     hold_out,
 )
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.neighbors import nearest_neighbors, point_area
 from baker.geometry.normals import surface_normals
 from baker.geometry.parallel import MapLike, reporting, thread_map
 from baker.geometry.up_axis import Vertical
@@ -225,21 +225,21 @@ def _measure(
     options: Options,
     map: MapLike,
 ) -> tuple[Series, AlignedSeries]:
-    """One kNN index a scan, labels without specks, and the plant base of each scan."""
+    """One kNN index a scan and what it tells: normals, areas, labels without specks, the base."""
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
     workers = worker_count(options.workers)  # share each scan, as scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
     normals = map(surface_normals, clouds, neighbors)
-    frames = [replace(f, normals=n) for f, n in zip(keyframes, normals, strict=True)]
+    areas = map(point_area, clouds, neighbors) if options.even else [None] * len(clouds)
     if not options.paper:
-        pairs = zip(series.scans, neighbors, strict=True)
-        series = replace(series, scans=tuple(with_clean_labels(*pair) for pair in pairs))
+        series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
     by_itself = root is None and not options.paper
     places = [frame.base if by_itself else root for frame in keyframes]
     bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, places))
+    measured = zip(keyframes, normals, areas, strict=True)
+    frames = tuple(replace(frame, normals=n, area=a) for frame, n, a in measured)
     times = tuple(scan.time for scan in series.scans)
-    aligned = AlignedSeries(times, tuple(frames), tuple(neighbors), bases, vertical)
-    return series, aligned
+    return series, AlignedSeries(times, frames, tuple(neighbors), bases, vertical)
 
 
 def _segment(

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.keyframes import AlignedSeries, Keyframe
-from baker.geometry.neighbors import point_area
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.movers import OrganMovers, leaving, moving
@@ -84,9 +83,6 @@ def interval_jobs(
     keyframes = list(series.keyframes)
     if options.smooth:
         keyframes = smooth_organs(keyframes, matches, series.times)
-    if options.even:
-        pairs = zip(keyframes, series.neighbors, strict=True)
-        keyframes = [replace(k, area=point_area(k.positions, near)) for k, near in pairs]
     curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     clouds = [frame.positions for frame in keyframes]
@@ -245,7 +241,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         solved = attached(curved, job.match.second, at_end, job.spacing)
     return pack_interval(
         *job.times,
-        with_even_density(solved, options.even),
+        with_even_density(solved, options.even, map),
         spacing=job.spacing,
         precision=options.precision,
         segments=tuple(m.pair for m in solved),

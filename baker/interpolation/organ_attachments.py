@@ -26,6 +26,7 @@ Attachments = dict[int, Points]
 """By organ, the points (c, 3) by which it touches its parent."""
 
 SAMPLE_SIZE = 50  # points of an organ that bound its distance from its parent
+ROUGHNESS = 10.0  # relative error of that bound
 TINY = 1e-30
 CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 MAX_STEP = 3.0  # spacings between neighbouring points of one contact
@@ -41,13 +42,13 @@ class Attachment(NamedTuple):
 def attachment(organ: NDArray[np.floating], parent: cKDTree) -> Attachment:
     """Find where an organ, (n, 3) points, is attached.
 
-    Searches far from the points of a tree are slow. So a sample bounds the distance.
+    Searches far from the points of a tree are slow. So a sample bounds the distance, by any of the
+    parent's points that are not much farther than the nearest ones.
     """
-    step = max(1, len(organ) // SAMPLE_SIZE)
-    distances = parent.query(organ[::step])[0]
-    if step > 1:  # what is found is nearer than the bound, by its square
-        bound = max(1.000001 * distances.min(), TINY)
-        distances = parent.query(organ, distance_upper_bound=bound)[0]
+    sample = organ[:: max(1, len(organ) // SAMPLE_SIZE)]
+    # What is found is nearer than the bound, by its square.
+    bound = max(1.000001 * parent.query(sample, eps=ROUGHNESS)[0].min(), TINY)
+    distances = parent.query(organ, distance_upper_bound=bound)[0]
     return Attachment(int(np.argmin(distances)), float(distances.min()))
 
 

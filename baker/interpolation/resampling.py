@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.parallel import MapLike
 from gclip.evaluate import bernstein
 from gclip.morton import morton_order
 from gclip.pack import Movers, raised
@@ -29,14 +30,17 @@ Array = NDArray[Any]
 Floats = NDArray[np.floating]
 
 
-def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
+def with_even_density(
+    tasks: Sequence[OrganMovers], growth: float, map: MapLike = map
+) -> list[Movers]:
     """An interval's movers, and up to `growth` times as many more where they are sparse.
 
-    Tasks without an area are left as they are. The added movers of a task follow its own.
+    Tasks without an area are left as they are. The added movers of a task follow its own. map: over
+    tasks, by threads.
     """
     known = [task.area for task in tasks if task.area is not None]
     density = _density(np.concatenate(known), growth) if known else 0.0
-    return [_filled(task, density) for task in tasks]
+    return list(map(_filled, tasks, [density] * len(tasks)))
 
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:
