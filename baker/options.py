@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 from msgspec import to_builtins
 
 from baker.errors import InputError
-from gclip.corrections import Correction, read_corrections
+from gclip.corrections import Correction, Corrections, read_corrections
 from gclip.errors import UserError
 
 Align = Literal["auto", "turn", "icp", "none"]
@@ -57,10 +57,10 @@ def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
     return x, y, z
 
 
-def parse_corrections(text: str) -> tuple[Correction, ...]:
+def parse_corrections(text: str) -> Corrections:
     """The corrections in the file that `--corrections` names. Raises InputError."""
     try:
-        return () if text == "none" else read_corrections(Path(text))
+        return Corrections() if text == "none" else read_corrections(Path(text))
     except UserError as error:
         raise InputError(str(error)) from None
 
@@ -279,6 +279,6 @@ class Options:
         chosen = asdict(self)
         del chosen["workers"]
         chosen["times"] = None if self.times is None else self.times.name
-        chosen["corrections"] = to_builtins(self.corrections or ())
+        chosen["corrections"] = to_builtins(tuple(self.corrections or ()))
         chosen["root"] = list(self.root) if isinstance(self.root, tuple) else self.root
         return chosen

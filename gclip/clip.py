@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -18,11 +19,13 @@ import numpy as np
 from msgspec.structs import asdict
 from numpy.typing import NDArray
 
+from gclip.corrections import corrections_file, read_corrections
 from gclip.document import checksum, read_document, write_document
-from gclip.errors import ClipError
+from gclip.errors import ClipError, UserError
 from gclip.evaluate import Frame, frame_at
 from gclip.file import Container, open_container, write_container
 from gclip.interval import Interval, read_interval, read_positions
+from gclip.places import with_names
 from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
 from gclip.terminal.text import printable
 
@@ -220,7 +223,8 @@ class Clip:
 def open(path: str | os.PathLike[str]) -> Clip:
     """Open a clip, memory-mapped; everything the file says is checked before it is returned.
 
-    Its checksums are not: that would read all of it (see `gclip.check`).
+    Its checksums are not: that would read all of it (see `gclip.check`). Organs have the names that
+    the corrections beside the file give them; what is wrong with those, window and bake will say.
 
     Parameters
     ----------
@@ -237,6 +241,14 @@ def open(path: str | os.PathLike[str]) -> Clip:
     ClipError
         With one sentence that names the file and what is wrong with it.
     """
+    clip = open_as_baked(path)
+    with suppress(UserError):
+        return with_names(clip, read_corrections(corrections_file(Path(path))))
+    return clip
+
+
+def open_as_baked(path: str | os.PathLike[str]) -> Clip:
+    """Open a clip as `open` does, without the names that organs were given since."""
     try:
         container = open_container(Path(path))
         return clip_in(container, read_document(container.text, container.size))

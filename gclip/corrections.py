@@ -53,6 +53,12 @@ class Correction(Struct, frozen=True, forbid_unknown_fields=True):
             raise ValueError("name is needed where the kind is name, and only there")
 
 
+class Corrections(tuple[Correction, ...]):
+    """The corrections of a file, in its order."""
+
+    file: str = ""
+
+
 class _File(Struct, forbid_unknown_fields=True):
     correction: tuple[Correction, ...] = ()
 
@@ -62,7 +68,7 @@ def corrections_file(clip: Path) -> Path:
     return clip.with_suffix(".corrections.toml")
 
 
-def read_corrections(path: Path) -> tuple[Correction, ...]:
+def read_corrections(path: Path) -> Corrections:
     """Read a file of corrections.
 
     Raises
@@ -77,7 +83,9 @@ def read_corrections(path: Path) -> tuple[Correction, ...]:
         if path.stat().st_size > MAX_FILE_SIZE:
             raise ValueError(f"at most {MAX_FILE_SIZE:,} bytes are allowed")
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-        return convert(content, _File).correction
+        corrections = Corrections(convert(content, _File).correction)
+        corrections.file = str(path)
+        return corrections
     except OSError as error:
         raise UserError(f"'{path}' can't be read: {error.strerror or error}.") from None
     except ValidationError as error:  # "what is wrong - at `$.correction[0].places[1].point`"

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from baker.alignment import Alignment
+from baker.errors import InputError
 from baker.interpolation.colors import organ_colors
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
@@ -14,6 +15,7 @@ from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track
+from gclip.terminal.text import printable
 from gclip.version import __version__
 
 
@@ -25,17 +27,22 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
 
     def name(index: int, organ: Organ) -> str:
         if organ.label is not None and organ.label in labels.names:
-            return labels.names[organ.label]
+            return labels.names[organ.label].name
         if by_label and organ.label in series.label_words:
             return series.label_words[organ.label]
         if index == 0:
             return "stem" if is_stem else "plant"
         return f"leaf {organ.label if by_label else index}"
 
+    names = list(map(name, range(len(organs)), organs))
+    called = set(zip(names, (organ.label for organ in organs), strict=True))
+    for label, one in labels.names.items():
+        if any(name == one.name and other != label for name, other in called):
+            raise InputError(f"{one.said}: another organ is called '{printable(one.name)}', too.")
     return tuple(
         Track(
             id=index,
-            name=name(index, organ),
+            name=names[index],
             color=color,
             parent=organ.parent,
             born=scans[organ.first].time,

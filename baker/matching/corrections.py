@@ -18,7 +18,7 @@ from baker.errors import InputError
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.geometry.neighbors import NEIGHBORS
 from baker.scans import Finding, Series
-from gclip.corrections import Correction, Place
+from gclip.corrections import Correction, Corrections, Place
 
 Labels = NDArray[np.int64]
 
@@ -31,7 +31,7 @@ SEED_SHARE = 0.4  # of the way between these two, that belongs to the nearer one
 class PointCorrection:
     """A correction whose places are points of the scans to bake."""
 
-    said: str  # "correction 2 (same)"
+    said: str  # "Correction 2 (same) of 'plant.corrections.toml'"
     kind: str
     places: tuple[tuple[int, int], ...]  # (scan, point), by scan
     name: str = ""
@@ -89,8 +89,9 @@ def locate_corrections(
             )
         return k, nearest
 
+    source = f" of '{corrections.file}'" if isinstance(corrections, Corrections) else ""
     for number, one in enumerate(corrections, start=1):
-        said = f"Correction {number} ({one.kind})"
+        said = f"Correction {number} ({one.kind}){source}"
         if unknown := [place.scan for place in one.places if place.scan not in known]:
             raise InputError(
                 f"{said} names the scan '{unknown[0]}', which is not in the series; "
@@ -171,10 +172,12 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
     return corrected
 
 
-def organ_names(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> dict[int, str]:
-    """What organs are called, by label; the last word counts."""
+def organ_names(
+    labels: Sequence[Labels], corrections: Sequence[PointCorrection]
+) -> dict[int, PointCorrection]:
+    """Which correction names an organ, by label; the last word counts."""
     named = (one for one in corrections if one.kind == "name")
-    return {int(labels[k][point]): one.name for one in named for k, point in one.places}
+    return {int(labels[k][point]): one for one in named for k, point in one.places}
 
 
 def confirmed_organs(

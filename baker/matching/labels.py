@@ -39,7 +39,7 @@ class LabelUse:
     findings: tuple[Finding, ...] = ()  # what was decided about the labels
     renamed: bool = False  # they are track numbers, not the scans' own labels
     unlabelled: bool = False  # the organs themselves were found without labels
-    names: Mapping[int, str] = field(default_factory=dict)  # given to organs by hand, by label
+    names: Mapping[int, PointCorrection] = field(default_factory=dict)  # by label, given by hand
 
     @property
     def are_names(self) -> bool:

@@ -57,11 +57,14 @@ def draw_name(scene: Scene, tracks: Sequence[Track]) -> Scene:
     picked, edits = scene.style.picked, scene.edits
     if picked is None or edits is None or not scene.chosen:
         return scene
-    now, flags = edits.name_of(tracks[picked].name), imgui.InputTextFlags_
+    now, flags = tracks[picked].name, imgui.InputTextFlags_
     imgui.set_next_item_width(-1.0)
     with imgui_ctx.push_id(str(picked)):
         how = flags.enter_returns_true | flags.auto_select_all
         entered, name = imgui.input_text_with_hint("##called", "name of the organ", now, how)
-        if entered and name.strip() not in ("", now):
-            scene = editing.correct("name", name.strip())(scene)
+        name = name.strip()
+        if entered and name not in ("", now):
+            if any(track.name == name for track in tracks):
+                return scene.with_notice(f"Another organ is called {name}; choose another name.")
+            scene = editing.correct("name", name)(scene)
     return scene

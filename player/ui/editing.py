@@ -27,9 +27,8 @@ def correct(kind: str, name: str = "") -> Move:
         if scene.edits is None:
             return scene.with_notice(NO_EDITS)
         correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
-        return edit(scene.edits.changed((*scene.edits.now, correction)))(scene).with_notice(
-            f"{sentence(correction)}: {BAKE_AGAIN}"
-        )
+        told = sentence(correction) + ("" if name else f": {BAKE_AGAIN}")
+        return edit(scene.edits.changed((*scene.edits.now, correction)))(scene).with_notice(told)
 
     return put_right
 

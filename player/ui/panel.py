@@ -108,7 +108,6 @@ class Panel:
     def _organ(self, scene: Scene, pen: Pen, number: int) -> Scene:
         """A row of the list: a click on the name picks the organ, one on the eye hides it."""
         style, theme, organ = scene.style, pen.theme, self._clip.track_table[number]
-        name = scene.edits.name_of(organ.name) if scene.edits else organ.name
         visible = style.alone == number if style.alone is not None else number not in style.hidden
         x, y = imgui.get_cursor_screen_pos()
         width = imgui.get_content_region_avail().x - KEY
@@ -126,7 +125,7 @@ class Panel:
         imgui.pop_style_color(2)
         dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
         pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
-        name = pen.fitted(name, 15.0, width - 34.0)
+        name = pen.fitted(organ.name, 15.0, width - 34.0)
         pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
         return scene
 

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
-
-import msgspec
 
 from gclip.corrections import Correction
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 BETWEEN = {"same": "is", "different": "is not"}
 
@@ -30,8 +23,9 @@ class Edits:
 
     @property
     def is_baked(self) -> bool:
-        """Whether the clip shows what they say."""
-        return sorted(map(str, self.now)) == sorted(map(str, self.baked))
+        """Whether the clip shows what they say; new names it shows at once."""
+        shown = [one for one in self.now if one.kind != "name" or one in self.baked]
+        return sorted(map(str, shown)) == sorted(map(str, self.baked))
 
     def changed(self, now: tuple[Correction, ...]) -> Edits:
         return replace(self, now=now, past=(*self.past, self.now), future=())
@@ -47,11 +41,6 @@ class Edits:
             return self
         return replace(self.changed(self.future[-1]), future=self.future[:-1])
 
-    def name_of(self, organ: str) -> str:
-        """What an organ will be called, by what the clip calls it."""
-        new = [c.name for c in self.now if c not in self.baked and c.places[0].organ == organ]
-        return next(filter(None, reversed(new)), organ)
-
 
 def sentence(correction: Correction) -> str:
     """A correction in a few words."""
@@ -65,11 +54,3 @@ def sentence(correction: Correction) -> str:
         if correction.kind == "cut"
         else (f"{first} {BETWEEN[correction.kind]} {last}")
     )
-
-
-def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
-    """Those that a clip was baked with; none where it does not say so."""
-    with suppress(KeyError, TypeError, msgspec.ValidationError):  # a clip may say anything
-        found = clip.provenance["options"]["corrections"]
-        return msgspec.convert(found, tuple[Correction, ...])
-    return ()

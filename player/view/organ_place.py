@@ -1,12 +1,11 @@
 """Where on an organ someone clicked: a point of a scan, in its file's own coordinates."""
 
-from contextlib import suppress
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.corrections import Place
+from gclip.places import in_file
 from player.view.camera import Camera
 
 UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked
@@ -29,7 +28,7 @@ def organ_place(
         points = frame.local[frame.tracks == track].astype(np.float64)
         if len(points):
             point = points[_clicked(points, *seen) if seen else _middle(points)]
-            x, y, z = _in_file(clip, scan.name, point).tolist()
+            x, y, z = in_file(clip, scan.name, point).tolist()
             return Place(scan.name, (x, y, z), clip.track_table[track].name)
     return None
 
@@ -46,17 +45,3 @@ def _clicked(
     distance = np.hypot(aspect * (right / scale - at[0]), up / scale - at[1])
     near = np.flatnonzero(distance <= distance.min() + UNDER_CURSOR)
     return int(near[(depth / scale)[near].argmin()])
-
-
-def _in_file(clip: Clip, scan: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A point of the clip in the coordinates of a scan's own file."""
-    made = clip.provenance
-    with suppress(KeyError, TypeError, ValueError, IndexError, OverflowError):
-        index = [one["name"] for one in made["inputs"]].index(scan)
-        transform = np.array(made["transforms"][index], float)
-        origin = np.array(made["origins"][index] if "origins" in made else clip.origin, float)
-        local = np.linalg.solve(transform, [*point, 1.0])[:3]
-        found = (local + origin) / float(made["options"]["scale"])
-        if np.isfinite(found).all() and found.shape == (3,):
-            return np.asarray(found)
-    return point + clip.origin  # a clip made by hand, or by a stranger

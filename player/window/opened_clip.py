@@ -6,13 +6,13 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-import gclip
 from gclip import Clip
+from gclip.clip import open_as_baked
 
 
 @dataclass(frozen=True)
 class OpenClip:
-    """A clip, what the user calls it, and the file that it comes from, if any."""
+    """A clip as it was baked, what the user calls it, and the file that it comes from, if any."""
 
     clip: Clip
     name: str
@@ -21,7 +21,7 @@ class OpenClip:
     @classmethod
     def of(cls, file: Path) -> OpenClip:
         """Raises ClipError where it is no clip."""
-        return cls(gclip.open(file), file.stem, file)
+        return cls(open_as_baked(file), file.stem, file)
 
     def reopened(self) -> OpenClip:
         """As its file is now. Raises ClipError where that is no clip any more."""

@@ -14,10 +14,13 @@ PAUSE = 0.7  # seconds between measurements while time goes on
 
 
 class OrganInfo:
-    """Measures organs in a thread; the window never waits for it."""
+    """Measures organs in a thread; the window never waits for it.
+
+    clip: may be replaced by one whose organs have other names.
+    """
 
     def __init__(self, clip: Clip) -> None:
-        self._clip = clip
+        self.clip = clip
         self._pool = ThreadPoolExecutor(1)
         self._running: Future[None] | None = None
         self._asked: tuple[int, float] | None = None
@@ -31,7 +34,7 @@ class OrganInfo:
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; none until they are measured."""
         if track not in self._curves:
-            self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
+            self._curves[track] = self._pool.submit(trait_curves, self.clip, [track])
         found = self._curves[track]
         failed = not found.done() or found.cancelled() or found.exception() is not None
         return () if failed else tuple(found.result())
@@ -41,7 +44,7 @@ class OrganInfo:
 
         The length may be of a moment ago while the plant grows.
         """
-        clip, organ = self._clip, self._clip.track_table[track]
+        clip, organ = self.clip, self.clip.track_table[track]
         self._ask(track, day)
         facts = [("kind", organ.kind)] if organ.kind not in ("organ", "") else []
         if organ.parent is not None:
@@ -59,7 +62,7 @@ class OrganInfo:
     def _measured(self, found: Measurement | None) -> list[tuple[str, str]]:
         if found is None:
             return [("length now", "not there")]
-        unit = self._clip.unit or "units"
+        unit = self.clip.unit or "units"
         values = [("length", found.length, unit), ("area", found.area, f"{unit}²")]
         return [
             (f"{name} now", f"{'' if name in found.sure else 'about '}{value:.4g} {of}")
@@ -78,6 +81,6 @@ class OrganInfo:
 
     def _measure(self, track: int, day: float) -> None:
         with suppress(ClipError):  # cut short while it is open: who draws it tells
-            found = measure(self._clip, day, only=[track])
+            found = measure(self.clip, day, only=[track])
             self._found = (track, found[0] if found else None)
         self._ended = time.monotonic()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,7 +15,8 @@ from baker import InputError, bake
 from baker.cli import main
 from baker.matching.corrections import PointCorrection, with_corrected_organs
 from gclip import Clip
-from gclip.corrections import Correction, Place, write_corrections
+from gclip.corrections import Correction, Place, corrections_file, write_corrections
+from traits import Namer, write_table
 
 PLAIN = {"align": "none", "up": "z", "paths": "straight", "workers": 1}
 
@@ -142,6 +144,45 @@ def test_names_stay_with_their_organs(folder, tmp_path):
     assert (clip.tracks["flag leaf"].kind, clip.track_table[0].kind) == ("organ", "stem")
 
 
+def test_two_organs_of_one_name_are_refused(folder):
+    flag, tip = place(folder, 3, 2), place(folder, 3, 1)
+    for names in (("flag leaf", "flag leaf"), ("leaf 2", "leaf 2"), ("stem", "leaf 1")):
+        both = [
+            Correction("name", (at,), name) for at, name in zip((tip, flag), names, strict=True)
+        ]
+        with pytest.raises(InputError, match=r"Correction [12] \(name\): another organ is called"):
+            bake(folder, **PLAIN, labels="consistent", corrections=both)
+    swapped = [Correction("name", (tip,), "leaf 2"), Correction("name", (flag,), "leaf 1")]
+    clip = bake(folder, **PLAIN, labels="consistent", corrections=swapped)
+    assert track(clip, 3, organ(folder, 3, 2)) == "leaf 1"
+
+
+def test_a_clip_has_the_names_that_its_organs_were_given_since_it_was_baked(folder, tmp_path):
+    file = tmp_path / "plant.gclip"
+    # Moved, turned and scaled, as the places are in the coordinates of the scans' files.
+    options = PLAIN | {"align": "icp", "scale": 2.0, "labels": "consistent"}
+    clip = bake(folder, **options)
+    clip.save(file)
+    beside = corrections_file(file)
+    names = [Correction("name", (place(folder, 3, 2),), "flag leaf")]
+    write_corrections(beside, names)
+    named = gclip.open(file)
+    (new,) = {one.name for one in named.track_table} - {one.name for one in clip.track_table}
+    assert new == "flag leaf"
+    table = StringIO(newline="")
+    write_table(table, Namer(named, "p"), [3.0])
+    assert "flag leaf" in table.getvalue()
+    again = bake(folder, **options, corrections=names)
+    assert again.track_table == named.track_table, "the next bake calls it so, too"
+    again.save(file)
+    write_corrections(beside, [*names, Correction("name", (place(folder, 3, 2),), "uppermost")])
+    assert gclip.open(file).tracks["uppermost"].id == named.tracks["flag leaf"].id
+    write_corrections(beside, [*names, Correction("name", (place(folder, 3, 1),), "flag leaf")])
+    assert gclip.open(file).track_table == again.track_table, "no two organs of one name"
+    beside.write_text("nonsense")
+    assert gclip.open(file).track_table == again.track_table
+
+
 @pytest.mark.parametrize(
     ("said", "places"),
     [
@@ -182,6 +223,9 @@ def test_bake_finds_them_beside_the_clip(folder, tmp_path, capsys):
     assert "flag leaf" in names
     assert main([*command, "--corrections", "none"]) == 0
     assert clip.read_bytes() == plain
+    write_corrections(file, [Correction("cut", (Place("day00.txt", (0.0, 0.0, 999.0)),))])
+    assert main(command) == 2
+    assert f"Correction 1 (cut) of '{file}': (0, 0, 999) is" in capsys.readouterr().err
     file.write_text("[[correction]]\nkind = 'cut'\n")
     assert main(command) == 2
     assert "correction 1" in capsys.readouterr().err
