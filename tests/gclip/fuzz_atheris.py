@@ -16,7 +16,7 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,13 +27,8 @@ LARGEST = 1 << 16  # bytes of a file
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--minutes", type=float, default=10.0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--keep", type=Path, default=Path())
-    asked = parser.parse_args()
-    if find_spec("atheris") is None:
-        print("Coverage-guided fuzzing needs atheris: pip install 'plant-growth-clips[fuzz]'.")
+    asked = parser(__doc__).parse_args()
+    if is_missing():
         return 2
     import atheris
 
@@ -41,24 +36,54 @@ def main() -> int:
         for name in ("gclip.check", "gclip.evaluate"):
             import_module(name)
     with tempfile.TemporaryDirectory() as folder:
-        corpus = Path(folder, "corpus")
-        corpus.mkdir()
-        write_corpus(corpus, asked.seed)
-        asked.keep.mkdir(parents=True, exist_ok=True)
-        options = [
-            f"-max_total_time={60 * asked.minutes:.0f}",
-            f"-seed={asked.seed}",
-            f"-max_len={LARGEST}",
-            f"-artifact_prefix={asked.keep}/",
-            "-timeout=20",
-        ]
-        atheris.Setup(
-            [sys.argv[0], str(corpus), *options],
-            looking(Path(folder, "case.gclip")),
-            custom_mutator=lambda data, most, seed: mutated(data, most, Random(seed)),
-        )
-        atheris.Fuzz()  # ends the process
+        look = looking(Path(folder, "case.gclip"))
+        fuzz(asked, Path(folder), corpus(asked.seed), look, mutated)
     return 0
+
+
+def parser(about: str | None) -> argparse.ArgumentParser:
+    """The options that fuzzers by coverage share."""
+    found = argparse.ArgumentParser(description=(about or "").splitlines()[0])
+    found.add_argument("--minutes", type=float, default=10.0)
+    found.add_argument("--seed", type=int, default=1)
+    found.add_argument("--keep", type=Path, default=Path())
+    return found
+
+
+def is_missing() -> bool:
+    """Whether atheris is not installed, which is then said."""
+    if find_spec("atheris") is None:
+        print("Coverage-guided fuzzing needs atheris: pip install 'plant-growth-clips[fuzz]'.")
+        return True
+    return False
+
+
+def fuzz(
+    asked: argparse.Namespace,
+    folder: Path,
+    files: Iterable[bytes],
+    look: Callable[[bytes], None],
+    mutate: Callable[[bytes, int, Random], bytes] | None = None,
+) -> None:
+    """Look at files that follow from these, until the time is over, which ends the process."""
+    import atheris
+
+    beginning = folder / "corpus"
+    beginning.mkdir()
+    for number, content in enumerate(files):
+        if len(content) <= LARGEST:
+            (beginning / f"{number:04d}").write_bytes(content)
+    asked.keep.mkdir(parents=True, exist_ok=True)
+    options = [
+        f"-max_total_time={60 * asked.minutes:.0f}",
+        f"-seed={asked.seed}",
+        f"-max_len={LARGEST}",
+        f"-artifact_prefix={asked.keep}/",
+        "-timeout=20",
+    ]
+    own = mutate and (lambda data, most, seed: mutate(data, most, Random(seed)))
+    atheris.Setup([sys.argv[0], str(beginning), *options], look, custom_mutator=own)
+    atheris.Fuzz()
 
 
 def looking(path: Path) -> Callable[[bytes], None]:
@@ -104,15 +129,12 @@ def _parts(data: bytes) -> tuple[dict, bytes] | None:
     return (header, data[end:]) if found else None
 
 
-def write_corpus(folder: Path, seed: int) -> None:
+def corpus(seed: int) -> list[bytes]:
     """Files to begin with: small clips as they should be, and some that others have spoiled."""
     from tests.gclip.hostile import _contained, good_clips, hostile
 
     files = [_contained(*parts) for parts in good_clips()]
-    files += [hostile(Random(f"{seed}-{case}")) for case in range(GOOD)]
-    for number, content in enumerate(files):
-        if len(content) <= LARGEST:
-            (folder / f"{number:04d}").write_bytes(content)
+    return files + [hostile(Random(f"{seed}-{case}")) for case in range(GOOD)]
 
 
 if __name__ == "__main__":
