@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample
-from baker.geometry.rigid import fit_rigid
 
 INLIER_SHARE = 0.8  # the rest of the earlier points may have no partner: moved, lost or hidden
 MAX_ITERATIONS, MIN_GAIN = 100, 1e-4
+MIN_SPREAD = 1e-9  # second singular value of the pairs' covariance, relative to the first
 
 Matrix = NDArray[np.float64]
 
@@ -32,6 +32,23 @@ def trimmed_icp(earlier: EvenSample, later: EvenSample, start: Matrix) -> Matrix
 def trimmed_residual(earlier: EvenSample, later: EvenSample, transform: Matrix) -> float:
     """Root mean square distance from the earlier sample to the later scan, best four fifths."""
     return _nearest_pairs(earlier, later, transform)[0]
+
+
+def fit_rigid(source: Matrix, target: Matrix) -> Matrix:
+    """(4, 4) rigid transform of least squares between (n, 3) pairs of points (Kabsch 1976).
+
+    Without a rotation where the pairs do not determine one, as points on a line do not.
+    """
+    from scipy.spatial.transform import Rotation
+
+    centers = source.mean(axis=0), target.mean(axis=0)
+    before, after = source - centers[0], target - centers[1]
+    transform = np.eye(4)
+    spread = np.linalg.svd(before.T @ after, compute_uv=False)
+    if spread[1] > MIN_SPREAD * spread[0]:
+        transform[:3, :3] = Rotation.align_vectors(after, before)[0].as_matrix()
+    transform[:3, 3] = centers[1] - transform[:3, :3] @ centers[0]
+    return transform
 
 
 def _nearest_pairs(

@@ -22,8 +22,7 @@ from baker.pipeline import Progress, Register, bake_recorded
 from baker.report import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
-from baker.scans.read import list_series
-from baker.scans.unchanged import digest
+from baker.scans.read import digest, list_series
 from gclip.clip import Clip
 from gclip.corrections import corrections_file
 from gclip.terminal.command import OUR_FAULT, verdict

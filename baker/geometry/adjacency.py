@@ -18,16 +18,12 @@ def segment_adjacency(labels: NDArray[np.integer], neighbors: Neighbors) -> Gaps
 
     Parameters
     ----------
-    labels : (N,) int ndarray
-        The segment of each point.
-    neighbors : Neighbors
-        Of the same points.
+    labels, neighbors : (N,) int, Neighbors
+        The segment of each point, and what is around it.
 
     Returns
     -------
-    Gaps
-        The distance, in length units, by pairs of labels in either order, of all nearer than three
-        point spacings.
+    Gaps, in length units, of all nearer than three point spacings.
     """
     names, segment = np.unique(labels, return_inverse=True)
     touching = segment[neighbors.indices] != segment[:, None]
@@ -52,19 +48,15 @@ def agreed_gaps(
 
     Parameters
     ----------
-    labels : sequence of (N,) int ndarray
-        Of each scan; an organ has the same label in all.
-    adjacency : sequence of Gaps
-        The `segment_adjacency` of each scan.
-    spacings : sequence of float
-        Point spacing of each scan, in length units.
+    labels, adjacency, spacings : sequences of (N,) int, Gaps and float
+        Of each scan the organ of each point, which has the same label in all scans, its
+        `segment_adjacency` and its point spacing.
 
     Returns
     -------
-    Gaps
-        From (organ, possible parent), the gap in point spacings, of all that touch in some scan.
-        Where they don't touch they count as far apart as what barely does. Nothing grows from what
-        is younger.
+    Gaps from (organ, possible parent), in point spacings, of all that touch in some scan. Where
+    they don't touch they count as far apart as what barely does. Nothing grows from what is
+    younger.
     """
     shown = [set(np.unique(names).tolist()) for names in labels]
     first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}

@@ -34,17 +34,9 @@ def spanning_tree(
 
     Parameters
     ----------
-    points : (N, 3) float ndarray
-    root : int
-        Index of the point at the root.
-    k : int
-        Neighbours of each point in the graph.
-    neighbors : Neighbors, optional
-        Of the points, where they are known.
-
-    Returns
-    -------
-    RootedTree
+    points, root : (N, 3) float, index of the point at the root
+    k, neighbors : int, Neighbors, optional
+        As of `connected_knn_graph`.
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
@@ -74,15 +66,13 @@ def connected_knn_graph(
 
     Parameters
     ----------
-    points : (N, 3) float
-    k : int
+    points, k : (N, 3) float, neighbours of each point
     neighbors : Neighbors, optional
         Of the points, where they are known; they are queried where these are fewer than k.
 
     Returns
     -------
-    graph : (N, N) csr_matrix
-        As of `knn_graph`.
+    graph : (N, N) csr_matrix, as of `knn_graph`
     bridges, widest : int, float
         Edges added, and the length of the longest of these.
     """
@@ -108,8 +98,7 @@ def geodesic_distances(
 
     Parameters
     ----------
-    graph : (N, N) csr_matrix
-    seeds : (s,) int
+    graph, seeds : (N, N) csr_matrix, (s,) int
     offsets : (s,) float, optional
         Distances at the seeds, not negative; 0 by default.
 
@@ -155,13 +144,10 @@ def branches(
 
     Parameters
     ----------
-    height : (N,) float
-    graph : (N, N) sparse matrix
-        Undirected edges at its non-zeros.
-    min_length : float
-        Persistence of a branch, at least.
-    min_share : float
-        The same, relative to that of the branch it meets, if that has met none so far.
+    height, graph : (N,) float, (N, N) sparse matrix with undirected edges at its non-zeros
+    min_length, min_share : float
+        Persistence of a branch, at least: its length, and its share of that of the branch it
+        meets, if that has met none so far.
     min_points : int
         Points of a branch, at least.
 

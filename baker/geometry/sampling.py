@@ -13,17 +13,14 @@ def farthest_point_sample(
 
     Parameters
     ----------
-    points : (N, 3) float64, N > 0
-    count : int
+    points, count : (N, 3) float64, N > 0, and int
     first : int, optional
         By default the point farthest from the mean.
 
     Returns
     -------
-    indices : (n,) intp
-        At most `count`, fewer where there are no more different points.
-    radii : (n,) float64
-        How far any point is from the first 1, 2, ... of these, at most.
+    indices : (n,) intp, at most `count`, fewer where there are no more different points
+    radii : (n,) float64, how far any point is from the first 1, 2, ... of these, at most
 
     References
     ----------
@@ -47,17 +44,9 @@ def farthest_point_sample(
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
-    """Indices of the first point in each voxel, ascending.
+    """(M,) indices of the first of (N, 3) points in each voxel, ascending.
 
-    Parameters
-    ----------
-    points : (N, 3) float64 ndarray
-    size : float
-        Edge of a voxel, in length units; 0 keeps all points.
-
-    Returns
-    -------
-    (M,) intp ndarray
+    size: edge of a voxel, in length units; 0 keeps all points.
     """
     if size <= 0.0:
         return np.arange(len(points))

@@ -1,6 +1,8 @@
 """From the paths a user gives to a series of clean scans: the one place where the steps meet."""
 
-from collections.abc import Sequence
+import hashlib
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -8,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.errors import InputError, excerpt
+from baker.errors import InputError, asking, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans import clean
@@ -24,7 +26,6 @@ from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
 from baker.scans.times.schedule import Entry, Schedule, schedule_scans
-from baker.scans.unchanged import read_unchanged
 from gclip.terminal.text import printable
 
 
@@ -147,7 +148,7 @@ class Listing:
             columns = read_columns(entry.path, names, child)
             return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
 
-        cloud, sha256 = read_unchanged(self.files(entry), read)
+        cloud, sha256 = _read_unchanged(self.files(entry), read)
         cloud = replace(cloud, points=cloud.points * options.scale)
         cloud = clean.drop_non_finite(cloud, entry.path)
         clean.require_size(cloud, entry.path)
@@ -191,3 +192,35 @@ def list_series(
         finding = replace(schedule.finding, found=found)
         schedule = replace(schedule, entries=kept, finding=finding)
     return Listing(schedule, images)
+
+
+def digest(paths: Sequence[Path]) -> str:
+    """SHA-256 over the bytes of all files a scan is read from, one after the other.
+
+    Raises InputError where one can't be read.
+    """
+    found = hashlib.sha256()
+    for path in paths:
+        with asking(path), path.open("rb") as file:
+            hashlib.file_digest(file, lambda: found)
+    return found.hexdigest()
+
+
+def _read_unchanged(paths: Sequence[Path], read: Callable[[], Cloud]) -> tuple[Cloud, str]:
+    """What `read` makes of these files, and their digest.
+
+    Raises InputError where they can't be read, or are not the same before and after.
+    """
+    before = _states(paths)
+    try:
+        with asking(paths[0]):
+            return read(), digest(paths)
+    finally:  # also after a fault, which may be only that
+        if _states(paths) != before:
+            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
+            raise InputError(changed) from None
+
+
+def _states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
+    with asking(paths[0]):
+        return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from baker.alignment import align
+from baker.alignment.icp import fit_rigid
 from baker.alignment.sample import even_sample
 from baker.alignment.up_axis_search import find_up, upright
-from baker.geometry.rigid import fit_rigid
 from baker.geometry.up_axis import Vertical
 from baker.scans import read_series
 from tests.real.series import EXAMPLE, GROWN, SHARED, present

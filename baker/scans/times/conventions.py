@@ -74,12 +74,11 @@ def _calendar(order: str, match: re.Match[str]) -> Moment | None:
     return _dated(" ".join(texts), " ".join(forms[: len(texts)]), shown)
 
 
-def _day_of_year(match: re.Match[str]) -> Moment | None:
-    return _dated(f"{match['year']} {match['number']}", "%Y %j")
+def _by_form(form: str, match: re.Match[str]) -> Moment | None:
+    return _dated(" ".join(match.groups("1")), form)
 
 
-def _calendar_week(match: re.Match[str]) -> Moment | None:
-    return _dated(f"{match['y']} {match['w']} {match['d'] or 1}", "%G %V %u")
+_day_of_year, _calendar_week = partial(_by_form, "%Y %j"), partial(_by_form, "%G %V %u")
 
 
 def _week_and_day(match: re.Match[str]) -> Moment:
@@ -115,26 +114,25 @@ _CLOCK = (
     r"(?:[T_ -]?(?P<hour>[01]\d|2[0-3])[-:_.h]?(?P<minute>[0-5]\d)"
     r"(?:[-:_.m]?(?P<second>[0-5]\d))?Z?)?"
 )
-_ISO = re.compile(
-    rf"(?<!\d)(?P<a>{_YEAR})([-_.]?)(?P<b>\d\d)\2(?P<c>\d\d){_CLOCK}(?!\d)", re.IGNORECASE
-)
+
+
+def _alone(pattern: str) -> re.Pattern[str]:
+    """The pattern between characters that are no digits, in any case."""
+    return re.compile(rf"(?<!\d){pattern}(?!\d)", re.IGNORECASE)
+
+
+_ISO = _alone(rf"(?P<a>{_YEAR})([-_.]?)(?P<b>\d\d)\2(?P<c>\d\d){_CLOCK}")
 
 
 def _dates(family: str, rank: int, orders: str, pattern: str) -> list[Convention]:
     """A convention for each order in which the groups a, b, c may be day, month and year."""
     words = {"d": "day", "m": "month", "y": "year"}
-    clock = _CLOCK if "y" in orders else ""
-    compiled = re.compile(rf"(?<!\d){pattern}{clock}(?!\d)", re.IGNORECASE)
-    return [
-        Convention(
-            f"dates ({', '.join(words[letter] for letter in order)})",
-            compiled,
-            partial(_calendar, order),
-            rank,
-            family,
-        )
-        for order in orders.split()
-    ]
+    compiled = _alone(pattern + _CLOCK * ("y" in orders))
+    found = []
+    for order in orders.split():
+        what = f"dates ({', '.join(words[letter] for letter in order)})"
+        found.append(Convention(what, compiled, partial(_calendar, order), rank, family))
+    return found
 
 
 def _numbers(unit: str, days: float, prefixes: str, suffixes: str) -> list[Convention]:
@@ -163,16 +161,13 @@ _DAYS = "days?(?:old)?|d|tage?|jours?|d[ií]as?|天"
 _DAY_WORDS = r"days?[ _-]after[ _-][a-z]+|doy|day[ _-]?of[ _-]?year|jd|j\+?|第"
 _WEEKS = f"weeks?|wk|w|wochen?|{_WEEKS_AFTER}"
 _HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"
-_ORDINAL = re.compile(rf"(?<!\d)(?P<year>{_YEAR})[-_. ]?(?P<number>\d\d\d)(?!\d)")
+_ORDINAL = _alone(rf"({_YEAR})[-_. ]?(\d\d\d)")
 _WEEK_AND_DAY = re.compile(
     r"(?<![a-z0-9])w(?:eeks?|k)?[ _-]?(?P<week>\d+)[ ._-]?d(?:ays?)?[ _-]?(?P<day>\d+)",
     re.IGNORECASE,
 )
-_CALENDAR_WEEK = re.compile(
-    rf"(?<!\d)(?P<y>{_YEAR})[ _-]?(?:w|kw|cw|wk|week)[ _-]?(?P<w>\d\d?)(?:-?(?P<d>[1-7]))?(?!\d)",
-    re.IGNORECASE,
-)
-_UNIX = re.compile(r"(?<!\d)1\d{9}(?:\d{3})?(?!\d)")
+_CALENDAR_WEEK = _alone(rf"({_YEAR})[ _-]?(?:w|kw|cw|wk|week)[ _-]?(\d\d?)(?:-?([1-7]))?")
+_UNIX = _alone(r"1\d{9}(?:\d{3})?")
 CONVENTIONS: tuple[Convention, ...] = (
     Convention("dates", _ISO, partial(_calendar, "ymd"), 0, "iso"),
     Convention("years and weeks", _CALENDAR_WEEK, _calendar_week, 2, "calendar weeks"),

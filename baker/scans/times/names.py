@@ -48,8 +48,7 @@ class Reading:
     @property
     def length(self) -> float:
         """Days from the first to the last."""
-        times = [moment.time for moment in self.moments]
-        return max(times) - min(times)
+        return float(np.ptp([moment.time for moment in self.moments]))
 
 
 def read_times(texts: Sequence[str]) -> Reading | None:
@@ -110,14 +109,9 @@ def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
 def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
     if others:
         other = min(others, key=lambda reading: reading.length)
-        in_time = sorted(other.moments, key=lambda moment: moment.time)
-        return (
-            f"the names can also be read as {other.convention.what}, from {in_time[0].date} to "
-            f"{in_time[-1].date}"
-        )
-    if not best.convention.is_clear:
-        return f"'{first}' was taken for {best.moments[0].date}"
-    return ""
+        first, *_, last = (m.date for m in sorted(other.moments, key=lambda moment: moment.time))
+        return f"the names can also be read as {other.convention.what}, from {first} to {last}"
+    return "" if best.convention.is_clear else f"'{first}' was taken for {best.moments[0].date}"
 
 
 def _across_new_year(moments: list[Moment]) -> list[Moment]:
