@@ -54,22 +54,16 @@ def pose_at(
 
 
 def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
-    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw`, base on base."""
-    transform = about_z(yaw)
-    transform[:2, 3] = _stem_shift(earlier, later, transform)
+    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw` degrees."""
+    from scipy.spatial.transform import Rotation
+
+    transform = np.eye(4)
+    transform[:3, :3] = Rotation.from_euler("z", yaw, degrees=True).as_matrix()
+    transform[:2, 3] = _stem_shift(earlier, later, transform[:3, :3])
     return np.linalg.inv(earlier.frame) @ transform @ later.frame
 
 
-def about_z(yaw: float) -> NDArray[np.float64]:
-    """(4, 4) rotation by degrees about +z, right-handed."""
-    from scipy.spatial.transform import Rotation
-
-    turn = np.eye(4)
-    turn[:3, :3] = Rotation.from_euler("z", yaw, degrees=True).as_matrix()
-    return turn
-
-
-def _stem_shift(earlier: Pose, later: Pose, transform: NDArray[np.float64]) -> NDArray[np.float64]:
+def _stem_shift(earlier: Pose, later: Pose, turn: NDArray[np.float64]) -> NDArray[np.float64]:
     """(2,) how much further the later scan's stem has to be moved, level, to cover the earlier's.
 
     A base is the middle of a few points at the ground. The stem just above it hardly changes: its
@@ -85,7 +79,7 @@ def _stem_shift(earlier: Pose, later: Pose, transform: NDArray[np.float64]) -> N
     shift = np.zeros(3)
     if height == 0.0 or not len(source) or not len(target):
         return shift[:2]
-    source = source @ transform[:3, :3].T
+    source = source @ turn.T
     tree = KDTree(source)
     for width in KERNEL_WIDTHS:
         for _ in range(ITERATIONS):

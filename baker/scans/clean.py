@@ -24,7 +24,7 @@ MIN_SCAN_SIZE = 1e-9  # of smaller ones the products of lengths vanish; no unit 
 def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
     """Without points that have a coordinate that is NaN, infinite or beyond `MAX_COORDINATE`.
 
-    InputError if none is left.
+    InputError if none is left, or these have a size, but one below `MIN_SCAN_SIZE`.
     """
     if not len(cloud):
         raise InputError(f"'{path}' holds no points.")
@@ -34,18 +34,14 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
             f"'{path}': none of its {len(cloud)} points has finite coordinates (up to "
             f"{MAX_COORDINATE:g})."
         )
-    why = f"with coordinates NaN, infinite or beyond {MAX_COORDINATE:g}"
-    return _keep(cloud, np.flatnonzero(finite), why)
-
-
-def require_size(cloud: Cloud, path: Path) -> None:
-    """InputError for a scan that has a size, but one below `MIN_SCAN_SIZE`."""
-    size = float(np.ptp(extent(cloud.points), axis=0).max())
+    size = float(np.ptp(extent(cloud.points[finite]), axis=0).max())
     if 0.0 < size < MIN_SCAN_SIZE:
         raise InputError(
             f"'{path}' is only {size:.2g} in size, at least {MIN_SCAN_SIZE:g} is needed; write it "
             "in a smaller unit."
         )
+    why = f"with coordinates NaN, infinite or beyond {MAX_COORDINATE:g}"
+    return _keep(cloud, np.flatnonzero(finite), why)
 
 
 def drop_duplicates(cloud: Cloud) -> Cloud:

@@ -15,6 +15,7 @@ COLOR_NAMES = tuple(
     tuple(names.split())
     for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
+NO_LABELS = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
 MAX_SAMPLE, MAX_VALUES = 2_000, 200  # of a field whose name says nothing, that may be labels
 
 
@@ -33,34 +34,26 @@ def choose_fields(
     name in `carried`.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
-    found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
-    wanted = [*"xyz", *([label_field] if label_field is not None and use_labels else ())]
-    wanted += carried
-    missing = [name for name in wanted if name.lower() not in by_name]
+    asked = [label_field] if label_field is not None and use_labels else []
+    missing = [name for name in [*"xyz", *asked, *carried] if name.lower() not in by_name]
     if missing:
+        found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     notes = [f"positions from {_quoted(used)}"]
 
-    scalars = {
-        name: _numbers(columns.values[by_name[name.lower()]], name, path) for name in carried
-    }
-    taken = {
-        *(name.lower() for name in carried),
-        *"xyz",
-        "nx",
-        "ny",
-        "nz",
-        *chain.from_iterable(COLOR_NAMES),
-    }
-    labels = [
-        name
-        for name, values in columns.values.items()
-        if name.lower() not in taken and (label_rank(name) is not None or _may_be_labels(values))
-    ]
-    if label_field is not None:
-        labels = [by_name[label_field.lower()]] if use_labels else []
+    scalars = {}
+    for name in carried:
+        values = columns.values[by_name[name.lower()]]
+        if values.dtype.kind not in "iufb":
+            raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
+        scalars[name] = values.astype(np.float32)
+    labels = [by_name[name.lower()] for name in asked]
+    if use_labels and not asked:
+        taken = NO_LABELS | {name.lower() for name in carried}
+        rest = {n: values for n, values in columns.values.items() if n.lower() not in taken}
+        labels = [n for n in rest if label_rank(n) is not None or _may_be_labels(rest[n])]
 
     colors = None
     triple = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
@@ -70,14 +63,8 @@ def choose_fields(
         notes.append(f"colours from {_quoted(used)} ({scale})")
 
     notes = [*columns.notes, "; ".join(notes) + "."]
-    fields = {name: columns.values[name] for name in labels * use_labels}
+    fields = {name: columns.values[name] for name in labels}
     return Cloud(points, None, colors, tuple(notes), fields, scalars)
-
-
-def _numbers(values: NDArray, name: str, path: Path) -> NDArray[np.float32]:
-    if values.dtype.kind not in "iufb":
-        raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
-    return values.astype(np.float32)
 
 
 def _may_be_labels(values: NDArray) -> bool:

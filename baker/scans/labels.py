@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
+from baker.geometry.neighbors import nearest_neighbors
 from baker.scans.cloud import Cloud
 from baker.scans.scan import Finding
 from baker.scans.times.schedule import natural_key
@@ -122,7 +123,8 @@ def drop_labels(
         held = np.zeros(len(cloud), bool)
         for texts, index in _named(cloud, words):
             named = [text.lower() for text in texts]
-            is_out = [t in asked or (not keep_ground and _is_ground(t)) for t in named]
+            ground = set() if keep_ground else GROUND_WORDS
+            is_out = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in named]
             held |= np.array(is_out, bool)[index]
             found |= {*named}
             out |= {*compress(named, is_out)}
@@ -147,10 +149,6 @@ def _named(cloud: Cloud, words: dict[int, str]) -> Iterator[tuple[list[str], NDA
     for values in (field for field in cloud.fields.values() if field.dtype.kind == "U"):
         texts, index = np.unique(values, return_inverse=True)
         yield texts.tolist(), index
-
-
-def _is_ground(text: str) -> bool:
-    return bool(GROUND_WORDS & {*re.findall("[a-z]+", text)})
 
 
 def _order(name: str) -> tuple[int, str]:
@@ -207,14 +205,13 @@ def _patches(points: NDArray[np.floating], labels: NDArray) -> tuple[float, floa
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import KDTree
 
     step = -(-len(points) // MAX_SAMPLE)
     points = points[::step]
     names, label = np.unique(labels[::step], return_inverse=True)
     if len(points) < MIN_SAMPLE or len(names) == 1:
         return 1.0, 1.0, 0.0
-    near = KDTree(points).query(points, k=NEIGHBORS + 1)[1][:, 1:]
+    near = nearest_neighbors(points, NEIGHBORS).indices
     same = label[near] == label[:, None]
     counts = np.bincount(label)
     by_chance = float(((counts / len(label)) ** 2).sum())
@@ -232,17 +229,13 @@ def _patches(points: NDArray[np.floating], labels: NDArray) -> tuple[float, floa
     return float(agreement), float(typical), steps
 
 
-def _whole(values: NDArray) -> NDArray[np.int64]:
-    filled = np.where(np.isnan(values), -1, values) if values.dtype.kind == "f" else values
-    return filled.astype(np.int64)
-
-
 def _numbered(
     values: Sequence[NDArray | None],
 ) -> tuple[list[NDArray[np.int64] | None], dict[int, str]]:
-    """Labels as numbers, and the words that they stand for, where there are any."""
+    """Labels as numbers, -1 where they are none; the words that they stand for, if any."""
     if not any(own is not None and own.dtype.kind == "U" for own in values):
-        return [None if own is None else _whole(own) for own in values], {}
+        whole = [None if own is None else np.nan_to_num(own, nan=-1) for own in values]
+        return [None if own is None else own.astype(np.int64) for own in whole], {}
     distinct = partial(np.unique, return_inverse=True)
     texts = [None if own is None else distinct(own.astype(str)) for own in values]
     found = {str(word).strip() for text in texts if text for word in text[0]}

@@ -149,10 +149,8 @@ class Listing:
             return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
 
         cloud, sha256 = _read_unchanged(self.files(entry), read)
-        cloud = replace(cloud, points=cloud.points * options.scale)
-        cloud = clean.drop_non_finite(cloud, entry.path)
-        clean.require_size(cloud, entry.path)
-        return cloud, sha256
+        scaled = replace(cloud, points=cloud.points * options.scale)
+        return clean.drop_non_finite(scaled, entry.path), sha256
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""

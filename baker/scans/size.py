@@ -27,6 +27,7 @@ def require_one_unit(
     must be another one.
     """
     sizes = [_size(cloud) for cloud in clouds]
+    short = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
     logs = np.log(np.maximum(sizes, MIN_SIZE))
     off = np.abs(logs - np.median(logs))
     doubts = []
@@ -37,24 +38,18 @@ def require_one_unit(
             continue
         factors = [a / b for a in UNITS for b in UNITS]
         factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[other]))
-        said = (
-            f"'{names[odd]}' is {_short(sizes[odd])} across, '{names[other]}' "
-            f"{_short(sizes[other])}, as if they were in different units: multiply the "
-            f"coordinates of '{names[odd]}' by {factor:g}, or leave it out"
-        )
+        across = f"'{names[odd]}' is {short[odd]} across, '{names[other]}' {short[other]}"
+        remedy = f"multiply the coordinates of '{names[odd]}' by {factor:g}, or leave it out"
+        said = f"{across}, as if they were in different units: {remedy}"
         if ratio > MAX_RATIO:
             raise InputError(f"{said}.")
         doubts.append(said)
     meters = sizes[-1] * METERS.get(unit.lower(), 0.0)
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")
-    size = f"the last scan is {_short(sizes[-1])} {unit}".rstrip() + " across"
+    size = f"the last scan is {short[-1]} {unit}".rstrip() + " across"
     found = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
     return Finding("unit", found, *doubts[:1])
-
-
-def _short(size: float) -> str:
-    return f"{float(f'{size:.3g}'):,g}"
 
 
 def _size(cloud: NDArray[np.floating]) -> float:

@@ -40,10 +40,6 @@ class Frame(NamedTuple):
     label: Path | None
     mask: Path | None
 
-    @property
-    def files(self) -> tuple[Path, ...]:
-        return tuple(path for path in self[1:] if path is not None)
-
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     """Find the frames of a folder, one for each colour image, in the natural order of their names.

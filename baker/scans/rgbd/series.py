@@ -62,7 +62,8 @@ class ImageSeries:
 
     def beside(self, color: Path) -> tuple[Path, ...]:
         """What a frame was read from besides its colour image."""
-        return (self.camera_file, *self.frames[color].files[1:])
+        frame = self.frames[color]
+        return (self.camera_file, *filter(None, (frame.depth, frame.label, frame.mask)))
 
     @cached_property
     def _ground(self) -> float:
