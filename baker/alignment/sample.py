@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.adjacency import Gaps, segment_adjacency
 from baker.geometry.graph import MIN_LENGTH, spanning_tree
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Gaps, nearest_neighbors, segment_adjacency
 from baker.geometry.sampling import farthest_point_sample
 
 if TYPE_CHECKING:

@@ -4,6 +4,7 @@ One query a scan answers for point spacing, point area, outliers, label cleaning
 and graphs; none of them changes when the scan is moved rigidly.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,10 @@ OUTLIER_RATIO = 10.0  # an outlier reaches so many times as far as the median po
 PLANAR_RATIO = 1.5  # squared reach over spread from which on points lie on a thin rod
 MAX_AREA_QUANTILE = 0.98  # of all points' areas, that none exceeds
 POINTS_AT_ONCE = 50_000  # whose neighbourhoods are held in memory together
+MAX_GAP = 3.0  # between segments that touch, in point spacings
+
+Gaps = Mapping[tuple[int, int], float]
+"""Gaps by the labels of two segments, in either order."""
 
 
 @dataclass(frozen=True)
@@ -137,3 +142,59 @@ def point_area(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np
     spread = 4.0 * np.sqrt(np.maximum(products, 0.0))
     area = np.minimum(area, PLANAR_RATIO * spread)
     return np.minimum(area, np.quantile(area, MAX_AREA_QUANTILE))
+
+
+def segment_adjacency(labels: NDArray[np.integer], neighbors: Neighbors) -> Gaps:
+    """Find the segments that touch, and the smallest distance between points of theirs.
+
+    Parameters
+    ----------
+    labels, neighbors : (N,) int, Neighbors
+        The segment of each point, and what is around it.
+
+    Returns
+    -------
+    Gaps, in length units, of all nearer than three point spacings.
+    """
+    names, segment = np.unique(labels, return_inverse=True)
+    touching = segment[neighbors.indices] != segment[:, None]
+    touching &= neighbors.distances <= MAX_GAP * neighbors.spacing
+    i, column = np.nonzero(touching)
+    ends = np.sort(segment[np.stack([i, neighbors.indices[i, column]])], axis=0)
+    pairs, number = np.unique(ends[0] * len(names) + ends[1], return_inverse=True)
+    gaps = np.full(len(pairs), np.inf)
+    np.minimum.at(gaps, number, neighbors.distances[i, column])
+    first, second = (names[side].tolist() for side in np.divmod(pairs, len(names)))
+    found = dict(zip(zip(first, second, strict=True), gaps.tolist(), strict=True))
+    return found | {(b, a): gap for (a, b), gap in found.items()}
+
+
+def agreed_gaps(
+    labels: Sequence[NDArray[np.integer]], adjacency: Sequence[Gaps], spacings: Sequence[float]
+) -> Gaps:
+    """Mean gaps between an organ and what it may grow from, over all scans that show both.
+
+    In a dense crown leaves touch branches that they don't grow from, and in a single scan they may
+    be nearer to those than a branch is to its parent. An organ's parent touches it in every scan.
+
+    Parameters
+    ----------
+    labels, adjacency, spacings : sequences of (N,) int, Gaps and float
+        Of each scan the organ of each point, which has the same label in all scans, its
+        `segment_adjacency` and its point spacing.
+
+    Returns
+    -------
+    Gaps from (organ, possible parent), in point spacings, of all that touch in some scan. Where
+    they don't touch they count as far apart as what barely does. Nothing grows from what is
+    younger.
+    """
+    shown = [set(np.unique(names).tolist()) for names in labels]
+    first = {label: scan for scan in reversed(range(len(shown))) for label in shown[scan]}
+    pairs = sorted({pair for gaps in adjacency for pair in gaps})
+    agreed = {}
+    for pair in (pair for pair in pairs if first[pair[1]] <= first[pair[0]]):
+        seen = (k for k, present in enumerate(shown) if present.issuperset(pair))
+        gaps = [adjacency[k].get(pair, MAX_GAP * spacings[k]) / spacings[k] for k in seen]
+        agreed[pair] = float(np.mean(gaps))
+    return agreed

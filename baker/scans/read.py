@@ -13,9 +13,18 @@ from numpy.typing import NDArray
 from baker.errors import InputError, asking, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
-from baker.scans import clean
 from baker.scans.child_process import ChildProcess
-from baker.scans.cloud import Cloud, own_origin, relative_to, shared_origin
+from baker.scans.cloud import (
+    Cloud,
+    downsample,
+    drop_duplicates,
+    drop_non_finite,
+    drop_outliers,
+    own_origin,
+    relative_to,
+    resampled,
+    shared_origin,
+)
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns
@@ -72,7 +81,7 @@ def read_series(
         raw, digests = zip(*map(read, entries), strict=True)
     shared = shared_origin(raw[0].points)
     origins = [own_origin(cloud.points, shared) for cloud in raw]
-    clouds = list(map(clean.drop_duplicates, map(relative_to, origins, raw)))
+    clouds = list(map(drop_duplicates, map(relative_to, origins, raw)))
     paths, names = [entry.path for entry in entries], [printable(entry.name) for entry in entries]
     keep, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
@@ -96,10 +105,10 @@ def read_series(
 
 def _thinned(cloud: Cloud, options: Options) -> Cloud:
     if options.outliers is not None:
-        cloud = clean.drop_outliers(cloud, options.outliers)
+        cloud = drop_outliers(cloud, options.outliers)
     if options.voxel is not None:
-        cloud = clean.downsample(cloud, options.voxel)
-    return cloud if options.resample is None else clean.resampled(cloud, options.resample)
+        cloud = downsample(cloud, options.voxel)
+    return cloud if options.resample is None else resampled(cloud, options.resample)
 
 
 def _with_colors_in_all(clouds: list[Cloud], names: list[str]) -> list[Cloud]:
@@ -150,7 +159,7 @@ class Listing:
 
         cloud, sha256 = _read_unchanged(self.files(entry), read)
         scaled = replace(cloud, points=cloud.points * options.scale)
-        return clean.drop_non_finite(scaled, entry.path), sha256
+        return drop_non_finite(scaled, entry.path), sha256
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.adjacency import Gaps, segment_adjacency
-from baker.geometry.neighbors import Neighbors, nearest_neighbors
+from baker.geometry.neighbors import Gaps, Neighbors, nearest_neighbors, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
 Indices = NDArray[np.intp]

@@ -8,8 +8,7 @@ from itertools import repeat
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.adjacency import agreed_gaps, segment_adjacency
-from baker.geometry.neighbors import Neighbors
+from baker.geometry.neighbors import Neighbors, agreed_gaps, segment_adjacency
 from baker.geometry.parallel import MapLike
 from baker.segmentation.from_labels import hierarchy_from_labels, under_virtual_root
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree

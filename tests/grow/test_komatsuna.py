@@ -12,7 +12,7 @@ from baker.errors import InputError
 from baker.scans import read_series
 from baker.scans.rgbd.camera import Camera, read_camera
 from baker.scans.rgbd.depth_repair import repair
-from baker.scans.rgbd.images import Frame, find_frames, read_depth, read_labels
+from baker.scans.rgbd.series import Frame, find_frames, read_depth, read_labels
 from grow.cli import main
 from grow.faults import Faults
 from grow.images import ImagePlan, rosette, write_images

@@ -69,7 +69,7 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     depth_unit: Positive = 1.0  # of one count of depth
     crop: tuple[Coordinate, Coordinate] | None = None  # left, top
     ground: Positive | None = None
-    background: Label = 0  # as `baker.scans.rgbd.images.read_labels` numbers it
+    background: Label = 0  # as `baker.scans.rgbd.series.read_labels` numbers it
     per_day: Count = 6
     images: Patterns = Patterns()
     repair: RepairOptions = RepairOptions()

@@ -1,31 +1,102 @@
 """A folder of images as a series of scans: what `baker.scans.read_series` asks for."""
 
+import re
+import struct
+import warnings
+from collections.abc import Sequence
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.cloud import Cloud
-from baker.scans.rgbd.camera import Camera, read_camera
+from baker.scans.rgbd.camera import Camera, Patterns, read_camera
 from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
-from baker.scans.rgbd.images import (
-    Frame,
-    find_frames,
-    read_color,
-    read_depth,
-    read_labels,
-    read_mask,
-    schedule_frames,
+from baker.scans.times.conventions import Moment
+from baker.scans.times.schedule import (
+    FoundScans,
+    Schedule,
+    natural_key,
+    schedule_in_time,
+    schedule_scans,
 )
-from baker.scans.times.schedule import Schedule
+
+FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
+MAX_PIXELS = 100_000_000
+MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs 1032 bytes into one
+MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy picture of them
+
+_SLOT = re.compile(r"(?:\d{1,3}[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
+
+
+class Frame(NamedTuple):
+    """The images of one moment."""
+
+    name: str  #: what the star of the patterns stands for
+    color: Path
+    depth: Path
+    label: Path | None
+    mask: Path | None
+
+
+def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
+    """Find the frames of a folder, one for each colour image, in the natural order of their names.
+
+    Raises InputError: fewer than two, one without depth, or labels for some frames only.
+    """
+    colors, depths, labels, masks = (_by_name(folder, pattern) for pattern in astuple(patterns))
+    if len(colors) < 2:
+        images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
+        raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
+    names = sorted(colors, key=natural_key)
+    for kind, found in (("depth", depths), ("label", labels or colors)):
+        for name in names:
+            if name not in found:
+                missing = getattr(patterns, kind).replace("*", name)
+                raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
+    return tuple(
+        Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
+    )
+
+
+def schedule_frames(
+    frames: Sequence[Frame], per_day: int, times_file: Path | None = None
+) -> Schedule:
+    """Time and order the frames, by a times file, by day and number of the day, or as scans are.
+
+    Names of two numbers are day and number of the image in that day (000_05), of three also the
+    plant's before (00_000_05); the numbers of a day start with 0, and `per_day` make a day.
+
+    Raises InputError: a number that is `per_day` or more, or two frames at one time.
+    """
+    slots = [_SLOT.fullmatch(frame.name) for frame in frames]
+    found = FoundScans(tuple(frame.color for frame in frames), from_folder=True)
+    known = [slot for slot in slots if slot is not None]
+    if times_file is not None or len(known) < len(frames):
+        return schedule_scans(found, times_file)
+
+    for frame, slot in zip(frames, known, strict=True):
+        if int(slot["slot"]) >= per_day:
+            raise InputError(
+                f"'{frame.color}' is number {int(slot['slot'])} of its day, but a day has "
+                f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
+                "where the number is the hour)."
+            )
+    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in known]
+    moments = [Moment(time, f"day {time:.2f}") for time in times]
+    rule = f"from day and number in the names, {per_day} images a day"
+    return schedule_in_time(found, [path.name for path in found.paths], moments, rule)
 
 
 class ImageSeries:
     """The frames of one folder, found and checked by name; pixels are read frame by frame.
 
-    Raises InputError here and while reading: see the modules `camera` and `images`.
+    Raises InputError here and while reading.
     """
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
@@ -140,3 +211,81 @@ def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tu
 def _by_label(labels: NDArray[np.int64]) -> str:
     counts = zip(*np.unique(labels, return_counts=True), strict=True)
     return "label: pixels " + (", ".join(f"{label}: {count}" for label, count in counts) or "none")
+
+
+def read_color(path: Path) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 sRGB. InputError if it can't be read, as of all functions below."""
+    return _decoded(path, "RGB", "RGB")
+
+
+def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
+    """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
+    return np.maximum(_decoded(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
+
+
+def read_labels(path: Path) -> NDArray[np.int64]:
+    """(H, W) int64: the number of a grey or palette pixel, 0xRRGGBB of a coloured one.
+
+    Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
+    """
+    labels = _numbers(_decoded(path, "I.*|1|L|P", "RGBA"))
+    distinct = len(np.unique(labels))
+    if distinct > MAX_LABELS:
+        raise InputError(
+            f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
+            "each organ, saved without loss and without smoothing."
+        )
+    return labels
+
+
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """(H, W) bool, True where a channel (other than opacity) is not 0."""
+    return _numbers(_decoded(path, "I.*", "RGBA")) != 0
+
+
+def _numbers(pixels: NDArray) -> NDArray[np.int64]:
+    """(H, W) pixels of one channel as they are, coloured ones as 0xRRGGBB."""
+    if pixels.ndim == 2:
+        return pixels.astype(np.int64)
+    red, green, blue, alpha = np.moveaxis(pixels.astype(np.int64), -1, 0)
+    return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
+
+
+def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
+    """The files of a pattern, by what its star stands for."""
+    before, _, after = Path(pattern).name.partition("*")
+    found = (path for path in folder.glob(pattern) if path.is_file())
+    return {path.name.removeprefix(before).removesuffix(after): path for path in found}
+
+
+def _decoded(path: Path, kept: str, other: str | None = None) -> NDArray:
+    """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`."""
+    from PIL import Image, UnidentifiedImageError
+
+    unreadable = (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error)
+    # From memory, where a part that says it is a gigabyte makes no room for one.
+    content = path.read_bytes()
+    try:
+        with (
+            warnings.catch_warnings(action="ignore"),  # of details that don't matter here
+            Image.open(BytesIO(content), formats=FORMATS) as image,
+        ):
+            count = image.width * image.height
+            if count > MAX_PIXELS:
+                raise Image.DecompressionBombError
+            if image.format == "PNG" and count > MAX_PIXELS_PER_BYTE * len(content):
+                raise ValueError(f"its {len(content)} bytes can't hold so many pixels")
+            mode = image.mode if re.fullmatch(kept, image.mode) else other
+            if mode is not None:
+                return np.array(image.convert(mode))
+    except unreadable as error:
+        reason = " ".join(str(error).split()).rstrip(".")
+        if isinstance(error, UnidentifiedImageError):
+            reason = f"it is none of {', '.join(FORMATS)}, or damaged"
+        if isinstance(error, Image.DecompressionBombError):
+            reason = f"it has more than {MAX_PIXELS // 10**6} million pixels"
+        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
+    raise InputError(
+        f"'{path}' is no depth image: it must have one channel of whole numbers of 16 bits a "
+        f"pixel, not the kind '{image.mode}'."
+    )

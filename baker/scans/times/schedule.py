@@ -18,8 +18,13 @@ from pathlib import Path
 from baker.errors import InputError
 from baker.scans.scan import Finding
 from baker.scans.times.conventions import Moment
-from baker.scans.times.names import Reading, find_time, read_times
-from baker.scans.times.times_file import moments_from_file, moments_from_list
+from baker.scans.times.names import (
+    Reading,
+    find_time,
+    moments_from_file,
+    moments_from_list,
+    read_times,
+)
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans

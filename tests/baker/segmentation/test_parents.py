@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from baker.geometry.adjacency import agreed_gaps, segment_adjacency
-from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.neighbors import agreed_gaps, nearest_neighbors, segment_adjacency
 from baker.segmentation.hierarchy import NO_PARENT
 from baker.segmentation.stage import labelled_hierarchies
 

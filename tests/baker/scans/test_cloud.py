@@ -9,8 +9,18 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from baker.errors import InputError
-from baker.scans import clean
-from baker.scans.cloud import Cloud, own_origin, relative_to, shared_origin
+from baker.scans.cloud import (
+    Cloud,
+    _groups,
+    downsample,
+    drop_duplicates,
+    drop_non_finite,
+    drop_outliers,
+    own_origin,
+    relative_to,
+    resampled,
+    shared_origin,
+)
 
 HERE = Path("scan.ply")
 lattice = arrays(np.float32, st.tuples(st.integers(1, 30), st.just(3)), elements=st.integers(-2, 2))
@@ -25,7 +35,7 @@ def numbered(points, labels=None):
 
 @given(lattice)
 def test_duplicates_keep_the_first_of_each_place(points):
-    kept = clean.drop_duplicates(numbered(points, np.arange(len(points))))
+    kept = drop_duplicates(numbered(points, np.arange(len(points))))
     first = sorted({tuple(p): i for i, p in reversed(list(enumerate(points.tolist())))}.values())
     assert kept.labels.tolist() == first
     assert kept.colors[:, 0].tolist() == first
@@ -37,28 +47,28 @@ def test_duplicates_keep_the_first_of_each_place(points):
 
 def test_minus_zero_is_zero():
     cloud = relative_to(np.zeros(3), numbered([[0.0, 0, 0], [-0.0, 0, -0.0]]))
-    assert len(clean.drop_duplicates(cloud)) == 1
+    assert len(drop_duplicates(cloud)) == 1
 
 
 def test_non_finite_points_are_dropped_and_counted():
     nan, inf = np.nan, np.inf
     cloud = numbered([[0, 0, nan], [1, 2, 3], [inf, 0, 0], [4, 5, 6], [0, -inf, nan]])
-    kept = clean.drop_non_finite(cloud, HERE)
+    kept = drop_non_finite(cloud, HERE)
     assert kept.colors[:, 0].tolist() == [1, 3]
     assert kept.notes == ("dropped 3 points with coordinates NaN, infinite or beyond 1e+12.",)
 
 
 def test_nothing_left_names_the_file():
     with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has finite"):
-        clean.drop_non_finite(numbered([[np.nan] * 3] * 2), HERE)
+        drop_non_finite(numbered([[np.nan] * 3] * 2), HERE)
     with pytest.raises(InputError, match=r"scan\.ply' holds no points"):
-        clean.drop_non_finite(numbered(np.empty((0, 3))), HERE)
+        drop_non_finite(numbered(np.empty((0, 3))), HERE)
 
 
 @given(lattice, st.sampled_from([0.5, 1.0, 1.7, 10.0]), st.booleans())
 def test_downsampling_keeps_one_real_point_for_each_voxel_and_label(points, voxel, labelled):
     labels = np.arange(len(points)) % 3 if labelled else None
-    kept = clean.downsample(numbered(points, labels), voxel)
+    kept = downsample(numbered(points, labels), voxel)
     original = kept.colors[:, 0]
     np.testing.assert_array_equal(kept.points, points[original])
     assert (np.diff(original.astype(int)) > 0).all()
@@ -74,32 +84,32 @@ def test_downsampling_keeps_one_real_point_for_each_voxel_and_label(points, voxe
 def test_voxels_finer_than_any_number_keep_all_points():
     points = np.random.default_rng(0).normal(size=(50, 3)) * 1e9
     for voxel in (1e-300, 5e-324):
-        assert len(clean.downsample(numbered(points), voxel)) == 50
+        assert len(downsample(numbered(points), voxel)) == 50
 
 
 def test_downsampling_takes_the_point_nearest_the_mean():
     cloud = numbered([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5], [0.8, 0.8, 0.8], [3, 3, 3]])
-    assert clean.downsample(cloud, 1.0).colors[:, 0].tolist() == [1, 3]
+    assert downsample(cloud, 1.0).colors[:, 0].tolist() == [1, 3]
 
 
 def test_outliers_go_and_a_plant_stays():
     random = np.random.default_rng(0)
     plant = random.random((500, 3))
     points = np.concatenate([plant, [[5, 5, 5], [-4, 0, 0]]])
-    kept = clean.drop_outliers(numbered(points), 6.0)
+    kept = drop_outliers(numbered(points), 6.0)
     np.testing.assert_array_equal(kept.points, plant.astype(np.float32))
     assert kept.notes == ("dropped 2 points as outliers.",)
-    assert len(clean.drop_outliers(numbered([[0, 0, 0]]), 2.0)) == 1
+    assert len(drop_outliers(numbered([[0, 0, 0]]), 2.0)) == 1
 
 
 def test_points_at_equal_distances_have_no_outliers():
     corners = np.array([[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0]])
-    assert len(clean.drop_outliers(numbered(corners), 2.0)) == 4
+    assert len(drop_outliers(numbered(corners), 2.0)) == 4
 
 
 @given(lattice)
 def test_groups_are_those_of_numpy(points):
-    first, group = clean._groups(points)
+    first, group = _groups(points)
     np.testing.assert_array_equal(points[first][group], points)
     _, expected = np.unique(points, axis=0, return_inverse=True)
     pairs = np.unique(np.stack([group, expected.ravel()]), axis=1)
@@ -142,7 +152,7 @@ def test_a_scan_far_from_the_first_has_its_own_origin():
 def test_resampling_comes_near_the_number_and_evens_the_density():
     rng = np.random.default_rng(0)
     dense, sparse = rng.random((9000, 3)) * [1, 1, 0], rng.random((1000, 3)) * [1, 1, 0] + [1, 0, 0]
-    kept = clean.resampled(Cloud(np.concatenate([dense, sparse])), 800)
+    kept = resampled(Cloud(np.concatenate([dense, sparse])), 800)
     assert len(kept) == pytest.approx(800, rel=0.05)
     share = (kept.points[:, 0] < 1).mean()
     assert 0.45 < share < 0.6
@@ -151,4 +161,4 @@ def test_resampling_comes_near_the_number_and_evens_the_density():
 
 def test_resampling_leaves_small_scans_alone():
     cloud = Cloud(np.random.default_rng(0).random((50, 3)))
-    assert clean.resampled(cloud, 50) is cloud
+    assert resampled(cloud, 50) is cloud
