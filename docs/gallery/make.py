@@ -99,7 +99,7 @@ def colors(work: Path) -> None:
     """The same plant in the colours of its organs and of three values."""
     clip = gclip.open(clip_of("maize", work))
     parts = []
-    for color in ("track", "age", "speed", "error"):
+    for color in ("track", "age", "growth", "error"):
         film = Film(
             size=(560, 420),
             at=(12.25,),

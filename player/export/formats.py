@@ -35,12 +35,13 @@ class Format:
     sequence: bool = False  #: numbered files, one a moment: the name has a place for a number
     picture: bool = False  #: drawn, so that size, colours and stamps count
     points: bool = False  #: one colour for each of the movers is all that it holds of colours
+    look: bool = True  #: whether colours and camera count, at least in part
     days: int = 0  #: how many --day it takes: 0, 1, or 2 for any number
     also: tuple[str, ...] = ()  #: other suffixes that ask for it
 
     @property
-    def suffix(self) -> str:
-        return Path(self.example).suffix
+    def suffixes(self) -> tuple[str, ...]:
+        return (Path(self.example).suffix, *self.also)
 
 
 def export(
@@ -94,10 +95,11 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     if path.is_dir():
         raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
     suffix = path.suffix.lower()
-    known = [one for one in FORMATS if suffix in (one.suffix, *one.also)]
+    known = [one for one in FORMATS if suffix in one.suffixes]
     if not known:
-        names = ", ".join(one.example for one in FORMATS)
-        raise PlayerError(f'{path}: "{suffix}" is no known suffix; these are: {names}.')
+        names = ", ".join(dict.fromkeys(name for one in FORMATS for name in one.suffixes))
+        found = f'has the unknown suffix "{suffix}"' if suffix else "has no suffix"
+        raise PlayerError(f"{path} {found}; the suffix says what is written: {names}.")
     numbered = any(one.sequence for one in known) and is_numbered(path)
     fitting = [one for one in known if one.sequence == numbered]
     if not fitting:
@@ -153,6 +155,6 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "traits.csv", "height, length, area, volume, angle, growth of each organ", table.write,
-        days=2,
+        look=False, days=2,
     ),
 )  # fmt: skip

@@ -172,7 +172,7 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
         turning=scene.turning,
         style=scene.style,
         at=(scene.timeline.day,) if chosen.days == 1 else (),
-        transparent=scene.output.transparent and chosen.suffix == ".png",
+        transparent=scene.output.transparent and chosen.suffixes[0] == ".png",
         name=name,
         path=path,
     )

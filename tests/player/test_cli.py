@@ -92,6 +92,13 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "folder" in refusal(capsys, saved, "--export", tmp_path)
     assert "--fps" in refusal(capsys, saved, "--export", out, "--fps", "0")
     assert "CLIP" in refusal(capsys)
+    table = tmp_path / "t.csv"
+    for words in (["--color", "age"], ["--ground", "light"], ["--camera", "turntable"]):
+        assert "t.csv holds numbers alone" in refusal(capsys, saved, "--export", table, *words)
+    for name in ("t.csv", "p.html", "p.glb"):
+        assert "--scale-bar" in refusal(capsys, saved, "--export", tmp_path / name, "--scale-bar")
+        assert not (tmp_path / name).exists()
+    assert "has no suffix" in refusal(capsys, saved, "--export", tmp_path / "film")
     assert not out.exists()
 
 
