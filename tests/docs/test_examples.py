@@ -110,7 +110,8 @@ def test_examples_run(
 
 def clear_outputs(text: str, folder: Path) -> None:
     """Take away what a page writes before it reads it: its commands overwrite nothing unforced."""
-    for output in re.finditer(r"^(?:grow \w+|bake .*(?:-o|--traits)) (\S+)", text, re.MULTILINE):
+    made = r"(?:^grow \w+|-o|--traits|--report|--export) (\S+)"
+    for output in re.finditer(made, text, re.MULTILINE):
         if not re.search(rf"(?<![\w/]){re.escape(output[1])}", text[: output.start(1)]):
             path = folder / output[1]
             shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
