@@ -1,6 +1,6 @@
 """Descriptors of a scan's organs for matching: attachment point, size, direction, order."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,11 @@ class OrganDescriptors:
 
     def __len__(self) -> int:
         return len(self.samples)
+
+    def moved(self, displacements: NDArray[np.float64]) -> "OrganDescriptors":
+        """Each organ moved by its own displacement, (n, 3)."""
+        samples = [own + by for own, by in zip(self.samples, displacements, strict=True)]
+        return replace(self, samples=samples, attachments=self.attachments + displacements)
 
 
 def describe_organs(

@@ -6,9 +6,14 @@ most. Besides, an organ keeps its direction and its place in the order along the
 organs come on top, and it does not shrink. All of it is weighed against a loss and a birth.
 docs/method.md has the figures.
 
+A plant that leans, or a leaf that sinks with all its leaflets, takes neighboring organs the same
+way. So once some pairs are known, every other organ is looked for where its neighbors have gone.
+
 Of two scans the one with the smaller organs is the younger, so a series read backwards gives the
 same organs.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,15 +30,23 @@ SHRINKING_PENALTY = 0.6  # per size lost
 MAX_PENALTY = 1.8  # from which on a loss and a birth are likelier
 MAX_DISTANCE, MAX_SWAY = 2.0, 0.1  # from the later organ, in its sizes; plus a share of the plant's
 CANDIDATES = 16  # organs of the other scan that each is compared with
+# The nearest so many neighbors tell where an organ has moved; beside the weight of each of them, at
+# most 1, that of its standing still.
+NEIGHBORS, STANDSTILL = 3, 0.3
+MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the median of displacements; in plant sizes
 
 
-def match_scores(first: OrganDescriptors, second: OrganDescriptors) -> NDArray[np.float64]:
+def match_scores(
+    first: OrganDescriptors, second: OrganDescriptors, pairs: Sequence[tuple[int, int]] = ()
+) -> NDArray[np.float64]:
     """Score each pair of organs of two scans.
 
     Parameters
     ----------
     first, second : OrganDescriptors
         Of n and m organs.
+    pairs : sequence of (int, int)
+        Organs of both that match, as far as is known: each tells where others may have moved.
 
     Returns
     -------
@@ -41,13 +54,17 @@ def match_scores(first: OrganDescriptors, second: OrganDescriptors) -> NDArray[n
         In units of the plant's size. Above 0 a match is better than a loss and a birth; it is -inf
         where a match is out of the question.
     """
+    known = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
     if (first.sizes**2).sum() > (second.sizes**2).sum():
-        return _scores(second, first).T
-    return _scores(first, second)
+        return _scores(second, first, known[:, ::-1]).T
+    return _scores(first, second, known)
 
 
-def _scores(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
+def _scores(
+    young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
+) -> NDArray[np.float64]:
     plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
+    young = young.moved(_neighbor_displacements(young, old, pairs, plant))
     before, after = young.sizes[:, None] / plant, old.sizes / plant
     distance = _covering_distances(young, old) / plant
     turn = np.arccos(np.clip(young.directions @ old.directions.T, -1.0, 1.0))
@@ -61,6 +78,33 @@ def _scores(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float6
     reward = LOSS_WEIGHT * before + BIRTH_WEIGHT * after + MATCH_BONUS
     possible = (penalty < MAX_PENALTY) & (distance < MAX_DISTANCE * after + MAX_SWAY)
     return np.where(possible, reward - penalty, -np.inf)
+
+
+def _neighbor_displacements(
+    young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
+) -> NDArray[np.float64]:
+    """(n, 3) displacement that each organ shares with its neighbors among the (p, 2) pairs.
+
+    That is the weighted geometric median of the displacements of their attachment points, found by
+    Weiszfeld's iteration: a neighbor that is matched wrongly hardly moves it. No organ counts for
+    itself, or a wrong match would confirm itself.
+    """
+    from scipy.spatial.distance import cdist
+
+    if len(pairs) < 2:
+        return np.zeros((len(young), 3))
+    places = young.attachments[pairs[:, 0]]
+    shifts = old.attachments[pairs[:, 1]] - places
+    distance = cdist(young.attachments, places)
+    distance[pairs[:, 0], np.arange(len(pairs))] = np.inf
+    bandwidth = np.sort(distance, axis=1)[:, [min(NEIGHBORS, len(pairs) - 1) - 1]]
+    weights = np.exp(-0.5 * (distance / np.maximum(bandwidth, 1e-30)) ** 2)
+    total = weights.sum(axis=1, keepdims=True)
+    shares = weights
+    for _ in range(MEDIAN_STEPS):
+        median = shares @ shifts / np.maximum(shares.sum(axis=1, keepdims=True), 1e-30)
+        shares = weights / np.maximum(cdist(median, shifts), MEDIAN_SOFTNESS * plant)
+    return np.asarray(median * total / (total + STANDSTILL))
 
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:

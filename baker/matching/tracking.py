@@ -3,7 +3,8 @@
 Each organ has at most one successor, in the next scan or, where it was hidden there, in one of the
 two after that; each is the successor of at most one. Of all such choices over the whole series the
 one of the largest total score is taken: a minimum weight path cover, solved as one sparse
-assignment.
+assignment. Neighboring organs move alike, so the tracks say where each organ is to be looked for,
+and all is scored and solved again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,6 +20,7 @@ from baker.segmentation.hierarchy import Hierarchy
 
 # Factor of the score of a successor in the next scan, and in the two after it.
 GAP_FACTORS = (1.0, 0.9, 0.8)
+ROUNDS = 4  # of scoring and solving (docs/method.md)
 CERTAIN = 1e6  # score of organs that are said to be the same: more than all others together
 
 
@@ -39,29 +41,38 @@ def track_organs(
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
-    scores = {
-        (k, k + gap): factor * match_scores(organs[k], organs[k + gap])
-        for k in range(len(organs))
-        for gap, factor in enumerate(GAP_FACTORS, start=1)
-        if k + gap < len(organs)
-    }
-    for one in corrections:
-        same, (k, later) = one.kind == "same", one.scans
-        if (k, later) in scores and (later == k + 1 or not same):
-            pair = tuple(_organ_of(hierarchies[scan], point) for scan, point in one.places)
-            scores[k, later][pair] = CERTAIN if same else -np.inf
     bases = [cloud[base] for cloud, base in zip(clouds, root_points, strict=True)]
     places = [
         np.linalg.norm(own.attachments - base, axis=1)
         for own, base in zip(organs, bases, strict=True)
     ]
+    gaps = enumerate(GAP_FACTORS, start=1)
+    factors = {(k, k + gap): f for gap, f in gaps for k in range(len(organs) - gap)}
+    numbers = [np.arange(0)] * len(organs)
+    for _ in range(ROUNDS):
+        scores = {
+            (k, later): factor * match_scores(organs[k], organs[later], _same(numbers, k, later))
+            for (k, later), factor in factors.items()
+        }
+        for one in corrections:
+            same, (k, later) = one.kind == "same", one.scans
+            if (k, later) in scores and (later == k + 1 or not same):
+                pair = tuple(_organ_of(hierarchies[scan], point) for scan, point in one.places)
+                scores[k, later][pair] = CERTAIN if same else -np.inf
+        numbers = follow(places, scores)
     tracks = []
-    for numbers, hierarchy in zip(follow(places, scores), hierarchies, strict=True):
+    for own, hierarchy in zip(numbers, hierarchies, strict=True):
         sizes = [len(segment) for segment in hierarchy.segments if len(segment)]
         track = np.empty(sum(sizes), np.int64)
-        track[np.concatenate(hierarchy.segments)] = np.repeat(numbers, sizes)
+        track[np.concatenate(hierarchy.segments)] = np.repeat(own, sizes)
         tracks.append(track)
     return tracks
+
+
+def _same(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> list[tuple[int, int]]:
+    """The organs of two scans that have the same number."""
+    _, first, second = np.intersect1d(numbers[k], numbers[later], return_indices=True)
+    return list(zip(first.tolist(), second.tolist(), strict=True))
 
 
 def _organ_of(hierarchy: Hierarchy, point: int) -> int:

@@ -59,7 +59,7 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
     first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
     scores = np.zeros((len(first.share), len(second.share)))
     scores[np.ix_(first.segments, second.segments)] = match_scores(
-        first.described, second.described
+        first.described, second.described, _known(first, second, match)
     )
     for pair in match.pairs:
         scores[pair] -= MIN_MARGIN
@@ -99,6 +99,14 @@ def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
     gains = np.maximum(scores, 0.0)
     pairs = np.column_stack(linear_sum_assignment(gains, maximize=True))
     return [(i, j) for i, j in pairs.tolist() if gains[i, j] > 0.0]
+
+
+def _known(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, int]]:
+    """The pairs of a match, by index of those organs that have points."""
+    places = [{s: i for i, s in enumerate(o.segments.tolist())} for o in (first, second)]
+    return [
+        (places[0][a], places[1][b]) for a, b in match.pairs if a in places[0] and b in places[1]
+    ]
 
 
 def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:

@@ -195,3 +195,38 @@ def test_a_known_stem_orders_its_organs_however_they_hang():
     unsure, sure = (described(cloud, names, 0, stem) for stem in (False, True))
     assert not unsure.order.any()
     assert sure.order[2] > sure.order[1]
+
+
+def compound_leaf(elevation: float, rng: np.random.Generator):
+    """A stem with a leaf on top that rises at an angle, in degrees, and seven leaflets on it."""
+    along = np.array([np.cos(np.radians(elevation)), 0.0, np.sin(np.radians(elevation))])
+    top, height = np.array([0.0, 0.0, 30.0]), np.linspace(0.0, 1.0, 200)[:, None]
+    organs = [np.concatenate([height * top, top + 32.0 * height * along])]
+    across = np.linspace(0.2, 5.0, 60)[:, None] * [0.0, 1.0, 0.0]
+    organs += [top + (5.0 + 4.0 * leaflet) * along + across for leaflet in range(7)]
+    labels = np.repeat(np.arange(len(organs)), [len(organ) for organ in organs])
+    points = np.concatenate(organs)
+    return points + rng.normal(0.0, 0.03, points.shape), labels
+
+
+def test_leaflets_keep_their_tracks_where_their_leaf_sinks_and_rises():
+    rng = np.random.default_rng(5)
+    scans = [compound_leaf(elevation, rng) for elevation in (60.0, 40.0, 60.0, 40.0)]
+    clouds, truth = ([scan[part] for scan in scans] for part in (0, 1))
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+
+
+def test_known_pairs_tell_where_the_others_have_moved():
+    """However far they have moved together, and either way round."""
+    rng = np.random.default_rng(2)
+    cloud, labels = whorl(3, rng)
+    young = described(cloud, labels, 0)
+    old = described(cloud + np.array([30.0, 0.0, 0.0]), labels, 0)
+    pairs = [(i, i) for i in range(len(young))]
+    apart, together = match_scores(young, old)[2, 2], match_scores(young, old, pairs)[2, 2]
+    assert together > apart
+    crossed = [*pairs[:-2], (4, 5), (5, 4)]
+    assert match_scores(young, old, crossed)[2, 2] == pytest.approx(together, abs=0.1)
+    grown = described(1.5 * cloud, labels, 0)
+    there, back = match_scores(young, grown, pairs), match_scores(grown, young, pairs)
+    np.testing.assert_allclose(there, back.T)
