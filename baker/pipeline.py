@@ -51,15 +51,11 @@ from baker.matching.corrections import (
 )
 from baker.options import Options, worker_count
 from baker.scans import Finding, Series, read_series
-from baker.segmentation.hierarchy import Hierarchy
+from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies
+from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
+from baker.segmentation.hierarchy import Hierarchy, one_segment
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
-from baker.segmentation.stage import (
-    coarse_hierarchies,
-    labelled_hierarchies,
-    thin_hierarchies,
-    whole_hierarchies,
-)
 from baker.transport.tasks import interval_tasks
 from baker.transport.wasserstein import wasserstein
 from baker.verdict import FollowedOrgans, judged
@@ -249,12 +245,13 @@ def _segment(
     labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
-        return labels, whole_hierarchies(clouds)
+        return labels, [one_segment(len(cloud)) for cloud in clouds]
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
     own = labels.given
     if not own and options.segment == "thin":
-        k, threshold = options.graph_neighbors, options.bifurcation
-        return labels, thin_hierarchies(clouds, bases, aligned.neighbors, k, threshold, map)
+        rules = {"k": options.graph_neighbors, "threshold": options.bifurcation}
+        cut = partial(hierarchy_from_spanning_tree, **rules)
+        return labels, list(map(cut, clouds, bases, aligned.neighbors))
     is_complete = len(own) == len(clouds)
     if not is_complete:
         segmented = segment_organs(clouds, bases, map)

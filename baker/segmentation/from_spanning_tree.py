@@ -17,15 +17,28 @@ DEFAULT_THRESHOLD = 0.18  # c, as a share of the longest path from the root
 def hierarchy_from_spanning_tree(
     points: NDArray[np.floating],
     root: int,
+    neighbors: Neighbors | None = None,
     k: int = 15,
     threshold: int | None = None,
-    neighbors: Neighbors | None = None,
 ) -> Hierarchy:
-    """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
+    """Segment a cloud at the bifurcations of its minimum spanning tree.
 
-    points: (N, 3). root: the one at the plant base. k: neighbors of a point in the graph that the
-    tree spans. threshold: the paper's c, branches whose longest path has more edges count; by
-    default 18 % of the longest path from the root.
+    Parameters
+    ----------
+    points : (N, 3) float ndarray
+    root : int
+        The point at the plant base.
+    neighbors : Neighbors, optional
+        Of the points, where they are known.
+    k : int
+        Neighbors of a point in the graph that the tree spans.
+    threshold : int, optional
+        The paper's c: branches whose longest path has more edges count. By default 18 % of the
+        longest path from the root.
+
+    References
+    ----------
+    Section 3.2.2 of the paper.
     """
     tree = spanning_tree(points, root, k, neighbors)
     longest = longest_paths(tree)

@@ -71,6 +71,11 @@ class Hierarchy:
         return sorted(range(len(self.segments)), key=depth.__getitem__)
 
 
+def one_segment(points: int) -> Hierarchy:
+    """All points as one segment (the paper's Figure 3)."""
+    return Hierarchy((np.arange(points),), (0,), (NO_PARENT,), 0)
+
+
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """The distinct labels, ascending, and the point indices that bear each of them."""
     names, owner = np.unique(labels, return_inverse=True)

@@ -76,8 +76,8 @@ def test_bifurcations_are_found():
 
 def test_the_threshold_decides_what_is_a_branch():
     points = np.concatenate([STEM, rod([0.05, 0, 6], [0.6, 0, 6.3], 12)])
-    assert len(hierarchy_from_spanning_tree(points, 0, 8, threshold=5).segments) == 3
-    assert len(hierarchy_from_spanning_tree(points, 0, 8, threshold=30).segments) == 1
+    assert len(hierarchy_from_spanning_tree(points, 0, k=8, threshold=5).segments) == 3
+    assert len(hierarchy_from_spanning_tree(points, 0, k=8, threshold=30).segments) == 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -100,5 +100,5 @@ def test_a_long_path_is_no_recursion():
 def test_neighbors_that_are_known_change_nothing(known):
     points = np.random.default_rng(0).random((300, 3))
     neighbors = nearest_neighbors(points, known)
-    with_them = hierarchy_from_spanning_tree(points, 0, 8, 5, neighbors)
-    assert with_them.parents == hierarchy_from_spanning_tree(points, 0, 8, 5).parents
+    with_them = hierarchy_from_spanning_tree(points, 0, neighbors, 8, 5)
+    assert with_them.parents == hierarchy_from_spanning_tree(points, 0, k=8, threshold=5).parents
