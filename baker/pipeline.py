@@ -6,7 +6,7 @@ Each stage is a section of the paper and hands its result on; none calls another
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, repeat
 from pathlib import Path
 
 import numpy as np
@@ -64,8 +64,6 @@ from gclip import Clip, ScanMark
 Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
 
-Register = Callable[..., Alignment]
-
 
 @dataclass(frozen=True)
 class Survey:
@@ -94,7 +92,6 @@ def bake_recorded(
     paths: Sequence[str | Path],
     options: Options | None = None,
     progress: Progress | None = None,
-    register: Register = align,
     solve: IntervalSolver | None = None,
     times: Sequence[object] | None = None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
@@ -108,8 +105,6 @@ def bake_recorded(
     options : Options, optional
     progress : callable, optional
         Called with a stage's name, the steps done and the steps in all.
-    register : callable, optional
-        Aligns scans as `baker.alignment.align` does; a cache may stand in for it.
     solve : IntervalSolver, optional
         Solves the intervals: a cache, or the workers of a cluster. By default threads.
     times : sequence, optional
@@ -125,7 +120,7 @@ def bake_recorded(
     chosen, progress = options or Options(), progress or (lambda stage, done, total: None)
     with thread_map(worker_count(chosen.workers)) as map:
         # Reading and alignment (section 3.1)
-        survey = survey_series(paths, chosen, progress, map, register, times)
+        survey = survey_series(paths, chosen, progress, map, times)
         if announce:
             announce(survey.findings)
         series, aligned, options = survey.series, survey.aligned, survey.options
@@ -179,14 +174,13 @@ def survey_series(
     options: Options,
     progress: Progress,
     map: MapLike,
-    register: Register = align,
     times: Sequence[object] | None = None,
 ) -> Survey:
     """Read scans, align them and decide what their labels mean (section 3.1).
 
     Parameters
     ----------
-    paths, options, progress, register, times
+    paths, options, progress, times
         As those of `bake_recorded`.
     map : map-like callable
         Maps a function over scans.
@@ -200,7 +194,7 @@ def survey_series(
     points, read = [scan.points for scan in scans], [scan.labels for scan in scans]
     names, offsets = [scan.name for scan in scans], [scan.origin - first for scan in scans]
     known = root, read, names, offsets, raw.ground_up, options.unit
-    alignment = register(points, choices.align, choices.up, *known, progress=progress, map=map)
+    alignment = align(points, choices.align, choices.up, *known, progress=progress, map=map)
     keyframes = aligned_keyframes(raw, alignment)
     series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
@@ -249,9 +243,9 @@ def _segment(
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
     own = labels.given
     if not own and options.segment == "thin":
-        rules = {"k": options.graph_neighbors, "threshold": options.bifurcation}
-        cut = partial(hierarchy_from_spanning_tree, **rules)
-        return labels, list(map(cut, clouds, bases, aligned.neighbors))
+        k, threshold = repeat(options.graph_neighbors), repeat(options.bifurcation)
+        scans = clouds, bases, aligned.neighbors
+        return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
     is_complete = len(own) == len(clouds)
     if not is_complete:
         segmented = segment_organs(clouds, bases, map)

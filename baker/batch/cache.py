@@ -1,27 +1,24 @@
-"""Results kept in a folder from bake to bake (`bake --cache DIR`).
+"""Intervals kept in a folder from bake to bake (`bake --cache DIR`).
 
-A result is found again by a digest of all that it is worked out from: the function's arguments, the
-program's own code, the versions of its packages and the kind of machine. It is kept as MessagePack,
-which runs no code when it is read, behind a digest of its own bytes.
+An interval is found again by a digest of all that it is worked out from: its job, the program's own
+code, the versions of its packages and the kind of machine. It is kept as MessagePack, which runs no
+code when it is read, behind a digest of its own bytes.
 
 One folder may serve many bakes at once, on several machines too, which is why it holds plain files
 and no data base.
 """
 
 import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property
 from hashlib import sha256
-from itertools import repeat
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
-from baker.alignment import Alignment
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver
@@ -32,15 +29,13 @@ from gclip.interval import Interval, read_interval
 from gclip.schema import IntervalEntry
 from gclip.terminal.atomic import atomic_file
 
-Result = TypeVar("Result")
-
 
 class Cache:
-    """Keep results in `folder`; it may be deleted at any time. InputError where it can't be made.
+    """Keep intervals in `folder`; it may be deleted at any time. InputError where it can't be made.
 
-    What is missing, damaged or another result's is worked out again and replaced. Where the folder
-    can't take a result, the bake goes on without. `found` and `solved` count the intervals that
-    were taken from the folder, and that were not; `trouble` says why results could not be kept.
+    What is missing, damaged or another job's is solved again and replaced. Where the folder can't
+    take an interval, the bake goes on without. `found` and `solved` count the intervals that were
+    taken from the folder, and that were not; `trouble` says why some could not be kept.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -52,29 +47,17 @@ class Cache:
         except OSError as error:
             raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
-    def kept_alignment(self, register: Callable[..., Alignment]) -> Callable[..., Alignment]:
-        """The registration with its results kept by its arguments, but for those named."""
-
-        def look_up(clouds: Sequence[NDArray], *arguments: Any, **named: Any) -> Alignment:
-            key = self._key("alignment", (clouds, arguments))
-            found = self._read(key, Alignment)
-            if found is None or not _is_alignment(found, len(clouds)):
-                found = self._write(key, register(clouds, *arguments, **named))
-            return found
-
-        return look_up
-
     def kept_intervals(self, solve: IntervalSolver) -> IntervalSolver:
         """The solver with its intervals kept, each as soon as it and those before it are solved."""
 
         def look_up(
             jobs: Sequence[IntervalJob], report_progress: ReportProgress
         ) -> Iterator[Interval]:
-            keys = [self._key("interval", job) for job in jobs]
+            keys = [self._key(job) for job in jobs]
             tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
             kept = [
                 found if found is not None and _is_interval(found, job, tracks) else None
-                for found, job in zip(map(self._read, keys, repeat(Interval)), jobs, strict=True)
+                for found, job in zip(map(self._read, keys), jobs, strict=True)
             ]
             missing = [job for job, interval in zip(jobs, kept, strict=True) if interval is None]
             self.found, self.solved = len(jobs) - len(missing), len(missing)
@@ -99,36 +82,29 @@ class Cache:
         code = [path.read_bytes() for folder in folders for path in sorted(folder.rglob("*.py"))]
         return sha256(_encoded((software(), platform.machine(), code))).digest()
 
-    def _key(self, name: str, arguments: Any) -> str:
-        return sha256(_encoded((self._program, name, arguments))).hexdigest()
+    def _key(self, job: Any) -> str:
+        return sha256(_encoded((self._program, job))).hexdigest()
 
-    def _read(self, key: str, kind: type[Result]) -> Result | None:
+    def _read(self, key: str) -> Interval | None:
         path = self.folder / key[:2] / key
         with suppress(OSError, msgspec.MsgspecError):
             entry = memoryview(path.read_bytes() if path.is_file() else b"")
             if sha256(key.encode() + entry[32:]).digest() == entry[:32]:
-                return msgspec.msgpack.decode(entry[32:], type=kind, dec_hook=_array)
+                return msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_array)
         return None
 
-    def _write(self, key: str, result: Result) -> Result:
-        path, payload = self.folder / key[:2] / key, _encoded(result)
+    def _write(self, key: str, interval: Interval) -> Interval:
+        path, payload = self.folder / key[:2] / key, _encoded(interval)
         try:
             path.parent.mkdir(exist_ok=True)
             with atomic_file(path) as part:
                 part.write_bytes(sha256(key.encode() + payload).digest() + payload)
         except OSError as error:
             self.trouble = self.trouble or f"{path} can't be written: {error.strerror or error}"
-        return result
+        return interval
 
 
 # Whoever writes into the folder may have forged what lies in it: none of it may stop a bake.
-
-
-def _is_alignment(found: Alignment, scans: int) -> bool:
-    shapes = [value.shape for value in (*found.transforms, *found.bases)]
-    numbers = np.concatenate([value.ravel() for value in (*found.transforms, *found.bases)])
-    fits = shapes == [(4, 4)] * scans + [(3,)] * scans and np.isfinite(numbers).all()
-    return bool(fits) and found.up.removeprefix("-") in ("x", "y", "z")
 
 
 def _is_interval(interval: Interval, job: IntervalJob, tracks: int) -> bool:

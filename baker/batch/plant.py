@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Literal
 
 import gclip
-from baker.alignment import align
 from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
 from baker.options import Options, parse_corrections, worker_count
-from baker.pipeline import Progress, Register, bake_recorded
+from baker.pipeline import Progress, bake_recorded
 from baker.report import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
@@ -125,11 +124,10 @@ def bake_into(
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
     """Bake a plant and write its clip, and its report; see `baker.pipeline.bake_recorded`."""
-    register: Register = align
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        register, solve = cache.kept_alignment(register), cache.kept_intervals(solve)
-    clip, record = bake_recorded(inputs, options, progress, register, solve, announce=announce)
+        solve = cache.kept_intervals(solve)
+    clip, record = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip)
     progress("writing", 1, 1)

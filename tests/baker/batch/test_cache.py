@@ -4,7 +4,6 @@ import os
 import shutil
 import threading
 from dataclasses import replace
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import numpy as np
 import pytest
 
 from baker import InputError, Options
-from baker.alignment import align
 from baker.batch.cache import Cache
 from baker.interpolation.interval_job import solve_intervals
 from baker.pipeline import bake_recorded
@@ -22,8 +20,7 @@ PLAIN = Options(align="none", up="z", workers=1)
 
 
 def bake_with(cache, scans, options=PLAIN, solve=solve_intervals):
-    kept = {"register": cache.kept_alignment(align), "solve": cache.kept_intervals(solve)}
-    return bake_recorded([*scans], options, **kept)[0]
+    return bake_recorded([*scans], options, solve=cache.kept_intervals(solve))[0]
 
 
 @pytest.fixture
@@ -88,9 +85,7 @@ def test_an_option_costs_what_depends_on_it(scans, baked, change, solved):
 def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
     baked(scans, clean=False)
     clip = (tmp_path / "cached.gclip").read_bytes()
-    # The smallest entry is the alignment, which is not counted.
-    entries = sorted((tmp_path / "cache").glob("*/*"), key=lambda path: path.stat().st_size)
-    first, second = entries[-2:]
+    first, second, *_ = (tmp_path / "cache").glob("*/*")
     whole = first.read_bytes()
     if harm == "cut":
         first.write_bytes(whole[: len(whole) // 2])
@@ -115,36 +110,31 @@ def test_a_damaged_entry_is_solved_again(scans, baked, tmp_path, harm):
 
 
 @pytest.mark.parametrize(
-    ("kind", "forged"),
+    "forged",
     [
-        ("interval", {"start": 7.0}),
-        ("interval", {"start": -7.0}),
-        ("interval", {"tracks": ["<u2", [3], b"\0" * 6]}),
-        ("interval", {"start_positions": ["<f8", [1], b"\0" * 8]}),
-        ("interval", {"end_positions": ["|O", [1], b"\0" * 8]}),
-        ("interval", {"tracks of 200": None}),
-        ("interval", {"groups": []}),
-        ("interval", {"box": {"low": [1, 1, 1], "high": [0, 0, 0]}}),
-        ("alignment", {"up": "q"}),
-        ("alignment", {"transforms": []}),
-        ("alignment", {"bases": [["<f8", [3], b"\xff" * 24]] * 5}),
-        ("alignment", {"bases": [["<f8", [1], b"\0" * 8]] * 5}),
+        {"start": 7.0},
+        {"start": -7.0},
+        {"tracks": ["<u2", [3], b"\0" * 6]},
+        {"start_positions": ["<f8", [1], b"\0" * 8]},
+        {"end_positions": ["|O", [1], b"\0" * 8]},
+        {"tracks of 200": None},
+        {"groups": []},
+        {"box": {"low": [1, 1, 1], "high": [0, 0, 0]}},
     ],
     ids=str,
 )
-def test_a_forged_entry_is_solved_again(scans, baked, tmp_path, kind, forged):
+def test_a_forged_entry_is_solved_again(scans, baked, tmp_path, forged):
     """One with a digest that is right, of what the program would never write."""
     baked(scans, clean=False)
     clip = (tmp_path / "cached.gclip").read_bytes()
     for path in (tmp_path / "cache").glob("*/*"):
         found = msgspec.msgpack.decode(path.read_bytes()[32:])
-        if ("transforms" in found) == (kind == "alignment"):
-            if "tracks of 200" in forged:
-                dtype, shape, data = found["tracks"]
-                forged = {"tracks": [dtype, shape, b"\xc8" + data[1:]]}
-            payload = msgspec.msgpack.encode(found | forged)
-            path.write_bytes(sha256(path.name.encode() + payload).digest() + payload)
-    assert baked(scans, clean=False) == ((0, 4) if kind == "interval" else (4, 0))
+        if "tracks of 200" in forged:
+            dtype, shape, data = found["tracks"]
+            forged = {"tracks": [dtype, shape, b"\xc8" + data[1:]]}
+        payload = msgspec.msgpack.encode(found | forged)
+        path.write_bytes(sha256(path.name.encode() + payload).digest() + payload)
+    assert baked(scans, clean=False) == (0, 4)
     assert (tmp_path / "cached.gclip").read_bytes() == clip
 
 
@@ -172,7 +162,7 @@ def test_two_bakes_share_a_cache_at_once(scans, tmp_path):
     for number, clip in enumerate(clips):
         clip.save(tmp_path / f"{number}.gclip")
     assert len({(tmp_path / f"{number}.gclip").read_bytes() for number in range(3)}) == 1
-    assert len([*(tmp_path / "one").glob("*/*")]) == 5  # four intervals, an alignment
+    assert len([*(tmp_path / "one").glob("*/*")]) == 4
     assert not [*(tmp_path / "one").rglob(".*")]
 
 
@@ -181,23 +171,6 @@ def test_a_cache_that_takes_nothing_does_not_stop_the_bake(scans, tmp_path):
     shutil.rmtree(cache.folder)
     assert len(bake_with(cache, scans).intervals) == 4
     assert cache.summary().startswith("0 of 4 intervals; not all others could be kept: ")
-
-
-def test_the_alignment_is_kept_too(tmp_path):
-    clouds = [np.random.default_rng(k).random((60, 3)).astype(np.float32) for k in range(2)]
-    reported = []
-
-    def align_by_icp(number):
-        found = Cache(tmp_path).kept_alignment(align)(
-            clouds, "icp", "z", None, progress=lambda *progress: reported.append(number)
-        )
-        return [transform.tobytes() for transform in found.transforms], found.findings
-
-    assert align_by_icp(1) == align_by_icp(2)
-    assert set(reported) == {1}
-    clouds[1][0] += 0.5
-    align_by_icp(3)
-    assert set(reported) == {1, 3}
 
 
 def test_a_file_is_no_cache(tmp_path):
@@ -212,7 +185,7 @@ def test_keys_tell_contents_apart(tmp_path):
         *(a, a.reshape(2, 3), a.astype(np.uint64), a[:5], a + 1, [a, a], [[a], a]),
         *("0", 0, 0.0, None, "", (), False, {"a": 1}, {"b": 1}, {"a": 2}, ["ab"], ["a", "b"]),
     ]
-    key = partial(Cache(tmp_path)._key, "name")
+    key = Cache(tmp_path)._key
     assert len({key(value) for value in different}) == len(different)
     assert key(a) == key(np.concatenate([a, a])[:6])
     for value in (object(), np.array([object()])):

@@ -3,8 +3,8 @@
 import numpy as np
 
 from baker.geometry.neighbors import agreed_gaps, nearest_neighbors, segment_adjacency
-from baker.segmentation.hierarchy import NO_PARENT
 from baker.segmentation.from_labels import labelled_hierarchies
+from baker.segmentation.hierarchy import NO_PARENT
 
 SPACING = 0.05
 
