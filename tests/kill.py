@@ -172,7 +172,7 @@ def try_out(way: WayOut, kills: int, seed: int, stop: signal.Signals) -> Counter
             running = killed(way, folder, duration, chance, stop)
             left["killed" if running else "too late"] += 1
             if stop != signal.SIGKILL:
-                left["litter"] += len(_strange(way, folder))
+                left["litter"] += _counted(way, _strange(way, folder))
             for output in way.outputs:
                 found = contents(folder, output)
                 if found == contents(olds, output):
@@ -196,16 +196,19 @@ def _litter(way: WayOut, folder: Path, news: Path) -> int:
     for output in way.outputs:
         if output not in way.varying and contents(folder, output) != contents(news, output):
             raise SystemExit(f"{way.name}: {output} is wrong after a run that was left alone")
-    return len(_strange(way, folder) - before)
+    return _counted(way, _strange(way, folder) - before)
+
+
+def _counted(way: WayOut, strange: set[str]) -> int:
+    if strange:
+        print(f"{way.name}: litter: {', '.join(sorted(strange))}", flush=True)
+    return len(strange)
 
 
 def _strange(way: WayOut, folder: Path) -> set[str]:
     """What lies there and is no output."""
     strange = {path.name for path in folder.iterdir() if path.name not in way.outputs}
-    strange |= {path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)}
-    if strange:
-        print(f"{way.name}: litter: {', '.join(sorted(strange))}", flush=True)
-    return strange
+    return strange | {path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)}
 
 
 def _restore(folder: Path, olds: Path, output: str) -> None:
