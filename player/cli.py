@@ -120,7 +120,8 @@ def play_command(
         ColorMap, typer.Option(help="The colours of values, such as heights or growth rates.")
     ] = ColorMap.AUTO,
     field: Annotated[
-        str, typer.Option(metavar="NAME", help="The field that --color field shows; the first one.")
+        str,
+        typer.Option(metavar="NAME", help="Which field --color field shows; else the first."),
     ] = "",
     ground: Annotated[
         GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")

@@ -52,6 +52,8 @@ def print_info(console: Console, clip: Clip, path: Path) -> None:
     _table(console, "Intervals", INTERVALS, _intervals(clip))
     _table(console, "Tracks", TRACKS, _tracks(clip))
     for key, value in sorted(clip.provenance.items()):
+        if key == "verdict" and isinstance(value, dict):
+            value = value.get("line", value)
         if key not in FOR_PROGRAMS:
             _provenance(console, key, value)
 
@@ -105,7 +107,12 @@ def _provenance(console: Console, key: str, value: Any) -> None:
 
 
 def _short(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict):
+        said = ((name, own) for name, own in value.items() if own not in (None, "", [], {}))
+        return ", ".join(f"{name} {_short(own)}" for name, own in said)
+    if isinstance(value, list):
+        return "; ".join(map(_short, value))
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _bytes(count: int) -> str:

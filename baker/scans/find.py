@@ -11,7 +11,7 @@ from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
 from baker.scans.times.schedule import FoundScans, names_without_times, natural_key
 
 # Stems of texts, and readers of files, that often lie beside point clouds.
-NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation"}
+NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation", "traits"}
 BESIDE_SCANS = {"mesh", "arrays"}
 MAX_SEARCHED = 10_000  # entries below a folder without scans, for one to name
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}

@@ -97,7 +97,7 @@ def make_clip() -> ClipMaker:
             up=up,
             unit="mm",
             spacing=1.0,
-            provenance={"notes": ["made by hand"]},
+            provenance={"notes": ["made by hand"], "options": {"up": "z", "root": None}},
         )
 
     return make

@@ -71,6 +71,7 @@ def test_info_tells_what_the_clip_holds(saved: Path, capsys: pytest.CaptureFixtu
     for word in ("a.ply", "1,600", "day 5", "16 bit", "mm", "made by hand"):
         assert word in text
     assert "leaf [bold]x[/bold]" in text
+    assert "{" not in text, "it is for people"
 
 
 def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

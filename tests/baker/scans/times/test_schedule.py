@@ -193,6 +193,7 @@ def test_folder_passes_over_what_is_no_scan(make_folder):
                 ".day3.txt",
                 "README.txt",
                 "LICENSE",
+                "traits.csv",
                 "a.json",
                 "sub/day1.txt",
             ],
