@@ -4,5 +4,5 @@ out vec2 v_at;  // (0, 0) bottom left to (1, 1) top right
 
 void main() {
     v_at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-    gl_Position = vec4(v_at * 2.0 - 1.0, 1.0, 1.0);
+    gl_Position = vec4(v_at * 2.0 - 1.0, -1.0, 1.0);
 }

@@ -13,5 +13,5 @@ void write_gbuffer(vec4 color_sum, float depth, vec2 normal, float inside) {
     out_color = vec4(color_sum.rgb / max(color_sum.a, 1e-6), cover);
     out_depth = cover > 0.0 ? depth : NOTHING;
     out_normal = normal;
-    gl_FragDepth = cover > 0.0 ? 0.0 : 1.0;
+    gl_FragDepth = cover > 0.0 ? 1.0 : 0.0;
 }

@@ -11,13 +11,12 @@ layout(location = 1) out vec4 out_depth;
 layout(location = 2) out vec2 out_normal;
 
 void main() {
-    float depth = depth_in_core();
-    float behind = relative_depth(depth) - texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
+    float depth = relative_depth(depth_in_core());
+    float behind = depth - texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
     if (behind < thickness * v_radius / scene_radius) {
         discard;
     }
     out_color = vec4(v_color, 1.0);
-    out_depth = vec4(relative_depth(depth), 0.0, 0.0, 0.0);
+    out_depth = vec4(depth, 0.0, 0.0, 0.0);
     out_normal = v_normal;
-    gl_FragDepth = window_depth(depth);
 }

@@ -1,6 +1,12 @@
-// Nothing behind is to be seen where the nearest surface covers a sample: there the depth is 0.
-uniform sampler2D colors;
+// Leaves a depth of 1 where the nearest surface ends within the splats that hide what lies behind
+// it, and 0 elsewhere, so that the depth test rejects splats which nobody would see.
+#include "depth.glsl"
+
+uniform sampler2D front;   // relative depths of the nearest surface
+uniform sampler2D colors;  // linear light, cover
 
 void main() {
-    gl_FragDepth = texelFetch(colors, ivec2(gl_FragCoord.xy), 0).a == 1.0 ? 0.0 : 1.0;
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    bool hidden = texelFetch(front, texel, 0).r < NOTHING;
+    gl_FragDepth = hidden && texelFetch(colors, texel, 0).a < 1.0 ? 1.0 : 0.0;
 }

@@ -2,16 +2,16 @@
 #include "depth.glsl"
 
 uniform mat4 projection;
-uniform float core;       // share of the radius in which a splat hides what lies behind
-uniform float span;       // share of the radius that the point is drawn with
+uniform float core;       // distance from the centre, in radii, in which a splat hides what is behind
 uniform float thickness;  // depth, in radii, over which splats count as one surface
 
 flat in vec3 v_depth;  // see splat.vert
 flat in float v_radius;
+flat in float v_span;
 flat in vec2 v_stretch;
 
 vec2 place_in_point() {
-    return span * (vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0));
+    return v_span * (vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0));
 }
 
 // In the disc itself, of radius 1, which the eye sees foreshortened.

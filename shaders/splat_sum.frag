@@ -17,9 +17,11 @@ void main() {
     vec2 at = place_in_disc();
     float rise = 1.0 - dot(at, at), most = thickness * v_radius / scene_radius;
     float nearest = texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
-    bool is_rim = nearest == NOTHING;
+    bool is_rim = nearest == NOTHING;  // no core covers the sample
     float behind = relative_depth(depth_in_disc()) - (is_rim ? 0.0 : nearest);
-    if (rise <= 0.0 || (!is_rim && (behind > most || (edge <= 1.0 && behind < -most)))) {
+    // Two surfaces side by side have rims on both sides of a gap: their mean would close it.
+    bool is_other = edge > 1.0 ? !is_rim && behind > most : is_rim || abs(behind) > most;
+    if (rise <= 0.0 || is_other) {
         discard;
     }
     float weight = rise * rise;

@@ -36,7 +36,7 @@ class GBuffer:
     light : moderngl.Texture
         Light from the plant times cover, and cover; drawn by `lit`.
 
-    The framebuffers share a depth buffer that is 0 where the plant is, and 1 elsewhere.
+    The framebuffers share a depth buffer that is 1 where the plant is, and 0 elsewhere.
     """
 
     def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
@@ -56,40 +56,52 @@ class GBuffer:
         for framebuffer in (*self.filtered, self.lit):
             framebuffer.depth_mask = False
 
-    def fill(
-        self, passes: Passes, tile_finder: str, name: str, reach: int, **uniforms: Any
+    def find_tiles(self, passes: Passes, name: str, reach: int, **uniforms: Any) -> None:
+        """Find the tiles that hold something; `reach`: how many samples aside a tile looks."""
+        import moderngl
+
+        self.framebuffer.ctx.enable_only(moderngl.NOTHING)
+        self._occupied.use()
+        passes.fill(name, reach=reach, **uniforms)
+
+    def fill_tiles(
+        self,
+        passes: Passes,
+        name: str,
+        reach: int = 0,
+        framebuffer: moderngl.Framebuffer | None = None,
+        **uniforms: Any,
     ) -> None:
-        """Run a pass that leaves colours and depths, in those tiles alone that hold any.
+        """Run a pass that writes depths over the tiles that hold something.
 
         Parameters
         ----------
         passes : Passes
-        tile_finder, name : str
-            Of the fragment shaders that find the tiles, and fill them.
+        name : str
+            The fragment shader's.
         reach : int
-            Samples aside that they look.
+            How many samples aside it looks.
+        framebuffer : moderngl.Framebuffer, optional
+            One of the same size, or the G-buffer's own.
         **uniforms
-            Of both.
+            The shader's.
         """
         import moderngl
 
-        context, (across, up) = self.framebuffer.ctx, self._tiles.size
-        context.enable_only(moderngl.NOTHING)
-        self._occupied.use()
-        passes.fill(tile_finder, reach=reach, **uniforms)
+        target, (across, up) = framebuffer or self.framebuffer, self._tiles.size
         self._tiles.use(TILE_UNIT)
-        # Points are clipped by their middles: the last tiles may lie beyond the picture.
-        self.framebuffer.viewport = (0, 0, across * TILE, up * TILE)
-        self.framebuffer.use()
-        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        context.depth_func = "1"
+        # OpenGL drops points whose centres lie outside of the viewport: the last tiles' may.
+        target.viewport = (0, 0, across * TILE, up * TILE)
+        target.use()
+        target.ctx.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        target.ctx.depth_func = "1"
         passes.fill(name, tiles=across * up, reach=reach, occupied=TILE_UNIT, **uniforms)
-        self.framebuffer.viewport = (0, 0, *self.size)
+        target.viewport = (0, 0, *self.size)
 
     def clear(self) -> None:
         """No plant anywhere."""
         self.lit.depth_mask = True
-        self.lit.clear(depth=1.0)
+        self.lit.clear(depth=0.0)
         self.lit.depth_mask = False
         for depths in self.filtered:
             depths.clear(NOTHING)

@@ -87,16 +87,11 @@ class PointRaster:
         targets.nearest.use(0)
         targets.picked.use(1)
         self._points.palette.use(PALETTE_UNIT)
-        gbuffer.fill(
-            self._passes,
-            "point_tiles",
-            "fill_holes",
-            1 if splats.typical_radius_px <= 1.5 else 2,
-            **splats.uniforms() | {"by_track": self._by_track(splats)},
-            nearest=0,
-            picked=1,
-            palette=PALETTE_UNIT,
-        )
+        uniforms = splats.uniforms() | {"by_track": self._by_track(splats)}
+        uniforms |= {"nearest": 0, "picked": 1, "palette": PALETTE_UNIT}
+        reach = 1 if splats.typical_radius_px <= 1.5 else 2
+        gbuffer.find_tiles(self._passes, "point_tiles", reach, **uniforms)
+        gbuffer.fill_tiles(self._passes, "fill_holes", reach, **uniforms)
 
     def _by_track(self, splats: SplatParams) -> bool:
         """Whether the ten bits in a point's number name its colour."""

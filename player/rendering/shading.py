@@ -36,7 +36,7 @@ def shade(
 
     uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
     context.enable_only(moderngl.DEPTH_TEST)
-    context.depth_func = ">"  # where the plant is
+    context.depth_func = "<"  # where the plant is
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
         gbuffer.depths[source].use(1)

@@ -24,15 +24,18 @@ MAX_MARGIN = 512  # samples: how far outside of the picture the centres of splat
 
 @dataclass(frozen=True)
 class SplatShape:
-    """How far a splat reaches, in shares of its radius.
+    """Distances from a splat's centre, all of them in splat radii.
 
-    core:      as far it hides what lies behind.
-    thickness: of the surface: splats within this depth are seen together.
-    edge:      as far the surface goes beyond the mean of the splats about a place; it goes as far
-               as they do if 2. A lower one is nearer to the truth, a higher one smoother.
+    core:      within it a splat hides what lies behind.
+    rim:       within it a splat contributes to the surface; its weight has fallen to 4 % there.
+    thickness: largest distance in depth between splats of one surface.
+    edge:      distance from the mean of the surrounding splats' centres at which the surface ends.
+               Smaller values follow the sampled outline more closely, larger ones are smoother;
+               with 2 the surface ends only where its splats do.
     """
 
     core: float = 0.7
+    rim: float = 0.9
     thickness: float = 1.6
     edge: float = 2.0
 
@@ -43,15 +46,15 @@ ALIGNED = SplatShape(edge=0.38)  # by the surface's normals
 
 @dataclass(frozen=True)
 class SplatParams:
-    """How points are seen: as splats of a size in the world.
+    """Camera, size and colours with which points are drawn as splats.
 
     samples:        (width, height) of the picture.
     radius:         of a splat, in the clip's unit.
-    point_px_range: least and greatest diameter in samples.
+    point_px_range: smallest and largest diameter of a splat in samples.
     scene_radius:   in the clip's unit.
-    by_track:       coloured by track, else by the scans' colours where there are any.
-    by_scalar:      coloured by a scalar field instead.
-    shape:          what the passes over splats make of them.
+    by_track:       whether organs' colours are used even where the scans have colours.
+    by_scalar:      whether a scalar field's colours are used.
+    shape:          of the splats.
     """
 
     camera: Camera
@@ -69,21 +72,21 @@ class SplatParams:
 
     @property
     def focal_px(self) -> float:
-        """Samples that one unit takes up where the projection divides by 1."""
+        """Samples per unit of length where the projection divides by 1."""
         return 0.5 * self.samples[1] * float(self.projection[1, 1])
 
     def px_per_unit(self, view_depth: float) -> float:
-        """Samples that one unit takes up at a depth before the eye."""
+        """Samples per unit of length at a depth before the eye."""
         return self.focal_px / (1.0 if self.camera.orthographic else view_depth)
 
     @property
     def typical_radius_px(self) -> float:
-        """In samples, at the camera's target."""
+        """A splat's radius in samples, at the camera's target."""
         radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
         return max(radius_px, self.point_px_range[0] / 2)
 
     def uniforms(self) -> dict[str, Any]:
-        """For all passes over the points and over the picture."""
+        """The uniforms that passes over points and over the picture share."""
         projection = self.projection
         focal = (float(projection[0, 0]), float(projection[1, 1]))
         return {
@@ -107,8 +110,11 @@ class SplatParams:
 
 
 class Splats:
-    """Three passes over the points: the nearest surface's depths, the sum of the splats on it, and
-    beyond its edges, which are smoother than the splats that hide it, the surface behind.
+    """Draws splats in three passes over the points.
+
+    The first one finds the depth of the nearest surface, the second one sums the splats on it. The
+    surface found from the sums ends within the outermost splats, and a third pass draws what lies
+    behind it there.
     """
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
@@ -120,11 +126,11 @@ class Splats:
     def draw(
         self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
     ) -> SplatSums | None:
-        """Leave the nearest surface in the G-buffer; gives what lies behind its edges."""
+        """Draw the nearest surface into the G-buffer, and return what shows behind its edges."""
         import moderngl
 
         context, sums = self._points.context, self._sums_for(gbuffer)
-        # OpenGL drops a point whose centre lies outside of the viewport, however far it reaches.
+        # OpenGL drops points whose centres lie outside of the viewport, however large they are.
         (width, height), picture = splats.samples, (0, 0, *splats.samples)
         reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
@@ -147,21 +153,19 @@ class Splats:
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
         sums.front.use(0)
-        self._points.draw("splat_sum", ranges, uniforms | {"span": 1.0, "lift": 1.0})
+        self._points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
 
         for unit, one in enumerate(sums.textures, start=1):
             one.use(unit)
         reach = max(int(splats.point_px_range[0] / 1.5), 1)
-        gbuffer.fill(self._passes, "splat_tiles", "splat_resolve", reach, **uniforms)
+        gbuffer.find_tiles(self._passes, "splat_tiles", reach, **uniforms)
+        gbuffer.fill_tiles(self._passes, "splat_resolve", **uniforms)
         if splats.shape.edge > 1.0:
             return None
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "1"
-        sums.depths.use()
+        sums.depths.clear(depth=0.0)
         gbuffer.colors.use(1)
-        self._passes.fill("splat_covered", colors=1)
+        gbuffer.fill_tiles(self._passes, "splat_covered", framebuffer=sums.depths, **uniforms)
         context.depth_func = "<"
-        sums.summed.depth_mask = False
         sums.summed.clear(NOTHING, NOTHING, NOTHING, 0.0, viewport=picture)
         sums.summed.depth_mask = True
         sums.summed.use()
@@ -180,17 +184,18 @@ class Splats:
 
 
 class SplatSums:
-    """Beside a G-buffer the nearest surface's depth in each sample, and the splats summed upon it;
-    after that, in the same textures, colour, depth and normal of what lies behind.
+    """What the passes over splats draw into, for a G-buffer's samples.
 
     Attributes
     ----------
     front : moderngl.Texture
+        Depth of the nearest surface.
     textures : list of moderngl.Texture
+        Weighted sums over the splats on it; later colour, depth and normal of what lies behind.
     nearest, summed, depths : moderngl.Framebuffer
-        The front, the textures, and the depth buffer of both by itself.
+        With the front, with the textures, and with nothing but the depth buffer that they share.
     lit : moderngl.Framebuffer
-        The G-buffer's light, with the depths of what was drawn last.
+        The G-buffer's light, with that depth buffer.
     """
 
     def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:

@@ -128,7 +128,7 @@ class Renderer {
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, span: 1, lift: 1, front: [front, 1] }, every);
+        this.drawPoints("sum", layers, { ...values, span: clip.splat.rim, lift: 1, front: [front, 1] }, every);
         gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
         pass(surface, "splat_resolve", {
@@ -146,12 +146,11 @@ class Renderer {
             clear(sums, NOTHING, NOTHING, NOTHING, 0);
             gl.depthMask(true);
             gl.depthFunc(gl.ALWAYS);
-            pass(covered, "splat_covered", { colors: [colors, 0] });
+            pass(covered, "splat_covered", { front: [front, 0], colors: [colors, 1] });
             gl.depthFunc(gl.LESS);
             this.drawPoints("behind", layers, { ...values, front: [front, 1] }, every);
             gl.enable(gl.BLEND);
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
-            gl.depthFunc(gl.GREATER);
             gl.depthMask(false);
             const [color, depth, normal] = sums.textures;
             pass(behind, "shade", { colors: [color, 0], depths: [depth, 1], normals: [normal, 2] });
