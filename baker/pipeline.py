@@ -56,8 +56,8 @@ from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy, one_segment
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
+from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
-from baker.transport.wasserstein import wasserstein
 from baker.verdict import FollowedOrgans, judged
 from gclip import Clip, ScanMark
 

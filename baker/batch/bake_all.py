@@ -26,15 +26,8 @@ ATTEMPTS = 2  # at a plant whose worker is killed
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
     """Bake each plant, report how it went, and go on whatever fails.
 
-    Returns
-    -------
-    int
-        The exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
-
-    Raises
-    ------
-    InputError
-        Where nothing can be begun with.
+    Returns the exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
+    Raises InputError where nothing can be begun with.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # what it holds stays known
     if options.corrections:

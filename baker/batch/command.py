@@ -52,11 +52,8 @@ def run(
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write what is wanted and print a summary.
 
-    Raises
-    ------
-    UserError
-        Before the work where an output can't be written, or is there already and `outputs` do not
-        force it; else what the scans or options lack.
+    Raises UserError before the work where an output can't be written, or is there already and
+    `outputs` do not force it; else for what the scans or options lack.
     """
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")

@@ -76,17 +76,9 @@ def organ_attachments(
 ) -> list[tuple[Attachments, Attachments]]:
     """Find where the matched organs of each interval are attached, in both of its scans.
 
-    Of all places at which an organ touches its parent in each scan, those are chosen that move
-    least through the series, by a shortest path through the scans.
-
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    spacings : sequence of float
-        Their point spacings.
-    matches : sequence of Match
-        Of each interval.
+    Of all places at which an organ touches its parent in each scan, (N, 3) points of these
+    spacings, those are chosen that move least through the series, by a shortest path through the
+    scans.
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}

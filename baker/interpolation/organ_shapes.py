@@ -44,21 +44,11 @@ def organ_shapes(
     attachments: Attachments,
     segments: Iterable[int],
 ) -> dict[int, OrganShape]:
-    """The shapes of organs of a scan that have enough points, by organ.
+    """The shapes of organs of a scan, (N, 3), that have enough points and an attachment, by organ.
 
-    Geodesics run through the parents, from the plant base: an organ that leaves its parent over a
-    long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
-
-    Parameters
-    ----------
-    points : (N, 3) float ndarray
-    hierarchy : Hierarchy
-    base : (3,) float ndarray
-        The plant base, from which the root's spine begins.
-    attachments : mapping of int to (c, 3) float ndarray
-        By organ; those without one have no shape.
-    segments : iterable of int
-        Those whose shapes, and whose ancestors', are wanted.
+    Geodesics run through the parents, from the plant base, (3,): an organ that leaves its parent
+    over a long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
+    segments: those whose shapes, and whose ancestors', are wanted.
     """
     from scipy.spatial import KDTree
 

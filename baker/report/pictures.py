@@ -72,22 +72,10 @@ def take_pictures(
     folder: Path | None = None,
     workers: int = 0,
 ) -> Pictures:
-    """Render the pictures of a report.
+    """Render the pictures of a report. Raises NoPicture where that can't be, as without EGL.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    doubts : sequence of sequence of Doubt
-        By interval, the most doubtful one first.
-    folder : Path, optional
-        Where the player's files may lie meanwhile.
-    workers : int
-        Players that draw at a time; as many as there are cores if 0.
-
-    Raises
-    ------
-    NoPicture
-        Where the player can't draw, for example without EGL.
+    doubts: by interval, the most doubtful one first. folder: where the player's files may lie
+    meanwhile. workers: players that draw at a time; as many as there are cores if 0.
     """
     shown = [clip.times[k] for k in scans_pictured(clip)]
     held = [scan.time for scan in clip.held_out]

@@ -45,22 +45,9 @@ class Plan:
 
 
 def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
-    """The cost of each pair of points.
+    """(E,) the costs of pairs of points, (n, 3) and (m, 3).
 
     Equivalent to ``np.linalg.norm(start[edges[0]] - end[edges[1]], axis=1) ** power``.
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        Length units.
-    edges : pair of (E,) int ndarray
-        Indices in both.
-    power : int
-        Of the distance.
-
-    Returns
-    -------
-    (E,) float64 ndarray
     """
     displacement = start.take(edges[0], axis=0).astype(np.float64, copy=False)
     displacement -= end.take(edges[1], axis=0)

@@ -62,19 +62,7 @@ def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArr
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
-    """Pairs of every point with its nearest ones on the other side, both ways (section 3.4).
-
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-    k : int
-        Nearest points of each.
-
-    Returns
-    -------
-    Edges
-        Pairs of indices, each once.
-    """
+    """Pairs of every point with its k nearest ones on the other side, both ways (section 3.4)."""
     from scipy.spatial import KDTree
 
     n, m = len(start), len(end)

@@ -28,8 +28,7 @@ from baker.matching.tracking import track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.transport.correspondences import largest_entries
 from baker.transport.problem import TransportOptions
-from baker.transport.solve import solve
-from baker.transport.wasserstein import wasserstein
+from baker.transport.solve import solve, wasserstein
 from gclip import Motion
 from gclip.pack import Movers
 from tests.baker.hostile_series import ROUGH, SHAPES, Scan

@@ -6,7 +6,7 @@ import pytest
 from baker.matching.hierarchical import assign_by_minima, match_hierarchies
 from baker.matching.match import Match, match_from_pairs, match_series
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from baker.transport.wasserstein import wasserstein
+from baker.transport.solve import wasserstein
 
 
 def rms_distance(a, b):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.transport.solve import solve
-from baker.transport.wasserstein import wasserstein
+from baker.transport.solve import solve, wasserstein
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 
