@@ -36,8 +36,8 @@ def read(path: Path) -> Columns:
     vertices, colors, faces = read_mesh(path)
     if not len(vertices) or not len(faces):
         raise FormatError(
-            f"holds no mesh, or is cut short: {len(vertices)} vertices and {len(faces)} faces "
-            "found; export points without faces as PLY."
+            "holds no mesh that can be read, or is cut short; points without faces are exported as "
+            "PLY."
         )
     columns = dict(zip("xyz", vertices.T, strict=True))
     if len(colors) == len(vertices):
