@@ -1,14 +1,11 @@
 """The one place that makes OpenGL contexts."""
 
-from __future__ import annotations
-
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import moderngl
 
 from player.errors import PlayerError
-
-if TYPE_CHECKING:
-    import moderngl
 
 # Many drivers give exactly the version that is asked for: the newest comes first. From 4.3 on there
 # are compute shaders; 3.3 is what every machine since 2010, and Mesa without a GPU, can do.
@@ -32,8 +29,6 @@ def headless() -> moderngl.Context:
     PlayerError
         Naming the system packages to install where EGL is missing.
     """
-    import moderngl
-
     reason = ""
     for device, version in product(range(MAX_DEVICES), VERSIONS):
         settings: dict[str, Any] = {"backend": "egl", "device_index": device}
@@ -52,8 +47,6 @@ def from_window() -> moderngl.Context:
 
     Raises PlayerError where the window offers less than OpenGL 3.3.
     """
-    import moderngl
-
     try:
         return moderngl.create_context(require=VERSIONS[-1])
     except Exception as error:

@@ -1,14 +1,10 @@
 """Textures, and the framebuffers that the passes hand on to each other."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
+import moderngl
 
 from player.gl.shader import TILE, Passes
-
-if TYPE_CHECKING:
-    import moderngl
-
 
 TILE_UNIT = 5  # texture unit of which tiles hold something
 NOTHING = 1e4  # the relative depth where no point is (shaders/depth.glsl)
@@ -58,8 +54,6 @@ class GBuffer:
 
     def find_tiles(self, passes: Passes, name: str, reach: int, **uniforms: Any) -> None:
         """Find the tiles that hold something; `reach`: how many samples aside a tile looks."""
-        import moderngl
-
         self.framebuffer.ctx.enable_only(moderngl.NOTHING)
         self._occupied.use()
         passes.fill(name, reach=reach, **uniforms)
@@ -86,8 +80,6 @@ class GBuffer:
         **uniforms
             The shader's.
         """
-        import moderngl
-
         target, (across, up) = framebuffer or self.framebuffer, self._tiles.size
         self._tiles.use(TILE_UNIT)
         # OpenGL drops points whose centres lie outside of the viewport: the last tiles' may.
@@ -127,8 +119,6 @@ def texture(
     dtype: "f1" for bytes, "f2" and "f4" for floats, "u4" for whole numbers.
     linear: smooth between texels.
     """
-    import moderngl
-
     made = context.texture(size, components, dtype=dtype)
     made.filter = (moderngl.LINEAR,) * 2 if linear else (moderngl.NEAREST,) * 2
     made.repeat_x = made.repeat_y = False

@@ -3,17 +3,13 @@
 OpenGL goes on after an error and draws nothing, so somebody has to ask.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+
+import moderngl
 
 from player.errors import PlayerError
 from player.gl.gpu_memory import total
-
-if TYPE_CHECKING:
-    import moderngl
 
 SAMPLE = 78  # bytes of the GPU that one sample of a picture takes
 
@@ -49,8 +45,6 @@ def pictures_of(size: tuple[int, int]) -> Iterator[None]:
 
     Raises OutOfGpuMemory then.
     """
-    import moderngl
-
     try:
         yield
     except moderngl.Error:

@@ -1,13 +1,9 @@
 """How much of the GPU's memory movers may take up."""
 
-from __future__ import annotations
-
 import ctypes
 import os
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import moderngl
+import moderngl
 
 SHARE = 0.6  # of the memory that is there: the rest is for pictures, and for others
 LEAST = 256 << 20

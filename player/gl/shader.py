@@ -1,18 +1,14 @@
 """Compiling shaders, setting their uniforms, and passes over the whole picture."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import moderngl
 
 from player.errors import PlayerError
+from player.gl.timers import PassTimers
 from shaders import source
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from player.gl.timers import PassTimers
 
 
 def program(
@@ -36,8 +32,6 @@ def compute(
 
 @contextmanager
 def _compiling(name: str) -> Iterator[None]:
-    import moderngl
-
     try:
         yield
     except moderngl.Error as error:
@@ -87,8 +81,6 @@ class Passes:
 
         reach: in pixels, of shaders that look around; they are compiled for it.
         """
-        import moderngl
-
         key = (name, reach)
         if key not in self._arrays:
             vertex = "tile" if tiles else "fullscreen"

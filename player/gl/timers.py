@@ -1,14 +1,10 @@
 """How long each pass over points or picture takes on the GPU, by timer queries."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import moderngl
+import moderngl
 
 
 class PassTimers:

@@ -1,21 +1,18 @@
 """What is behind the plant: wall, floor, and the plant's soft shadow on it."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from player.gl.framebuffer import texture
+from player.gl.shader import Passes
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera, axes, outline
 from player.view.style import GROUNDS, Style
-
-if TYPE_CHECKING:
-    from gclip import Clip
-    from player.gl.shader import Passes
-    from player.rendering.point_buffers import DrawRange
-    from player.rendering.point_cloud import PointCloud
 
 SIDE = 128  # texels along each side of the floor
 CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
@@ -39,8 +36,6 @@ class Ground:
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
         """point_area: what one point covers, in the clip's unit, where all of them are drawn."""
-        import moderngl
-
         context, summed = self._points.context, self._framebuffers[0]
         summed.use()
         summed.clear()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from player.gl.context import headless
 from player.gl.gl_errors import (
     ContextLost,
@@ -20,9 +20,6 @@ from player.gl.gl_errors import (
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 
 def render(

@@ -1,18 +1,13 @@
 """Which organ is seen at a place of the picture: read from the GPU."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+import moderngl
 import numpy as np
 
 from player.gl.framebuffer import texture
-
-if TYPE_CHECKING:
-    from player.gl.shader import Passes
-    from player.rendering.point_buffers import DrawRange
-    from player.rendering.point_cloud import PointCloud
-    from player.rendering.splats import SplatParams
+from player.gl.shader import Passes
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import PointCloud
+from player.rendering.splats import SplatParams
 
 REACH = 10  # pixels from the place within which an organ counts as hit
 SIDE = 2 * REACH + 1
@@ -49,8 +44,6 @@ class Picking:
         int or None
             None beside the plant.
         """
-        import moderngl
-
         context, (width, height) = self._points.context, splats.samples
         self._framebuffer.viewport = (0, 0, SIDE, SIDE)
         self._framebuffer.use()

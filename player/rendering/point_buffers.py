@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
+import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
+from gclip import Interval
 from gclip.evaluate import Layer
 from gclip.file import check_whole
 from player.gl.gl_errors import OutOfGpuMemory, check_context
-
-if TYPE_CHECKING:
-    import moderngl
-    from numpy.typing import NDArray
-
-    from gclip import Interval
 
 MAX_BUFFER = 96 << 20  # bytes of a chunk's positions, within OpenGL's smallest limit: 16 M points
 SLICE = 1 << 20  # points brought to the GPU between looks at the clock

@@ -1,14 +1,13 @@
 """The points of a clip on the GPU: sends ranges of them through the points' shaders."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Interval, Motion
+from gclip import Clip, Interval, Motion
 from gclip.evaluate import Layer, bernstein
 from player.gl.framebuffer import texture
 from player.gl.gpu_memory import room
@@ -17,12 +16,7 @@ from player.gl.timers import PassTimers
 from player.rendering.point_buffers import ChunkBuffers, DrawRange, chunk_length
 from player.rendering.point_store import ChunkStore
 from player.view.colors import STEPS, Colors, ScalarField
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from gclip import Clip
-    from player.view.style import Style
+from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 PALETTE_UNIT, RAMP_UNIT = 6, 7  # texture units of the organs' colours and a scalar field's
@@ -72,8 +66,6 @@ class PointCloud:
 
         Its vertex shader is named by the first word: "splat_sum" has "splat".
         """
-        import moderngl
-
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms)
             with self.timers.timed(name):

@@ -5,14 +5,14 @@ group is cut into chunks from its beginning, each filled slice by slice, and wha
 already, or what there is time to draw, is the whole plant with fewer points.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Iterator
 from itertools import islice
-from typing import TYPE_CHECKING
 
+import moderngl
+
+from gclip import Clip
 from gclip.evaluate import Layer
 from player.gl.gl_errors import OutOfGpuMemory
 from player.rendering.point_buffers import (
@@ -24,11 +24,6 @@ from player.rendering.point_buffers import (
     chunk_length,
 )
 from player.rendering.prefetch import Prefetch
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from gclip import Clip
 
 
 class ChunkStore:

@@ -9,20 +9,15 @@ but where two are equally near.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import TYPE_CHECKING
+
+import moderngl
 
 from player.errors import PlayerError
-from player.gl.framebuffer import texture
-from player.rendering.point_cloud import PALETTE_UNIT
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from player.gl.framebuffer import GBuffer
-    from player.gl.shader import Passes
-    from player.rendering.point_buffers import DrawRange
-    from player.rendering.point_cloud import PointCloud
-    from player.rendering.splats import SplatParams
+from player.gl.framebuffer import GBuffer, texture
+from player.gl.shader import Passes
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import PALETTE_UNIT, PointCloud
+from player.rendering.splats import SplatParams
 
 MAX_RADIUS_PX = 2.0  # of splats in samples, up to which a centre may be rounded to a sample
 MAX_TRACKS = 1024  # that a point's ten bits tell apart
@@ -64,8 +59,6 @@ class PointRaster:
 
     def rasterise(self, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the one pass over all of them."""
-        import moderngl
-
         context, targets = self._points.context, self._targets_for(splats.samples)
         uniforms = splats.uniforms()
         targets.framebuffer.use()

@@ -1,19 +1,14 @@
 """Reads an interval from the disk in a thread, before it is needed."""
 
-from __future__ import annotations
-
 import mmap
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gclip import Interval
 from gclip.errors import ClipError
 from gclip.file import check_whole
 from player.rendering.point_buffers import buffers_of
-
-if TYPE_CHECKING:
-    from gclip import Interval
 
 STEP = 4096  # pages between looks at whether the interval is still wanted
 

@@ -5,14 +5,13 @@ A picture is made in steps: the nearest surface's colour and depth, from points 
 lit (shading.py) and put over the ground.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+import moderngl
 import numpy as np
 
+from gclip import Clip
 from gclip.evaluate import Layer, layers_at, locate
 from gclip.morton import BLOCK
 from player.gl.framebuffer import GBuffer
@@ -29,11 +28,6 @@ from player.rendering.splats import ALIGNED, FACING, SplatParams, Splats, SplatS
 from player.view.camera import Camera, outline
 from player.view.colors import Colors, ScalarField
 from player.view.style import Style
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from gclip import Clip
 
 # Of a splat, in closing distances: neighbours drift apart between scans. More splats than close the
 # surface have to find its edge together.

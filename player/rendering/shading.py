@@ -1,21 +1,16 @@
 """Light on the nearest surface, known by its depths and, where points have some, normals."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import moderngl
 import numpy as np
 
+from player.gl.framebuffer import GBuffer
+from player.gl.shader import Passes
+from player.rendering.splats import SplatParams, SplatSums
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from player.gl.framebuffer import GBuffer
-    from player.gl.shader import Passes
-    from player.rendering.splats import SplatParams, SplatSums
 
 DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (eye_dome.glsl)
 
@@ -32,8 +27,6 @@ def shade(
 
     behind: what is seen beyond the edges of the nearest surface.
     """
-    import moderngl
-
     uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
     context.enable_only(moderngl.DEPTH_TEST)
     context.depth_func = "<"  # where the plant is

@@ -1,21 +1,16 @@
 """How large splats must be to close a scanned surface."""
 
-from __future__ import annotations
-
 import math
 import threading
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gclip import Clip
 from gclip.errors import ClipError
 from gclip.evaluate import positions_on_curve
 from gclip.morton import morton_codes
-
-if TYPE_CHECKING:
-    from gclip import Clip
 
 SAMPLES = 1500
 ROUGH = 150  # of them, for a first guess

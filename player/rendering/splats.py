@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import moderngl
 import numpy as np
 
-from player.gl.framebuffer import NOTHING, texture
+from player.gl.framebuffer import NOTHING, GBuffer, texture
+from player.gl.shader import Passes
+from player.rendering.point_buffers import DrawRange
+from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from player.gl.framebuffer import GBuffer
-    from player.gl.shader import Passes
-    from player.rendering.point_buffers import DrawRange
-    from player.rendering.point_cloud import PointCloud
 
 MAX_MARGIN = 512  # samples: how far outside of the picture the centres of splats may lie
 
@@ -127,8 +123,6 @@ class Splats:
         self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
     ) -> SplatSums | None:
         """Draw the nearest surface into the G-buffer, and return what shows behind its edges."""
-        import moderngl
-
         context, sums = self._points.context, self._sums_for(gbuffer)
         # OpenGL drops points whose centres lie outside of the viewport, however large they are.
         (width, height), picture = splats.samples, (0, 0, *splats.samples)
