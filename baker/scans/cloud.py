@@ -22,6 +22,7 @@ MAX_STEP_RATIO = 1e-5  # of a scan's size: with larger float32 steps it gets its
 OUTLIER_NEIGHBORS = 16
 MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered : coordinates
 MAX_COORDINATE = 1e12  # beyond are marks of points that weren't measured (1e30, -1e38, ...)
+HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 MIN_SCAN_SIZE = 1e-9  # of smaller ones the products of lengths vanish; no unit of plants gives them
 
 
@@ -132,8 +133,13 @@ def drop_non_finite(cloud: Cloud, path: Path) -> Cloud:
 
 def drop_duplicates(cloud: Cloud) -> Cloud:
     """One point for each position, the first of its kind, whatever labels the others have."""
-    first, _ = _groups(cloud.points)
-    return _keep(cloud, np.sort(first), "at exactly the place of another one")
+    # Few points share a place, if any: only those that share a hash are compared.
+    hashes = np.ascontiguousarray(cloud.points).view(np.uint32).astype(np.uint64) @ HASH_FACTORS
+    ordered = np.sort(hashes)
+    alike = np.flatnonzero(np.isin(hashes, ordered[1:][ordered[1:] == ordered[:-1]]))
+    repeated = np.delete(alike, _groups(cloud.points[alike])[0])
+    kept = np.delete(np.arange(len(cloud)), repeated)
+    return _keep(cloud, kept, "at exactly the place of another one")
 
 
 def drop_outliers(cloud: Cloud, ratio: float) -> Cloud:
