@@ -5,8 +5,6 @@ A source includes another one with ``#include "name.glsl"``, relative to its own
 each only once.
 """
 
-from __future__ import annotations
-
 import posixpath
 import re
 from importlib.resources import files

@@ -1,9 +1,8 @@
 """Pictures of a clip, without a screen."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +108,7 @@ class Offscreen:
         """Give the context back, if that has not been done."""
         self._made.close()
 
-    def __enter__(self) -> Offscreen:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

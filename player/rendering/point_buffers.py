@@ -1,8 +1,7 @@
 """Chunks of a clip's points in buffers on the GPU, and ranges of points to be drawn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from typing import Self
 
 import moderngl
 import numpy as np
@@ -49,7 +48,7 @@ class DrawRange:
         """How many of them are drawn."""
         return -(-self.count // self.stride)
 
-    def reduced(self, most: int, share: float) -> DrawRange:
+    def reduced(self, most: int, share: float) -> Self:
         """About such a share of the first ones, `most` or fewer."""
         stride = max(round(self.stride / share), 1)
         return replace(self, count=min(self.count, most), stride=stride)

@@ -6,8 +6,6 @@ shaders and vertex order optimization") or by OpenGL's own points (3.3). Both le
 but where two are equally near.
 """
 
-from __future__ import annotations
-
 from enum import StrEnum
 
 import moderngl
@@ -28,6 +26,19 @@ class RasterBackend(StrEnum):
 
     POINTS = "points"
     COMPUTE = "compute"
+
+
+class PointTargets:
+    """The nearest point's number in every sample (nearest_point.glsl), and its colour."""
+
+    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
+        self.nearest, self.picked = (texture(context, size, 1, "u4") for _ in range(2))
+        self._depth = context.depth_renderbuffer(size)
+        self.framebuffer = context.framebuffer([self.nearest, self.picked], self._depth)
+
+    def release(self) -> None:
+        for part in (self.framebuffer, self.nearest, self.picked, self._depth):
+            part.release()
 
 
 class PointRaster:
@@ -101,16 +112,3 @@ class PointRaster:
     def release(self) -> None:
         if self._targets is not None:
             self._targets.release()
-
-
-class PointTargets:
-    """The nearest point's number in every sample (nearest_point.glsl), and its colour."""
-
-    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
-        self.nearest, self.picked = (texture(context, size, 1, "u4") for _ in range(2))
-        self._depth = context.depth_renderbuffer(size)
-        self.framebuffer = context.framebuffer([self.nearest, self.picked], self._depth)
-
-    def release(self) -> None:
-        for part in (self.framebuffer, self.nearest, self.picked, self._depth):
-            part.release()

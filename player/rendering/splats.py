@@ -1,7 +1,5 @@
 """Points as soft splats, wherever they lie between the samples: for splats of some size."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -105,6 +103,40 @@ class SplatParams:
         }
 
 
+class SplatSums:
+    """What the passes over splats draw into, for a G-buffer's samples.
+
+    Attributes
+    ----------
+    front : moderngl.Texture
+        Depth of the nearest surface.
+    textures : list of moderngl.Texture
+        Weighted sums over the splats on it; later colour, depth and normal of what lies behind.
+    nearest, summed, depths : moderngl.Framebuffer
+        With the front, with the textures, and with nothing but the depth buffer that they share.
+    lit : moderngl.Framebuffer
+        The G-buffer's light, with that depth buffer.
+    """
+
+    def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
+        self.gbuffer, size = gbuffer, gbuffer.size
+        self.front = texture(context, size, 1, "f4")
+        self.textures = [texture(context, size, channels, "f2") for channels in (4, 4, 2)]
+        self._depth = context.depth_renderbuffer(size)
+        self.nearest = context.framebuffer([self.front], self._depth)
+        self.summed = context.framebuffer(self.textures, self._depth)
+        self.depths = context.framebuffer([], self._depth)
+        self.lit = context.framebuffer([gbuffer.light], self._depth)
+        self.lit.depth_mask = False
+
+    def release(self) -> None:
+        for framebuffer in (self.nearest, self.summed, self.depths, self.lit):
+            framebuffer.release()
+        for attached in (self.front, *self.textures):
+            attached.release()
+        self._depth.release()
+
+
 class Splats:
     """Draws splats in three passes over the points.
 
@@ -175,37 +207,3 @@ class Splats:
     def release(self) -> None:
         if self._sums is not None:
             self._sums.release()
-
-
-class SplatSums:
-    """What the passes over splats draw into, for a G-buffer's samples.
-
-    Attributes
-    ----------
-    front : moderngl.Texture
-        Depth of the nearest surface.
-    textures : list of moderngl.Texture
-        Weighted sums over the splats on it; later colour, depth and normal of what lies behind.
-    nearest, summed, depths : moderngl.Framebuffer
-        With the front, with the textures, and with nothing but the depth buffer that they share.
-    lit : moderngl.Framebuffer
-        The G-buffer's light, with that depth buffer.
-    """
-
-    def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
-        self.gbuffer, size = gbuffer, gbuffer.size
-        self.front = texture(context, size, 1, "f4")
-        self.textures = [texture(context, size, channels, "f2") for channels in (4, 4, 2)]
-        self._depth = context.depth_renderbuffer(size)
-        self.nearest = context.framebuffer([self.front], self._depth)
-        self.summed = context.framebuffer(self.textures, self._depth)
-        self.depths = context.framebuffer([], self._depth)
-        self.lit = context.framebuffer([gbuffer.light], self._depth)
-        self.lit.depth_mask = False
-
-    def release(self) -> None:
-        for framebuffer in (self.nearest, self.summed, self.depths, self.lit):
-            framebuffer.release()
-        for attached in (self.front, *self.textures):
-            attached.release()
-        self._depth.release()

@@ -1,11 +1,10 @@
 """The camera: turns about a target, with the plant's own up axis kept upright."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +47,7 @@ class Camera:
     radius: float = 1.0  #: of the scene, from which near and far plane follow
 
     @classmethod
-    def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Camera:
+    def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Self:
         """A camera that sees the box from `bounds[0]` to `bounds[1]` whole, from every yaw.
 
         aspect: width by height of the picture.
@@ -57,7 +56,7 @@ class Camera:
         return cls._about(corners.mean(axis=0), corners, up)._for_a_turn(corners, aspect)
 
     @classmethod
-    def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Camera:
+    def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Self:
         """The view that a clip opens with: all of its movers in the picture, seen from where the
         plant looks widest.
 
@@ -72,19 +71,19 @@ class Camera:
         return camera._for_a_turn(local, aspect) if turning else camera._centred(local, aspect)
 
     @classmethod
-    def _about(cls, target: Vector, points: Vector, up: str, yaw: float = YAW) -> Camera:
+    def _about(cls, target: Vector, points: Vector, up: str, yaw: float = YAW) -> Self:
         """A camera that looks at a target, in a scene of (n, 3) local points."""
         radius = float(np.linalg.norm(points - target, axis=1).max())
         # A plant may be one point, and far from the origin.
         radius = max(radius, 1e-6, 1e-9 * float(np.abs(target).max()))
         return cls(target=_triple(target), yaw=yaw, up=up, radius=radius)
 
-    def _for_a_turn(self, points: Vector, aspect: float) -> Camera:
+    def _for_a_turn(self, points: Vector, aspect: float) -> Self:
         """As near as all points are in the picture from every yaw."""
         turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
         return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
 
-    def _centred(self, points: Vector, aspect: float) -> Camera:
+    def _centred(self, points: Vector, aspect: float) -> Self:
         """As near as all points are in the picture from this side, and in its middle."""
         camera = replace(self, distance=self._least(points, aspect))
         for _ in range(4):  # perspective moves the centre a little with every step nearer
@@ -107,12 +106,12 @@ class Camera:
         needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
         return max(float(needed.max()), 0.1 * self.radius)
 
-    def orbit(self, dyaw: float, dpitch: float) -> Camera:
+    def orbit(self, dyaw: float, dpitch: float) -> Self:
         """Turn about the target, in radians; the pitch stops short of straight up and down."""
         pitch = min(max(self.pitch + dpitch, -STEEPEST), STEEPEST)
         return replace(self, yaw=math.remainder(self.yaw + dyaw, 2 * math.pi), pitch=pitch)
 
-    def pan(self, dx: float, dy: float) -> Camera:
+    def pan(self, dx: float, dy: float) -> Self:
         """Shift the picture right and up by shares of its height, at the target's depth."""
         height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
         right, above, _ = self._frame()
@@ -120,13 +119,13 @@ class Camera:
             self, target=_triple(np.asarray(self.target) - height * (dx * right + dy * above))
         )
 
-    def zoom(self, factor: float) -> Camera:
+    def zoom(self, factor: float) -> Self:
         """Come nearer by a factor above 1, go away by one below."""
         slope = math.tan(FIELD_OF_VIEW / 2) / math.tan(self.field_of_view / 2)
         closest, farthest = 0.02 * self.radius * slope, 50.0 * self.radius * slope
         return replace(self, distance=min(max(self.distance / factor, closest), farthest))
 
-    def zoom_at(self, factor: float, right: float, up: float) -> Camera:
+    def zoom_at(self, factor: float, right: float, up: float) -> Self:
         """Zoom so that what is seen at a place stays there, at the target's depth.
 
         right, up: the place from the picture's middle, in shares of the picture's height.
@@ -135,7 +134,7 @@ class Camera:
         grown = self.distance / nearer.distance
         return nearer.pan(right * (1.0 - grown), up * (1.0 - grown))
 
-    def looking(self, yaw: float, pitch: float) -> Camera:
+    def looking(self, yaw: float, pitch: float) -> Self:
         """The same target from another side."""
         return replace(self, yaw=yaw, pitch=pitch).orbit(0.0, 0.0)
 
@@ -144,7 +143,7 @@ class Camera:
         """Whether parallels stay parallel in the picture."""
         return self.field_of_view <= ORTHOGRAPHIC
 
-    def with_orthographic(self, flat: bool) -> Camera:
+    def with_orthographic(self, flat: bool) -> Self:
         """Orthographic, or in perspective; what lies at the target's depth keeps its size."""
         angle = ORTHOGRAPHIC if flat else FIELD_OF_VIEW
         if self.orthographic == flat:

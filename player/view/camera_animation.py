@@ -1,13 +1,11 @@
 """Camera paths: the camera on some days, and smoothly in between; kept in JSON files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import msgspec
 import numpy as np
@@ -60,15 +58,15 @@ class CameraPath:
     def __bool__(self) -> bool:
         return bool(self.keys)
 
-    def with_key(self, day: float, camera: Camera) -> CameraPath:
+    def with_key(self, day: float, camera: Camera) -> Self:
         """Add a key, in the place of one of the same day."""
         others = [key for key in self.keys if key[0] != day]
-        return CameraPath(tuple(sorted([*others, (day, camera)], key=lambda key: key[0])))
+        return type(self)(tuple(sorted([*others, (day, camera)], key=lambda key: key[0])))
 
-    def without_key(self, day: float) -> CameraPath:
+    def without_key(self, day: float) -> Self:
         """Leave out the key nearest to a day."""
         nearest = min(self.keys, key=lambda key: abs(key[0] - day), default=None)
-        return CameraPath(tuple(key for key in self.keys if key is not nearest))
+        return type(self)(tuple(key for key in self.keys if key is not nearest))
 
     def at(self, day: float) -> Camera:
         """The camera on a day: passes through every key, without a jerk (Akima 1970, in scipy's

@@ -1,8 +1,7 @@
 """What people put right about organs in the window. Loads nothing: the table of keys needs it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from typing import Self
 
 from gclip.corrections import Correction
 
@@ -27,16 +26,16 @@ class Edits:
         shown = [one for one in self.now if one.kind != "name" or one in self.baked]
         return sorted(map(str, shown)) == sorted(map(str, self.baked))
 
-    def changed(self, now: tuple[Correction, ...]) -> Edits:
+    def changed(self, now: tuple[Correction, ...]) -> Self:
         return replace(self, now=now, past=(*self.past, self.now), future=())
 
-    def undone(self) -> Edits:
+    def undone(self) -> Self:
         if not self.past:
             return self
         future = (*self.future, self.now)
         return replace(self, now=self.past[-1], past=self.past[:-1], future=future)
 
-    def redone(self) -> Edits:
+    def redone(self) -> Self:
         if not self.future:
             return self
         return replace(self.changed(self.future[-1]), future=self.future[:-1])

@@ -1,9 +1,8 @@
 """The clock of the player: where in the series it stands and how it goes on. No graphics."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import Self
 
 SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 SECONDS_PER_INTERVAL = 2.0  # at speed 1, on average over the series
@@ -37,7 +36,7 @@ class Timeline:
     end: float | None = None
 
     @classmethod
-    def of(cls, times: list[float] | tuple[float, ...]) -> Timeline:
+    def of(cls, times: list[float] | tuple[float, ...]) -> Self:
         """A clock that stands at the first scan."""
         return cls(tuple(times), times[0])
 
@@ -65,14 +64,14 @@ class Timeline:
         seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), SHORTEST), LONGEST)
         return self.speed * (self.last - self.first) / seconds
 
-    def tick(self, seconds: float) -> Timeline:
+    def tick(self, seconds: float) -> Self:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
         clock = self
         while clock.playing and seconds > 0.0:
             clock, seconds = clock._to_next_turn(seconds)
         return clock
 
-    def _to_next_turn(self, seconds: float) -> tuple[Timeline, float]:
+    def _to_next_turn(self, seconds: float) -> tuple[Self, float]:
         """Rest, or go on to the end at most; returns the clock and the seconds left over."""
         if self.rest > 0.0:
             if seconds < self.rest:
@@ -89,49 +88,49 @@ class Timeline:
             return replace(self, day=goal, playing=False, backwards=False), 0.0
         return replace(self, day=goal, rest=REST), seconds - needed
 
-    def _turned(self) -> Timeline:
+    def _turned(self) -> Self:
         if self.at_end is AtEnd.PING_PONG:
             return replace(self, rest=0.0, backwards=self.day == self.upper)
         return replace(self, rest=0.0, day=self.lower, backwards=False)
 
-    def played(self) -> Timeline:
+    def played(self) -> Self:
         """Start the clock; at the end of the series it starts over, or goes back."""
         at_goal = self.day == (self.lower if self.backwards else self.upper)
         return replace(self._turned() if at_goal else self, playing=True)
 
-    def paused(self) -> Timeline:
+    def paused(self) -> Self:
         return replace(self, playing=False, rest=0.0)
 
-    def toggled(self) -> Timeline:
+    def toggled(self) -> Self:
         return self.paused() if self.playing else self.played()
 
-    def at(self, day: float) -> Timeline:
+    def at(self, day: float) -> Self:
         """Go to a day; days outside the series give its first or last one."""
         return replace(self, day=min(max(day, self.first), self.last), rest=0.0)
 
-    def nudged(self, share: float) -> Timeline:
+    def nudged(self, share: float) -> Self:
         """Pause and go on by a share of the whole series, negative for back."""
         return self.paused().at(self.day + share * (self.last - self.first))
 
-    def framed(self, count: int) -> Timeline:
+    def framed(self, count: int) -> Self:
         """Pause and go on by frames of a film, negative for back."""
         return self.paused().at(self.day + count * self.days_per_second / FRAMES)
 
-    def begun_here(self) -> Timeline:
+    def begun_here(self) -> Self:
         """Play from this day on; an end that lies before it no longer counts."""
         begin = None if self.day in (self.first, self.last) else self.day
         return replace(self, begin=begin, end=self.end if self.upper > self.day else None)
 
-    def ended_here(self) -> Timeline:
+    def ended_here(self) -> Self:
         """Play up to this day; a beginning that lies after it no longer counts."""
         end = None if self.day in (self.first, self.last) else self.day
         return replace(self, end=end, begin=self.begin if self.lower < self.day else None)
 
-    def unbounded(self) -> Timeline:
+    def unbounded(self) -> Self:
         """Play the whole series."""
         return replace(self, begin=None, end=None)
 
-    def stepped(self, direction: int) -> Timeline:
+    def stepped(self, direction: int) -> Self:
         """Pause at the next scan (direction 1) or the one before (-1)."""
         if direction > 0:
             ahead = [time for time in self.times if time > self.day]
@@ -139,13 +138,13 @@ class Timeline:
         behind = [time for time in self.times if time < self.day]
         return self.paused().at(behind[-1] if behind else self.first)
 
-    def faster(self) -> Timeline:
+    def faster(self) -> Self:
         return replace(self, speed=min((s for s in SPEEDS if s > self.speed), default=SPEEDS[-1]))
 
-    def slower(self) -> Timeline:
+    def slower(self) -> Self:
         return replace(self, speed=max((s for s in SPEEDS if s < self.speed), default=SPEEDS[0]))
 
-    def with_next_end(self) -> Timeline:
+    def with_next_end(self) -> Self:
         """Change what happens at the end: loop, back and forth, stop."""
         choices = list(AtEnd)
         chosen = choices[(choices.index(self.at_end) + 1) % len(choices)]

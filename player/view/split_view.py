@@ -1,10 +1,9 @@
 """What stands beside the plant: one of its scans, or another clip in step. No graphics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -45,7 +44,7 @@ class Pair:
     shift: tuple[float, float, float] | None
 
     @classmethod
-    def of(cls, first: Clip, second: Clip, homes: tuple[Camera, Camera]) -> Pair:
+    def of(cls, first: Clip, second: Clip, homes: tuple[Camera, Camera]) -> Self:
         if _same_place(first, second):
             shift = _triple(np.asarray(first.origin) - np.asarray(second.origin))
             return cls((homes[0], homes[0]), shift)

@@ -1,9 +1,8 @@
 """Everything that the window shows and does, as one frozen value: equal scenes, equal pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 from gclip import Clip
 from gclip.corrections import Place
@@ -64,17 +63,17 @@ class Scene:
         absent |= set() if self.fields else {ColorMode.FIELD}
         return tuple(mode for mode in ColorMode if mode not in absent)
 
-    def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Scene:
+    def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
 
-    def with_camera(self, move: Callable[[Camera], Camera]) -> Scene:
+    def with_camera(self, move: Callable[[Camera], Camera]) -> Self:
         """Move the camera, away from any path that it was following."""
         return replace(self, camera=move(self.camera), following=False)
 
-    def with_style(self, notice: str = "", **changes: object) -> Scene:
+    def with_style(self, notice: str = "", **changes: object) -> Self:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
 
-    def with_notice(self, notice: str) -> Scene:
+    def with_notice(self, notice: str) -> Self:
         return replace(self, notice=notice)
 
 

@@ -1,9 +1,8 @@
 """How the plant is to look: what the user chooses, apart from camera and time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Self
 
 Light = tuple[float, float, float]
 
@@ -19,7 +18,7 @@ class ColorMode(StrEnum):
         str  #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
     )
 
-    def __new__(cls, value: str, label: str = "", colormap: str = "") -> ColorMode:
+    def __new__(cls, value: str, label: str = "", colormap: str = "") -> Self:
         mode = str.__new__(cls, value)
         mode._value_, mode.label, mode.colormap = value, label, colormap
         return mode
@@ -39,7 +38,7 @@ class ColorMode(StrEnum):
         """Whether a clip is given the values' colours as its own (player/view/painted.py)."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
-    def resolved(self, has_colors: bool) -> ColorMode:
+    def resolved(self, has_colors: bool) -> Self:
         """What it comes to with a clip that has scans' colours, or has none."""
         if self in (ColorMode.AUTO, ColorMode.SCAN):
             return ColorMode.SCAN if has_colors else ColorMode.TRACK

@@ -1,12 +1,10 @@
 """What GLFW is asked for: a window with OpenGL, its events, and the full screen."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import glfw as untyped
 
@@ -29,7 +27,7 @@ class Measures:
     scale: float  #: pixels in a unit of 1/96 inch (the system's content scale)
 
     @classmethod
-    def of(cls, handle: Any) -> Measures:
+    def of(cls, handle: Any) -> Self:
         """Those that a window has now."""
         scale = max(glfw.get_window_content_scale(handle)[0], 0.5)
         return cls(glfw.get_window_size(handle), glfw.get_framebuffer_size(handle), scale)
@@ -61,7 +59,6 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
     size: (width, height) in units of 1/96 inch.
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
-
     reasons: list[str] = []
     glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason)))
     if not glfw.init():
@@ -89,7 +86,6 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
 
 def _created(size: tuple[int, int], title: str) -> Any:
     """A window with the newest OpenGL of VERSIONS that there is, or nothing."""
-
     glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
@@ -106,7 +102,6 @@ def _created(size: tuple[int, int], title: str) -> Any:
 
 def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
     """The same where Mesa draws it on the CPU, slower: a GPU's driver may be broken."""
-
     os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
     glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
     return _created(size, title) if glfw.init() else None
@@ -172,7 +167,6 @@ def listen(
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:
     """Go to the full screen of the monitor that shows most of the window, or back from it."""
-
     if wanted == bool(glfw.get_window_monitor(handle)):
         return
     if wanted:
@@ -188,14 +182,12 @@ def switch_fullscreen(handle: Any, wanted: bool) -> None:
 
 def shortest_frame() -> float:
     """Seconds below which the next picture would not be shown anyway."""
-
     monitor = glfw.get_primary_monitor()
     rate = glfw.get_video_mode(monitor).refresh_rate if monitor else 0
     return 0.8 / (rate if rate > 0 else 60)
 
 
 def _monitor_of(handle: Any) -> Any:
-
     left, top = glfw.get_window_pos(handle)
     width, height = glfw.get_window_size(handle)
 

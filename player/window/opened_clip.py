@@ -1,10 +1,9 @@
 """Clips and the files that they come from."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 from gclip import Clip
 from gclip.clip import open_as_baked
@@ -19,13 +18,13 @@ class OpenClip:
     file: Path | None = None
 
     @classmethod
-    def of(cls, file: Path) -> OpenClip:
+    def of(cls, file: Path) -> Self:
         """Raises ClipError where it is no clip."""
         return cls(open_as_baked(file), file.stem, file)
 
-    def reopened(self) -> OpenClip:
+    def reopened(self) -> Self:
         """As its file is now. Raises ClipError where that is no clip any more."""
-        return self if self.file is None else OpenClip.of(self.file)
+        return self if self.file is None else self.of(self.file)
 
 
 class FileWatch:
