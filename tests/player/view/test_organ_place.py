@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gclip import Clip
+from gclip.places import baked_corrections
 from player.view.camera import Camera
-from player.view.edits import baked_corrections
 from player.view.organ_place import organ_place
 from tests.player.shown import small_clip
 
