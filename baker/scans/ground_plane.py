@@ -78,6 +78,8 @@ def find_ground(points: Points, up: str) -> Ground | None:
     vertical = Vertical.named(up)
     frame = _frame(vertical.sign * np.eye(3)[vertical.axis])
     sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
+    # In this order heights are sorted again next to at once, for every slice.
+    sample = sample[np.argsort(vertical.height(sample), kind="stable")]
     found = [_ground(sample, frame, -np.inf, share) for share in LOW_SHARES]
     if not any(found):
         slices = [(k / SLICES, (k + OVERLAP) / SLICES) for k in range(1, SLICES)]
@@ -163,9 +165,12 @@ def _one_of_each_cell(turned: Points, low: float, high: float, sign: int) -> tup
 
     sign: 1 for the lowest one, -1 for the highest.
     """
-    bottom, top = np.quantile(turned[:, 2], 0.002), turned[:, 2].max()
-    shares = (turned[:, 2] - bottom) / ((top - bottom) or 1.0)
-    points = turned[(shares >= low) & (shares <= high)]
+    rising = np.argsort(turned[:, 2], kind="stable")
+    heights = turned[rising, 2]
+    bottom, top = heights[len(heights) // 500], heights[-1]
+    begin = np.searchsorted(heights, bottom + low * ((top - bottom) or 1.0))
+    stop = np.searchsorted(heights, bottom + high * ((top - bottom) or 1.0), "right")
+    points = turned[rising[begin:stop][::sign]]
     if not len(points):
         return points, 1.0
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
@@ -173,9 +178,8 @@ def _one_of_each_cell(turned: Points, low: float, high: float, sign: int) -> tup
     cell = np.floor((points[:, :2] - corner) / width).astype(np.int64)
     within = ((cell >= 0) & (cell <= CELLS)).all(axis=1)
     points, cell = points[within], cell[within]
-    rising = np.argsort(sign * points[:, 2], kind="stable")
-    _, first = np.unique(cell[rising] @ [CELLS + 1, 1], return_index=True)
-    return points[rising[first]], width
+    _, first = np.unique(cell @ [CELLS + 1, 1], return_index=True)
+    return points[first], width
 
 
 def _plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:
