@@ -24,7 +24,7 @@ Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
 Vector = tuple[Number, Number, Number]
 
-MAX_FILE_SIZE = 1 << 22  # bytes
+MAX_FILE_SIZE = 1 << 18  # bytes; a number of a million digits takes a hundred times its size
 HEADER = "# What was put right about this plant's organs; `bake` reads it, `play` writes it anew.\n"
 
 

@@ -32,6 +32,7 @@ def test_sound_files_are_read(kind, tmp_path):
     "file",
     [
         File("settings", (("word", 2663),)),
+        File("corrections", (("long line", 380333), ("long line", 228), ("long line", 228))),
         File("xyz", (("repeat", 2599), ("number", 2599), ("repeat", 2599), ("repeat", 2599))),
     ],
     ids=str,
