@@ -74,12 +74,12 @@ def frame_finding(
     ]
     usual = np.median([by for by, stay in zip(moved, stays, strict=True) if stay] or moved, axis=0)
     moves = np.linalg.norm(moved - usual, axis=1)
-    doubts, farthest = [], int(np.argmax(moves))
-    length = f"{moves[farthest]:.3g} {unit}".strip()
+    doubts, farthest, far = [], names[int(np.argmax(moves))], float(moves.max())
+    length = f"{far:.3g} {unit}".strip()
     if any(offset.any() for offset in offsets):
-        doubts = [f"{names[farthest]} is in another coordinate system, {length} away"]
-    elif moves[farthest] > LARGE_MOVE * size:
-        doubts = [f"{names[farthest]} was moved by {length}, more than a fifth of the plant's size"]
+        doubts = [f"{farthest} is in another coordinate system, {length} away"]
+    elif far > LARGE_MOVE * size:
+        doubts = [f"{farthest} was moved by {length}, more than a fifth of the plant's size"]
     if stays.any():
         found = "the scans share a frame and stay as they are"
         out = [name for name, stay in zip(names, stays, strict=True) if not stay]

@@ -58,30 +58,24 @@ def align(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float32 ndarray
+    clouds : sequence of (N, 3) float32
     method : {"auto", "turn", "icp", "none"}
         "auto" leaves scans that share a frame there, else does as "turn", which keeps the vertical,
         puts the stems' bases on one another and looks for the yaw that leaves most organs in their
         direction. "icp" is the paper's: closest points from where the scans lie (it often locks on
         a wrong yaw). "none" leaves everything where it is.
-    up : str
-        The direction of growth, or "auto".
-    root : (3,) float ndarray, optional
-        Base of the first scan's stem, where it is known.
-    labels : sequence of (N,) int ndarray, optional
+    up, root : str, (3,) float, optional
+        The direction of growth, or "auto"; the base of the first scan's stem, where it is known.
+    labels : sequence of (N,) int, optional
         The organ of each point; the same number may mean another organ in another scan.
-    names : sequence of str, optional
-        The scans' names, for the findings.
-    offsets : sequence of (3,) float64 ndarray, optional
+    names, unit : sequence of str, str, optional
+        The scans' names and the unit of lengths, for the findings.
+    offsets : sequence of (3,) float64, optional
         Of each scan's coordinates from the first one's; by default they are the same.
     ground_up : (3,) float, optional
         Unit vector away from the ground, where one was found.
-    unit : str
-        Of lengths, for the findings.
-    progress : callable, optional
-        Called with the stage, the steps done and all.
-    map : MapLike
-        Maps a function over scans.
+    progress, map : callable, MapLike, optional
+        Called with the stage, the steps done and all; maps a function over scans.
 
     References
     ----------

@@ -49,10 +49,9 @@ def read_series(
 
     Parameters
     ----------
-    inputs : sequence of Path
+    inputs, options : sequence of Path, Options, optional
         One folder that holds one series, or two or more files; a folder with a camera's file holds
         colour and depth images (`baker.scans.rgbd`).
-    options : Options, optional
     report_progress : callable, optional
         Called at once and after each scan with the scans done and the scans in all.
     map : map-like callable, optional
@@ -62,14 +61,11 @@ def read_series(
 
     Returns
     -------
-    Series
-        Scans share one `origin`, chosen from the first one (`baker.scans.cloud.shared_origin`),
-        but for those too far from it.
+    Series, whose scans share one `origin`, but for those too far from it
 
     Raises
     ------
-    InputError
-        For everything that can't be read as one series.
+    InputError, for everything that can't be read as one series
     """
     options = options or Options()
     listing = list_series(inputs, options, times)
@@ -143,13 +139,11 @@ class Listing:
     def read(
         self, entry: Entry, options: Options, child: ChildProcess | None = None
     ) -> tuple[Cloud, str]:
-        """What a scan's files hold, but for points without a place, and their digest.
-
-        child: where native code reads, as of `baker.scans.formats.read_columns`.
-        """
+        """What a scan's files hold, but for points without a place, and their digest."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
-        names = [*filter(None, options.columns.split(","))]
-        carried = [*filter(None, options.fields.split(","))]
+        names, carried = (
+            [*filter(None, listed.split(","))] for listed in (options.columns, options.fields)
+        )
 
         def read() -> Cloud:
             if self.images:
@@ -190,10 +184,8 @@ def list_series(
     schedule = images.schedule if images else schedule_scans(find_scans(inputs, file), file, times)
     kept, count = schedule.entries[:: options.every], len(schedule.entries)
     if len(kept) < 2:
-        raise InputError(
-            f"of {count} scans, --every {options.every} leaves only the first one; growth needs "
-            "at least two."
-        )
+        left = f"--every {options.every} leaves only the first one; growth needs at least two"
+        raise InputError(f"of {count} scans, {left}.")
     if options.every > 1:
         found = f"{schedule.finding.found}; of {count} scans {len(kept)}, one in {options.every}"
         finding = replace(schedule.finding, found=found)
@@ -202,10 +194,7 @@ def list_series(
 
 
 def digest(paths: Sequence[Path]) -> str:
-    """SHA-256 over the bytes of all files a scan is read from, one after the other.
-
-    Raises InputError where one can't be read.
-    """
+    """SHA-256 over the bytes of all files a scan is read from. InputError for one unreadable."""
     found = hashlib.sha256()
     for path in paths:
         with asking(path), path.open("rb") as file:

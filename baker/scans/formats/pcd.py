@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
 from baker.scans.formats import FormatError, require_count, require_room
-from baker.scans.formats.text import read_numbers
+from baker.scans.formats.text import as_type, read_numbers
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
 MAX_HEADER_BYTES = 1 << 19  # bytes
@@ -39,7 +39,7 @@ def read(path: Path) -> Columns:
             numbers = read_numbers(path.read_bytes()[start:], lines + 1)
             require_count(count * len(names), len(numbers), "values")
             table = numbers.reshape(count, len(names)).T
-            columns = {n: values.astype(record[n]) for n, values in zip(names, table, strict=True)}
+            columns = {n: as_type(own, record[n]) for n, own in zip(names, table, strict=True)}
         case "binary":
             require_room(count, record.itemsize, room)
             points = np.fromfile(path, record, count, offset=start)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_room
+from baker.scans.formats import FormatError, require_count, require_room
 from baker.scans.formats.mesh import points_on_surface
-from baker.scans.formats.text import read_numbers
+from baker.scans.formats.text import as_type, read_numbers
 
 MAX_HEADER_BYTES = 1 << 20
 CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use
@@ -63,10 +63,10 @@ def read(path: Path) -> Columns:
     place = 0
     for name, element in elements.items():
         values[name], place = _read_element(body, place, element, order)
-    if not order and place < len(body):
-        raise FormatError(f"holds {(len(body) - place) // 8} values more than it announces.")
+    if not order:
+        require_count(place // 8, len(body) // 8, "values")
     columns = {
-        name: np.asarray(values["vertex"][name]).astype(kind, copy=False)
+        name: as_type(np.asarray(values["vertex"][name]), kind)
         for name, (kind, length) in elements["vertex"].properties.items()
         if length is None
     }

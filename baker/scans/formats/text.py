@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from baker.errors import excerpt
 from baker.scans.cloud import Columns
@@ -77,8 +77,16 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
 
 
 def _read_lines(path: Path) -> list[str]:
-    """The lines of a text. FormatError for one that no row of numbers can be."""
-    with path.open(encoding=_encoding(path), errors="replace") as file:
+    """The lines of a text in UTF-8 or, by its byte order mark, UTF-16.
+
+    FormatError if it is none, or for a line that no row of numbers can be.
+    """
+    with path.open("rb") as file:
+        head = file.read(65536)
+    is_utf_16 = head.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in head and not is_utf_16:
+        raise FormatError("is not a text file, though its suffix says so.")
+    with path.open(encoding="utf-16" if is_utf_16 else "utf-8-sig", errors="replace") as file:
         lines = file.readlines()
     if longest := next((k for k, line in enumerate(lines, 1) if len(line) >= LONGEST_LINE), None):
         raise FormatError(f"{LONGEST_LINE} characters or more are no row of numbers.", longest)
@@ -94,6 +102,15 @@ def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
             if not all(map(_is_number, row.split())):
                 raise _not_numbers(row.split(), line) from None
         raise
+
+
+def as_type(numbers: NDArray, kind: DTypeLike) -> NDArray:
+    """The numbers in the type that a file announces. FormatError for one that is not of it."""
+    with np.errstate(invalid="ignore"):
+        found = numbers.astype(kind, copy=False)
+    if found.dtype.kind in "iu" and (wrong := numbers[found != numbers]).size:
+        raise FormatError(f"holds {wrong[0]:g} where it announces {found.dtype.name}.")
+    return found
 
 
 def _read_rows(
@@ -146,17 +163,6 @@ def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatErro
     if re.fullmatch(r"[-+]?\d+,\d+", text):
         hint = "; write decimals with a point"
     return FormatError(f"'{excerpt(text)}' is not a number{hint}.", line)
-
-
-def _encoding(path: Path) -> str:
-    """UTF-8 or, by its byte order mark, UTF-16. FormatError if `path` is no text."""
-    with path.open("rb") as file:
-        head = file.read(65536)
-    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    if b"\0" in head:
-        raise FormatError("is not a text file, though its suffix says so.")
-    return "utf-8-sig"
 
 
 def _read_head(

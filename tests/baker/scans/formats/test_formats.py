@@ -242,6 +242,26 @@ def test_bools_of_a_ply_are_bytes(tmp_path):
         assert cloud.labels.tolist() == [0, 1, 1]
 
 
+@pytest.mark.parametrize(
+    ("row", "fault"),
+    [
+        ("1 2 3 x", "line {}: 'x' is not a number"),
+        ("1 2 3 300", "holds 300 where it announces uint8"),
+        ("1 2 3 1.5", "holds 1.5 where it announces uint8"),
+        ("1 2 3", "cut short|announces 8 values, but 7"),
+        ("1 2 3 4 5", "announces 8 values, but 9"),
+    ],
+)
+def test_rows_of_texts_hold_what_their_headers_announce(tmp_path, row, fault):
+    axes = "".join(f"property float {axis}\n" for axis in "xyz")
+    ply = f"ply\nformat ascii 1.0\nelement vertex 2\n{axes}property uchar label\nend_header\n"
+    pcd = "FIELDS x y z label\nSIZE 4 4 4 1\nTYPE F F F U\nPOINTS 2\nDATA ascii\n"
+    for name, header in (("s.ply", ply), ("s.pcd", pcd)):
+        (tmp_path / name).write_text(f"{header}0 0 0 0\n{row}\n")
+        with pytest.raises(InputError, match=fault.format(header.count("\n") + 2)):
+            read_columns(tmp_path / name)
+
+
 def test_a_las_of_scale_zero_is_refused(tmp_path):
     for kind in ("las 1.2", "laz 1.4"):
         name, make = SOUND[kind]
