@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from baker.alignment import Alignment, align
 from baker.alignment.keyframes import (
     AlignedSeries,
-    HeldOut,
     Keyframe,
     aligned_keyframes,
     hold_out,
@@ -59,7 +58,7 @@ from baker.segmentation.organs import segment_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
 from baker.verdict import FollowedOrgans, judged
-from gclip import Clip, ScanMark
+from gclip import Clip, HeldOutScan, ScanMark
 
 Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
@@ -74,7 +73,7 @@ class Survey:
     options: Options  # as this series has them
     alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
-    held_out: tuple[HeldOut, ...]
+    held_out: tuple[HeldOutScan, ...]
     labels: LabelUse
     corrections: tuple[PointCorrection, ...] = ()
 
@@ -157,7 +156,7 @@ def bake_recorded(
             time_unit=series.unit,
             floor=aligned.floor,
             spacing=aligned.spacing,
-            held_out=tuple(held.in_clip for held in survey.held_out),
+            held_out=survey.held_out,
             provenance=describe_provenance(
                 survey.raw, series, survey.alignment, labels, hierarchies, options
             ),
@@ -204,7 +203,7 @@ def survey_series(
     corrections = options.corrections or ()
     labels = replace(labels, findings=(*labels.findings, *corrections_finding(corrections)))
     located = locate_corrections(corrections, raw, series, aligned, options.scale)
-    return Survey(raw, series, options, alignment, aligned, tuple(held_out), labels, located)
+    return Survey(raw, series, options, alignment, aligned, held_out, labels, located)
 
 
 def _measure(

@@ -10,7 +10,7 @@ from baker.alignment.register import Alignment
 from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
-from baker.scans import Scan, Series
+from baker.scans import Series
 from gclip import HeldOutScan
 
 
@@ -23,20 +23,6 @@ class Keyframe:
     area: NDArray[np.floating] | None = None  # (N,); None where the density of movers stays
     base: NDArray[np.float64] | None = None  # (3,), where the stem leaves the ground
     normals: NDArray[np.uint8] | None = None  # (N, 2), octahedral
-
-
-@dataclass(frozen=True)
-class HeldOut:
-    """A scan that was read and aligned with the others, then left out of the bake."""
-
-    scan: Scan
-    keyframe: Keyframe
-
-    @property
-    def in_clip(self) -> HeldOutScan:
-        """What a clip keeps of it, to be compared with."""
-        scan = self.scan
-        return HeldOutScan(scan.name, scan.time, scan.date, self.keyframe.positions)
 
 
 @dataclass(frozen=True)
@@ -82,7 +68,7 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 
 def hold_out(
     series: Series, keyframes: Sequence[Keyframe], every: int | None
-) -> tuple[Series, list[Keyframe], tuple[HeldOut, ...]]:
+) -> tuple[Series, list[Keyframe], tuple[HeldOutScan, ...]]:
     """Divide an aligned series into the scans to bake and those left out for verification.
 
     Every so many scans one is left out (section 4 of the paper). InputError where that leaves out
@@ -95,11 +81,10 @@ def hold_out(
             f"at least {every + 1} are needed, for the first and the last always stay."
         )
     kept = [k for k in range(len(series.scans)) if k not in left_out]
-    return (
-        replace(series, scans=tuple(series.scans[k] for k in kept)),
-        [keyframes[k] for k in kept],
-        tuple(HeldOut(series.scans[k], keyframes[k]) for k in left_out),
-    )
+    left = [(series.scans[k], keyframes[k].positions) for k in left_out]
+    held_out = tuple(HeldOutScan(s.name, s.time, s.date, positions) for s, positions in left)
+    series = replace(series, scans=tuple(series.scans[k] for k in kept))
+    return series, [keyframes[k] for k in kept], held_out
 
 
 def held_out_scans(count: int, every: int | None) -> tuple[int, ...]:

@@ -77,11 +77,11 @@ def verify(
 
     errors = []
     for number, held in enumerate(record.held_out, 1):
-        scan, points, film = held.scan, held.keyframe.positions, clip.at(held.scan.time).local
+        points, film = held.positions, clip.at(held.time).local
         sizes = len(points), point_spacing(points)
         pairs = ((points, film), (film, points))
         both = [Distances.of(KDTree(to).query(found)[0]) for to, found in pairs]
-        errors.append(HoldoutError(scan.name, scan.date, scan.time, *sizes, *both))
+        errors.append(HoldoutError(held.name, held.date, held.time, *sizes, *both))
         report_progress("verification", number, len(record.held_out))
     return errors
 

@@ -18,7 +18,7 @@ def test_rebuilt_scans_are_nearer_than_the_scans_before_them(series, name):
     days = (3.5, 10.5) if name == GROWN else (1, 3, 5, 7)
     assert [error.date for error in errors] == [f"day {day}" for day in days]
     copied = [
-        cKDTree(before.positions).query(held.keyframe.positions)[0].mean()
+        cKDTree(before.positions).query(held.positions)[0].mean()
         for held, before in zip(record.held_out, record.aligned.keyframes, strict=False)
     ]
     made, missed = overall(errors)

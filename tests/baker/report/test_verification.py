@@ -87,11 +87,12 @@ def test_scans_left_out_play_no_part_in_the_bake(write_scans):
     kept = [folder / f"day{day:02d}.txt" for day in (0, 2, 4)]
     alone, _ = bake_recorded(kept, PLAIN)
     assert alone.held_out == ()
-    for held, kept_out in zip(record.held_out, clip.held_out, strict=True):
-        assert (kept_out.name, kept_out.time) == (held.scan.name, held.scan.time)
-        assert np.array_equal(kept_out.positions, held.keyframe.positions)
+    assert clip.held_out == record.held_out
     assert [scan.name for scan in clip.scans] == [path.name for path in kept]
-    assert [held.scan.name for held in record.held_out] == ["day01.txt", "day03.txt"]
+    assert [(held.name, held.time) for held in record.held_out] == [
+        ("day01.txt", 1),
+        ("day03.txt", 3),
+    ]
     for ours, theirs in zip(clip.intervals, alone.intervals, strict=True):
         assert (ours.start, ours.end) == (theirs.start, theirs.end)
         for a, b in zip(ours.curve, theirs.curve, strict=True):
