@@ -10,10 +10,10 @@ from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.movers import OrganMovers, leaving, moving
-from baker.interpolation.organ_attachments import Attachments, attachments, organ_attachments
+from baker.interpolation.organ_attachments import Attachments, organ_attachments
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import OrganShape, organ_shapes
-from baker.interpolation.paths import Deviation, OrganPaths, attached
+from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
@@ -33,7 +33,7 @@ class InterpolationOptions:
 
     transport: TransportOptions  # its `workers` does not count
     registered: bool  # whether organs are deformed onto each other before they are transported
-    # organs deform along curved paths, attached to their parents, or go in straight lines
+    # organs deform along curved paths, carried by their parents, or go in straight lines
     curved: bool
     even: float
     precision: str
@@ -235,10 +235,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, deviations = zip(*(solutions[k] for k in np.argsort(order)), strict=True)
-    solved = [*moved]
-    if paths:
-        curved, at_end = paths.curved(moved, deviations), attachments(clouds[1], job.match.second)
-        solved = attached(curved, job.match.second, at_end, job.spacing)
+    solved = paths.curved(moved, deviations) if paths else list(moved)
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even, map),

@@ -1,15 +1,11 @@
-"""Where organs are attached to their parents: in one scan, and through a whole series.
+"""Where organs are attached to their parents.
 
-In one scan that is where they are nearest. But a leaf whose tip hangs against the stem touches it
-at its base and at its tip. Through a series an attachment moves little; tips don't stay.
+A leaf whose tip hangs against the stem touches it at its base and at its tip. Through a series an
+attachment moves little; tips don't stay.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,55 +14,12 @@ from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, sampled
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
 Points = NDArray[np.floating]
 Attachments = dict[int, Points]
 """By organ, the points (c, 3) by which it touches its parent."""
 
-SAMPLE_SIZE = 50  # points of an organ that bound its distance from its parent
-ROUGHNESS = 10.0  # relative error of that bound
-TINY = 1e-30
 CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
 MAX_STEP = 3.0  # spacings between neighbouring points of one contact
-
-
-class Attachment(NamedTuple):
-    """Where an organ touches its parent."""
-
-    nearest: int  # index of the organ's point that is nearest to its parent
-    gap: float  # the distance between the two
-
-
-def attachment(organ: NDArray[np.floating], parent: cKDTree) -> Attachment:
-    """Find where an organ, (n, 3) points, is attached.
-
-    Searches far from the points of a tree are slow. So a sample bounds the distance, by any of the
-    parent's points that are not much farther than the nearest ones.
-    """
-    sample = organ[:: max(1, len(organ) // SAMPLE_SIZE)]
-    # What is found is nearer than the bound, by its square.
-    bound = max(1.000001 * parent.query(sample, eps=ROUGHNESS)[0].min(), TINY)
-    distances = parent.query(organ, distance_upper_bound=bound)[0]
-    return Attachment(int(np.argmin(distances)), float(distances.min()))
-
-
-def attachments(cloud: NDArray[np.floating], hierarchy: Hierarchy) -> dict[int, Attachment]:
-    """Where each segment of a scan, (N, 3) points, is attached: if it has points and a parent."""
-    from scipy.spatial import cKDTree
-
-    @cache
-    def tree(segment: int) -> cKDTree:
-        return cKDTree(cloud.take(hierarchy.segments[segment], axis=0), balanced_tree=False)
-
-    return {
-        segment: attachment(cloud.take(members, axis=0), tree(parent))
-        for segment, (members, parent) in enumerate(
-            zip(hierarchy.segments, hierarchy.parents, strict=True)
-        )
-        if parent != NO_PARENT and len(members) and len(hierarchy.segments[parent])
-    }
 
 
 def organ_attachments(

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from baker.alignment.keyframes import Keyframe
 from baker.geometry.rigid import rotations_between
-from baker.interpolation.organ_attachments import attachments
 from baker.interpolation.spine import unit
 from baker.matching import Match
-from baker.segmentation.hierarchy import NO_PARENT
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 MIN_SCANS = 4  # that show an organ, below which nothing tells swaying from growing
 WINDOW = 9  # scans that a local line is fitted to
@@ -33,13 +32,9 @@ def smooth_organs(
     Organs that fewer than four scans show, and those without a parent, are only carried along.
     """
     scans = [matches[0].first, *(match.second for match in matches)]
-    attached: list[dict[int, NDArray[np.float64]]] = []
+    attached = [_bases(frame.positions, scan) for frame, scan in zip(keyframes, scans, strict=True)]
     arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
     for k, (frame, hierarchy) in enumerate(zip(keyframes, scans, strict=True)):
-        found = attachments(frame.positions, hierarchy)
-        attached.append(
-            {s: frame.positions[hierarchy.segments[s][one.nearest]] for s, one in found.items()}
-        )
         for segment, base in attached[k].items():
             middle = frame.positions[hierarchy.segments[segment]].mean(axis=0)
             arms.setdefault(hierarchy.organs[segment], {})[k] = middle - base
@@ -67,6 +62,19 @@ def smooth_organs(
             carried[segment] = turn, shift
         smoothed.append(replace(frame, positions=positions.astype(np.float32)))
     return smoothed
+
+
+def _bases(cloud: NDArray[np.floating], hierarchy: Hierarchy) -> dict[int, NDArray[np.floating]]:
+    """By segment that has points, its point nearest to its parent: where it is attached."""
+    from scipy.spatial import KDTree
+
+    clouds = [cloud[members] for members in hierarchy.segments]
+    pairs = enumerate(zip(clouds, hierarchy.parents, strict=True))
+    return {
+        segment: own[KDTree(clouds[parent]).query(own)[0].argmin()]
+        for segment, (own, parent) in pairs
+        if parent != NO_PARENT and len(own) and len(clouds[parent])
+    }
 
 
 def local_regression(
