@@ -1,8 +1,14 @@
 """Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
 
 from baker.matching.labels import LabelUse, follow_labels, label_policy
-from baker.matching.match import Match, match_by_label, match_from_pairs, match_series
-from baker.matching.tracks import Organ, follow_organs
+from baker.matching.match import (
+    Match,
+    Organ,
+    follow_organs,
+    match_by_label,
+    match_from_pairs,
+    match_series,
+)
 
 __all__ = [
     "LabelUse",

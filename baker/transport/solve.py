@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from baker.transport.masses import shared_masses
 from baker.transport.multiscale import MAX_POINTS_PRICED_AT_ONCE, couple
 from baker.transport.problem import (
     Plan,
@@ -10,6 +9,7 @@ from baker.transport.problem import (
     TransportOptions,
     costs,
     make_plan,
+    shared_masses,
     uniform_masses,
 )
 from baker.transport.sinkhorn import regularized_plan

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.transport.masses import MIN_SHARE, TOTAL_MASS, shared_masses
-from baker.transport.problem import TransportOptions
+from baker.transport.problem import MIN_SHARE, TOTAL_MASS, TransportOptions, shared_masses
 from baker.transport.solve import solve
 
 
