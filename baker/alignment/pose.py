@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import NEIGHBORS_ON_SURFACE, EvenSample, touching_graph
+from baker.alignment.sample import EvenSample, surface_graph
 from baker.alignment.up_axis_search import upright
 from baker.geometry.graph import branches
 from baker.geometry.up_axis import Vertical
@@ -98,7 +98,7 @@ def _found_organs(sample: EvenSample, points: NDArray[np.float64]) -> NDArray[np
 
     if len(points) < 2:
         return np.full(len(points), -1)
-    graph = touching_graph(sample, NEIGHBORS_ON_SURFACE)
+    graph = surface_graph(sample.points)
     distance = dijkstra(graph, indices=int(np.argmin((points**2).sum(axis=1))))
     numbers = branches(distance, graph, MIN_PERSISTENCE * float(distance.max()))
     return numbers if numbers.max() >= 0 else np.zeros_like(numbers)  # one organ meets no other

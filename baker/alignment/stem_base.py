@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import NEIGHBORS_ON_SURFACE, EvenSample, touching_graph
+from baker.alignment.sample import EvenSample, surface_graph
 from baker.geometry.graph import MIN_LENGTH
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
@@ -120,7 +120,7 @@ def base_candidates(sample: EvenSample, vertical: Vertical) -> list[Points]:
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
-    graph = touching_graph(sample, NEIGHBORS_ON_SURFACE)
+    graph = surface_graph(sample.points)
     heights = vertical.height(sample.points)
     height = np.ptp(heights)
     low = np.flatnonzero(heights <= heights.min() + LOW_SHARE * height)

@@ -1,12 +1,11 @@
 """Which way is up: a plant stands on a stem and carries its mass above."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.sample import EvenSample, touching_graph
+from baker.alignment.sample import EvenSample, surface_graph
 from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding
 
@@ -76,7 +75,7 @@ def _costs(sample: EvenSample) -> NDArray[np.float64]:
     points = sample.points[:SAMPLE_SIZE]
     if len(points) < 2:
         return np.zeros(len(NEEDED_LEADS))
-    graph = touching_graph(replace(sample, points=points, radii=sample.radii[:SAMPLE_SIZE]))
+    graph = surface_graph(points)
     costs = []
     for name in NEEDED_LEADS:
         vertical = Vertical.named(name)

@@ -8,7 +8,7 @@ SIZE_TOLERANCE = 1.02  # of the size of voxels that is searched for
 
 def farthest_point_sample(
     points: NDArray[np.float64], count: int, first: int | None = None
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+) -> NDArray[np.intp]:
     """Choose points one after another, each the farthest from those before it.
 
     Parameters
@@ -19,8 +19,7 @@ def farthest_point_sample(
 
     Returns
     -------
-    indices : (n,) intp, at most `count`, fewer where there are no more different points
-    radii : (n,) float64, how far any point is from the first 1, 2, ... of these, at most
+    (n,) intp, at most `count`, fewer where there are no more different points
 
     References
     ----------
@@ -30,17 +29,16 @@ def farthest_point_sample(
     if first is None:
         first = int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))
     chosen = [first]
-    radii: list[float] = []
     squared, offsets = np.full(len(points), np.inf), np.empty_like(columns)
-    while True:
+    while len(chosen) < count:
         np.subtract(columns, columns[:, chosen[-1:]], out=offsets)
         x, y, z = np.square(offsets, out=offsets)
         np.minimum(squared, np.add(np.add(x, y, out=x), z, out=x), out=squared)
         farthest = int(squared.argmax())
-        radii.append(float(np.sqrt(squared[farthest])))
-        if radii[-1] == 0.0 or len(chosen) == count:
-            return np.array(chosen), np.array(radii)
+        if squared[farthest] == 0.0:
+            break
         chosen.append(farthest)
+    return np.array(chosen)
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:

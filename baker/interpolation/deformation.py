@@ -92,7 +92,7 @@ def register_nonrigid(
     source, target = (moving - middle) / size, (target - middle) / size
     i, j = landmarks
     tree = cKDTree(target)
-    centers, _ = farthest_point_sample(source, CENTERS, first=0)
+    centers = farthest_point_sample(source, CENTERS, first=0)
     squared = cdist(source[centers], source, "sqeuclidean")
     homogeneous = np.c_[source, np.ones(len(source))]
     products = (homogeneous[:, :, None] * homogeneous[:, None]).reshape(-1, 16)

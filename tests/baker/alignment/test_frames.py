@@ -54,7 +54,7 @@ def test_a_lone_turn_is_told_and_left(week, posed):
     turned = [posed(each, 130.0 * (at == 2), (0, 0, 0)) for at, each in enumerate(week)]
     found = aligned(turned)
     assert all(stays(found))
-    assert "scan 3 would fit the scan before better turned by -135 degrees" in (
+    assert "scan 3 would fit the scan before better turned by -130 degrees" in (
         frame_finding(found).doubt
     )
     assert frame_finding(found).option == "--align turn"
