@@ -17,23 +17,11 @@ class Report:
     """What a check of one file came to."""
 
     findings: tuple[str, ...]  #: all that is wrong, sentences without a full stop
-    size: int = 0  #: of the file in bytes, 0 where it can't be read
-    scans: int = 0
-    intervals: int = 0
-    buffers: int = 0
-    verified: int = 0  #: checksums, the document's own counted; 0 before format 1.1
+    holds: str = ""  #: how much there is in the clip; empty where it can't be read
 
     @property
     def whole(self) -> bool:
         return not self.findings
-
-    @property
-    def summary(self) -> str:
-        """What a whole clip holds, for people."""
-        size = f"{self.scans} scans, {self.intervals} intervals, {self.buffers} buffers"
-        old = "no checksums: it was written before format 1.1"
-        checksums = f"{self.verified} checksums agree" if self.verified else old
-        return f"whole; {size}, {self.size:,} bytes, {checksums}"
 
 
 def check(path: str | os.PathLike[str]) -> Report:
@@ -48,14 +36,14 @@ def check(path: str | os.PathLike[str]) -> Report:
         clip_in(container, document)
     except ClipError as error:
         findings.append(str(error))
-    return Report(
-        findings=(*findings, *_mismatches(container, document)),
-        size=container.size,
-        scans=len(document.scans),
-        intervals=len(document.intervals),
-        buffers=len(container.buffers),
-        verified=len(document.sha256),
+    checksums = "no checksums: it was written before format 1.1"
+    if document.sha256:
+        checksums = f"{len(document.sha256)} checksums agree"
+    holds = (
+        f"{len(document.scans)} scans, {len(document.intervals)} intervals, "
+        f"{len(container.buffers)} buffers, {container.size:,} bytes, {checksums}"
     )
+    return Report((*findings, *_mismatches(container, document)), holds)
 
 
 def _mismatches(container: Container, document: Document) -> Iterator[str]:

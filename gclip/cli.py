@@ -36,7 +36,7 @@ def check_command(
     for path in clips:
         report = check(path)
         damaged += not report.whole
-        for line in [report.summary] * (not quiet) if report.whole else report.findings:
+        for line in [f"whole; {report.holds}"] * (not quiet) if report.whole else report.findings:
             typer.echo(printable(f"{path}: {line}."))
     if damaged:
         which = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"

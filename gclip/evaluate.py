@@ -59,24 +59,10 @@ class Frame:
 
 
 def locate(clip: Clip, day: float) -> tuple[int, float]:
-    """Find the interval that a time falls into.
+    """Find the interval that a time falls into, and the share of it that has passed, in [0, 1].
 
-    Parameters
-    ----------
-    clip : Clip
-    day : float
-        A scan's own time belongs to the interval that it starts, the last scan's to the last.
-
-    Returns
-    -------
-    index : int
-    share : float
-        Of the interval that has passed, in [0, 1].
-
-    Raises
-    ------
-    ValueError
-        Where the day is not a number.
+    A scan's own time belongs to the interval that it starts, the last scan's to the last. Raises
+    ValueError where the day is not a number.
     """
     if math.isnan(day):
         raise ValueError("the day is not a number")
@@ -88,18 +74,7 @@ def locate(clip: Clip, day: float) -> tuple[int, float]:
 
 
 def layers_at(clip: Clip, day: float) -> list[Layer]:
-    """What is visible at a time.
-
-    Parameters
-    ----------
-    clip : Clip
-    day : float
-
-    Returns
-    -------
-    list of Layer
-        The plant first, then the litter.
-    """
+    """What is visible at a time: the layers of the plant first, then those of the litter."""
     index, share = locate(clip, day)
     plant, litter = [], []
     for group in clip.intervals[index].groups:
@@ -125,24 +100,9 @@ def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
 
 
 def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
-    """Evaluate the Bézier curves of a run of movers.
+    """(n, 3) float32 places of a run of movers, about the clip's origin, at u from 0 to 1.
 
-    Parameters
-    ----------
-    interval : Interval
-    movers : slice
-    parameter : float
-        u, from 0 to 1.
-
-    Returns
-    -------
-    (n, 3) float32 ndarray
-        About the clip's origin.
-
-    Raises
-    ------
-    ClipError
-        Where the clip's file was cut short after it was opened.
+    Raises ClipError where the clip's file was cut short after it was opened.
     """
     check_whole(interval.tracks)
     weights = bernstein(interval.degree, parameter)
