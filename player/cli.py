@@ -219,12 +219,7 @@ def _export(
 ) -> None:
     """Refuses an output that can't come out well before the clip is opened."""
     chosen = player.export.format_of(output, film, force)
-    if film.annotations != player.view.Annotations() and not chosen.picture:
-        raise PlayerError(
-            f"--date, --scale-bar and --legend write into pictures and films; {output} is neither."
-        )
-    if not chosen.look and (film.style != Style() or film.turning or camera is not None):
-        raise PlayerError(f"{output} holds numbers alone: it has no colours, no floor, no camera.")
+    player.export.check_look(chosen, film, output, camera is not None)
     clip = gclip.open(file)
     _check_field(clip, film.style.field)
     film = replace(film, at=tuple(_day(clip, text) for text in days))

@@ -1,5 +1,5 @@
 from .film import Film
-from .formats import FORMATS, export, format_of
+from .formats import FORMATS, check_look, export, format_of
 from .progress import FrameProgress
 
-__all__ = ["FORMATS", "Film", "FrameProgress", "export", "format_of"]
+__all__ = ["FORMATS", "Film", "FrameProgress", "check_look", "export", "format_of"]

@@ -14,6 +14,7 @@ from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
 from player.export.film import Film, Progress
 from player.export.web import page
+from player.view.annotations import Annotations
 from player.view.colors import Colors
 from player.view.style import Style
 
@@ -112,6 +113,16 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     _check_moments(chosen, film, path)
     chosen.check(film)
     return chosen
+
+
+def check_look(chosen: Format, film: Film, path: Path, has_camera: bool) -> None:
+    """Refuse a look that was asked for and that the format has no room for."""
+    if film.annotations != Annotations() and not chosen.picture:
+        raise PlayerError(
+            f"--date, --scale-bar and --legend write into pictures and films; {path} is neither."
+        )
+    if not chosen.look and (film.style != Style() or film.turning or has_camera):
+        raise PlayerError(f"{path} holds numbers alone: it has no colours, no floor, no camera.")
 
 
 def _check_moments(chosen: Format, film: Film, path: Path) -> None:

@@ -11,7 +11,6 @@ from typing import Any
 
 import glfw
 
-from gclip import Clip
 from gclip.errors import ClipError, UserError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
@@ -110,7 +109,7 @@ class Window:
             then = now
             self._look_at_files()
             self.scene = self._kept.written(self.scene)
-            self._name_organs(self._kept.clip)
+            self._bare[0] = self._interface.clip = self._organs.clip = self._kept.clip
             self._follow_window()
             self._draw()
             if self._lively:
@@ -142,13 +141,6 @@ class Window:
         self._pair: Pair | None = None
         self._fitted: tuple[float, float] | None = None
         self._drawn = None
-
-    def _name_organs(self, clip: Clip) -> None:
-        """Call the first clip's organs as they are called in this one."""
-        if clip is not self._bare[0]:
-            self._bare[0] = clip
-            self._interface.clip = self._organs.clip = clip
-            self._drawn = None
 
     @property
     def _lively(self) -> bool:

@@ -169,8 +169,8 @@ def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) ->
 @pytest.mark.parametrize(
     ("name", "film", "words"),
     [
-        ("film.avi", SMALL, "film.mp4, film.gif"),
-        ("film", SMALL, "film.mp4, film.gif"),
+        ("film.avi", SMALL, ".mp4, .mov, .gif"),
+        ("film", SMALL, ".mp4, .mov, .gif"),
         ("missing/film.mp4", SMALL, "does not exist"),
         ("film.mp4", Film(size=(63, 48)), "64x48"),
         ("film.mp4", Film(at=(1.0,)), "for pictures"),
