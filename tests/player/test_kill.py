@@ -47,8 +47,9 @@ def intact(folder: Path) -> bool:
     return set(files) == names and not drafts and {p.read_text() for p in files.values()} == {"old"}
 
 
-def test_killed_exports_break_nothing_and_leave_no_litter() -> None:
-    command = [sys.executable, "-m", "tests.kill", "--count", "3", "--only", "png"]
+@pytest.mark.parametrize("how", [["--only", "png"], ["--only", "csv", "--interrupt"]], ids=str)
+def test_killed_exports_break_nothing_and_leave_no_litter(how: list[str]) -> None:
+    command = [sys.executable, "-m", "tests.kill", "--count", "3", *how]
     root = Path(__file__).parents[2]
     done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
