@@ -69,7 +69,9 @@ class ChildProcess:
 
 
 def _started() -> Popen[bytes]:
-    code = f"import sys; sys.path[:] = {sys.path}; from {__name__} import serve; serve()"
+    code = (
+        f"import sys; sys.path[:] = {[*map(str, sys.path)]}; from {__name__} import serve; serve()"
+    )
     return Popen([sys.executable, "-c", code], stdin=PIPE, stdout=PIPE, stderr=DEVNULL)
 
 
