@@ -26,7 +26,9 @@ class GBuffer:
     depths : list of moderngl.Texture
         Relative depths (shaders/depth.glsl): one is filtered into the other and back.
     framebuffer : moderngl.Framebuffer
-        The colours and the first of the depths.
+        The colours, the first of the depths, and the normals.
+    mask : moderngl.Framebuffer
+        The depth buffer alone.
     filtered : list of moderngl.Framebuffer
         The depths, each alone.
     light : moderngl.Texture
@@ -47,6 +49,7 @@ class GBuffer:
         self.framebuffer = context.framebuffer(
             [self.colors, self.depths[0], self.normals], self._plant
         )
+        self.mask = context.framebuffer([], self._plant)
         self.filtered = [context.framebuffer([depths], self._plant) for depths in self.depths]
         self.lit = context.framebuffer([self.light], self._plant)
         for framebuffer in (*self.filtered, self.lit):
@@ -92,14 +95,13 @@ class GBuffer:
 
     def clear(self) -> None:
         """No plant anywhere."""
-        self.lit.depth_mask = True
-        self.lit.clear(depth=0.0)
-        self.lit.depth_mask = False
+        self.lit.clear()
+        self.mask.clear(depth=0.0)
         for depths in self.filtered:
             depths.clear(NOTHING)
 
     def release(self) -> None:
-        framebuffers = (self.framebuffer, *self.filtered, self.lit, self._occupied)
+        framebuffers = (self.framebuffer, self.mask, *self.filtered, self.lit, self._occupied)
         for framebuffer in framebuffers:
             framebuffer.release()
         self._plant.release()

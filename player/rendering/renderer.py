@@ -22,7 +22,7 @@ from player.rendering.picking import Picking
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
-from player.rendering.shading import shade
+from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import ALIGNED, FACING, SplatParams, Splats, SplatShape
 from player.view.camera import Camera, outline
@@ -124,12 +124,13 @@ class Renderer:
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._point_area(day, closing))
         gbuffer.clear()
-        behind = None
-        if splats.typical_radius_px <= MAX_RADIUS_PX:
-            self._raster.draw(gbuffer, ranges, splats)
-        else:
-            behind = self._splats.draw(gbuffer, ranges, splats)
-        shade(self.context, self._passes, gbuffer, behind, splats, style)
+        are_points = splats.typical_radius_px <= MAX_RADIUS_PX
+        (self._raster if are_points else self._splats).draw(gbuffer, ranges, splats)
+        smooth_depths(self._passes, gbuffer, splats)
+        shade(self._passes, gbuffer, splats, style)
+        if not are_points and splats.shape.edge < 1.0:
+            self._splats.draw_behind(gbuffer, ranges, splats)
+            shade(self._passes, gbuffer, splats, style)
         framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
         gbuffer.light.use(0)

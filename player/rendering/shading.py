@@ -8,42 +8,40 @@ import numpy as np
 
 from player.gl.framebuffer import GBuffer
 from player.gl.shader import Passes
-from player.rendering.splats import SplatParams, SplatSums
+from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
 
 DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (eye_dome.glsl)
 
 
-def shade(
-    context: moderngl.Context,
-    passes: Passes,
-    gbuffer: GBuffer,
-    behind: SplatSums | None,
-    splats: SplatParams,
-    style: Style,
-) -> None:
-    """Take the scanner's noise out of the depths, and light the plant by them and its normals.
-
-    behind: what is seen beyond the edges of the nearest surface.
-    """
-    uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
-    context.enable_only(moderngl.DEPTH_TEST)
-    context.depth_func = "<"  # where the plant is
+def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None:
+    """Take the scanner's noise out of the depths."""
+    _where_the_plant_is(gbuffer)
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
         gbuffer.depths[source].use(1)
-        passes.fill("bilateral", **uniforms, direction=direction)
-    layers = [(gbuffer.lit, [gbuffer.colors, gbuffer.depths[0], gbuffer.normals])]
-    layers += [] if behind is None else [(behind.lit, behind.textures)]
+        passes.fill("bilateral", **splats.uniforms(), depths=1, direction=direction)
+
+
+def shade(passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
+    """Light the surface in the G-buffer, behind what has been lit before."""
+    context = _where_the_plant_is(gbuffer)
     context.enable(moderngl.BLEND)
     context.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
-    for target, textures in layers:
-        target.use()
-        for unit, one in enumerate(textures):
-            one.use(unit)
-        passes.fill("shade", **uniforms)
+    gbuffer.lit.use()
+    for unit, one in enumerate((gbuffer.colors, gbuffer.depths[0], gbuffer.normals)):
+        one.use(unit)
+    uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
+    passes.fill("shade", **uniforms)
     context.enable_only(moderngl.NOTHING)
+
+
+def _where_the_plant_is(gbuffer: GBuffer) -> moderngl.Context:
+    context = gbuffer.lit.ctx
+    context.enable_only(moderngl.DEPTH_TEST)
+    context.depth_func = "<"
+    return context
 
 
 def lights(splats: SplatParams, style: Style) -> dict[str, Any]:

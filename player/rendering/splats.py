@@ -111,11 +111,9 @@ class SplatSums:
     front : moderngl.Texture
         Depth of the nearest surface.
     textures : list of moderngl.Texture
-        Weighted sums over the splats on it; later colour, depth and normal of what lies behind.
-    nearest, summed, depths : moderngl.Framebuffer
-        With the front, with the textures, and with nothing but the depth buffer that they share.
-    lit : moderngl.Framebuffer
-        The G-buffer's light, with that depth buffer.
+        Weighted sums over the splats on it.
+    nearest, summed : moderngl.Framebuffer
+        With the front and with the textures. They share a depth buffer.
     """
 
     def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
@@ -125,12 +123,10 @@ class SplatSums:
         self._depth = context.depth_renderbuffer(size)
         self.nearest = context.framebuffer([self.front], self._depth)
         self.summed = context.framebuffer(self.textures, self._depth)
-        self.depths = context.framebuffer([], self._depth)
-        self.lit = context.framebuffer([gbuffer.light], self._depth)
-        self.lit.depth_mask = False
+        self.summed.depth_mask = False
 
     def release(self) -> None:
-        for framebuffer in (self.nearest, self.summed, self.depths, self.lit):
+        for framebuffer in (self.nearest, self.summed):
             framebuffer.release()
         for attached in (self.front, *self.textures):
             attached.release()
@@ -151,29 +147,21 @@ class Splats:
         self._max_viewport = min(points.context.info["GL_MAX_VIEWPORT_DIMS"])
         self._sums: SplatSums | None = None
 
-    def draw(
-        self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
-    ) -> SplatSums | None:
-        """Draw the nearest surface into the G-buffer, and return what shows behind its edges."""
-        context, sums = self._points.context, self._sums_for(gbuffer)
-        # OpenGL drops points whose centres lie outside of the viewport, however large they are.
-        (width, height), picture = splats.samples, (0, 0, *splats.samples)
-        reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
-        margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
-        wide, tall = width + 2 * margin, height + 2 * margin
-        shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-        uniforms = splats.uniforms() | {"projection": shrunk @ splats.projection}
-        uniforms |= {"front": 0, "color_sums": 1, "moment_sums": 2, "normal_sums": 3, "colors": 1}
-        for framebuffer in (sums.nearest, sums.summed):
-            framebuffer.viewport = (-margin, -margin, wide, tall)
-
+    def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
+        """Draw the nearest surface into the G-buffer."""
+        context, sums, picture = (
+            self._points.context,
+            self._sums_for(gbuffer),
+            (0, 0, *gbuffer.size),
+        )
+        viewport, uniforms = self._with_margin(splats)
+        sums.nearest.viewport = sums.summed.viewport = viewport
         sums.nearest.use()
         sums.nearest.clear(NOTHING, viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         self._points.draw("splat_depth", ranges, uniforms)
 
-        sums.summed.depth_mask = False
         sums.summed.use()
         sums.summed.clear(viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
@@ -186,17 +174,36 @@ class Splats:
         reach = max(int(splats.point_px_range[0] / 1.5), 1)
         gbuffer.find_tiles(self._passes, "splat_tiles", reach, **uniforms)
         gbuffer.fill_tiles(self._passes, "splat_resolve", **uniforms)
-        if splats.shape.edge > 1.0:
-            return None
-        sums.depths.clear(depth=0.0)
+
+    def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
+        """Draw what shows behind the edges of the nearest surface, in its place."""
+        viewport, uniforms = self._with_margin(splats)
+        self._sums_for(gbuffer).front.use(0)
         gbuffer.colors.use(1)
-        gbuffer.fill_tiles(self._passes, "splat_covered", framebuffer=sums.depths, **uniforms)
+        gbuffer.mask.clear(depth=0.0)
+        gbuffer.fill_tiles(self._passes, "splat_covered", framebuffer=gbuffer.mask, **uniforms)
+        target, context = gbuffer.framebuffer, self._points.context
+        target.depth_mask = False
+        target.clear(NOTHING, NOTHING, NOTHING, 0.0)
+        target.depth_mask = True
+        target.viewport = viewport
+        target.use()
         context.depth_func = "<"
-        sums.summed.clear(NOTHING, NOTHING, NOTHING, 0.0, viewport=picture)
-        sums.summed.depth_mask = True
-        sums.summed.use()
         self._points.draw("splat_behind", ranges, uniforms)
-        return sums
+
+    def _with_margin(self, splats: SplatParams) -> tuple[tuple[int, int, int, int], dict[str, Any]]:
+        """A viewport larger than the picture, and the uniforms that go with it.
+
+        OpenGL drops points whose centres lie outside of the viewport, however large they are.
+        """
+        width, height = splats.samples
+        reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
+        margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
+        wide, tall = width + 2 * margin, height + 2 * margin
+        shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
+        units = {"front": 0, "colors": 1, "color_sums": 1, "moment_sums": 2, "normal_sums": 3}
+        uniforms = splats.uniforms() | units | {"projection": shrunk @ splats.projection}
+        return (-margin, -margin, wide, tall), uniforms
 
     def _sums_for(self, gbuffer: GBuffer) -> SplatSums:
         if self._sums is None or self._sums.gbuffer is not gbuffer:

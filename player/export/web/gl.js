@@ -87,11 +87,10 @@ class Graphics {
         this.gl.viewport(0, 0, width, height);
     }
 
-    // Textures of some formats to draw into, or such that are there, and with `deep` a depth buffer,
-    // or that of another target.
-    target(width, height, formats, { deep = null, linear = false, textures = null } = {}) {
+    // Textures of some formats to draw into, and with `deep` a depth buffer, or that of another target.
+    target(width, height, formats, { deep = null, linear = false } = {}) {
         const gl = this.gl, framebuffer = gl.createFramebuffer();
-        textures ||= formats.map((format) => this.texture(width, height, format, linear));
+        const textures = formats.map((format) => this.texture(width, height, format, linear));
         const depth = deep === true ? gl.createRenderbuffer() : deep;
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
         const places = textures.map((texture, i) => {

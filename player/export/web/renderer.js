@@ -111,7 +111,8 @@ class Renderer {
             core: clip.splat.core, thickness: clip.splat.thickness, edge: clip.splat.edge,
             span: clip.splat.core, lift: 0,
         };
-        const { nearest, sums, surface, filtered, lit, covered, behind } = this.targetsOf(samples * width, samples * height);
+        const targets = this.targetsOf(samples * width, samples * height);
+        const { nearest, sums, surface, filtered, lit, mask } = targets;
         const pass = (target, name, more, defined) =>
             graphics.fill(target, name, { ...values, ...more }, defined);
         const clear = (target, ...color) => {
@@ -140,20 +141,24 @@ class Renderer {
             pass(filtered[i], "bilateral", { depths: [latest, 0], direction });
             [latest] = filtered[i].textures;
         }
-        pass(lit, "shade", { colors: [colors, 0], depths: [latest, 1], normals: [normals, 2] });
+        const shade = () =>
+            pass(lit, "shade", { colors: [colors, 0], depths: [latest, 1], normals: [normals, 2] });
+        shade();
         if (values.edge <= 1) {
             gl.enable(gl.DEPTH_TEST);
-            clear(sums, NOTHING, NOTHING, NOTHING, 0);
             gl.depthMask(true);
             gl.depthFunc(gl.ALWAYS);
-            pass(covered, "splat_covered", { front: [front, 0], colors: [colors, 1] });
+            pass(mask, "splat_covered", { front: [front, 0], colors: [colors, 1] });
             gl.depthFunc(gl.LESS);
+            gl.depthMask(false);
+            clear(surface, NOTHING, NOTHING, NOTHING, 0);
+            gl.depthMask(true);
             this.drawPoints("behind", layers, { ...values, front: [front, 1] }, every);
+            latest = depths;
             gl.enable(gl.BLEND);
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
             gl.depthMask(false);
-            const [color, depth, normal] = sums.textures;
-            pass(behind, "shade", { colors: [color, 0], depths: [depth, 1], normals: [normal, 2] });
+            shade();
             gl.disable(gl.BLEND);
             gl.disable(gl.DEPTH_TEST);
             gl.depthFunc(gl.LESS);
@@ -237,18 +242,18 @@ class Renderer {
 
     // What is drawn into, for so many samples.
     targetsOf(width, height) {
-        const { gl, graphics } = this, formats = [gl.RGBA16F, graphics.depth];
+        const { gl, graphics } = this;
         if (this.targets?.sums.width !== width || this.targets.sums.height !== height) {
             Object.values(this.targets || {}).flat().forEach((target) => graphics.release(target));
             const nearest = graphics.target(width, height, [graphics.depth], { deep: true });
-            const lit = graphics.target(width, height, [gl.RGBA16F]), deep = nearest.depth;
+            const deep = nearest.depth, formats = [gl.RGBA16F, graphics.depth, gl.RG16F];
             this.targets = {
-                nearest, lit,
+                nearest,
                 sums: graphics.target(width, height, [gl.RGBA16F, gl.RGBA16F, gl.RG16F], { deep }),
-                surface: graphics.target(width, height, [...formats, gl.RG16F]),
+                surface: graphics.target(width, height, formats, { deep }),
                 filtered: [0, 1].map(() => graphics.target(width, height, [graphics.depth])),
-                covered: graphics.target(width, height, [], { deep }),
-                behind: graphics.target(width, height, [], { deep, textures: lit.textures }),
+                lit: graphics.target(width, height, [gl.RGBA16F], { deep }),
+                mask: graphics.target(width, height, [], { deep }),
             };
         }
         return this.targets;
