@@ -15,7 +15,7 @@ from baker.errors import InputError
 from baker.scans.child_process import ChildProcess
 from baker.scans.formats import read_columns
 from baker.scans.rgbd.camera import read_camera
-from baker.scans.rgbd.series import read_color
+from baker.scans.rgbd.series import read_pixels
 from baker.scans.times.schedule import FoundScans, schedule_scans
 from tests.baker.hostile_files import File, all_files, check_file
 from tests.baker.sound_files import CAMERA, SOUND
@@ -157,7 +157,7 @@ def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
     )
     said = "bytes can't hold so many" if side == 9_999 else "has more than 100 million pixels"
     with pytest.raises(InputError, match=said):
-        read_color(path)
+        read_pixels(path, "RGB", "RGB")
 
 
 def test_a_part_of_a_picture_that_lies_makes_no_room(tmp_path):
@@ -172,7 +172,7 @@ def test_pictures_that_need_other_programs_are_not_opened(tmp_path):
         b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n"
     )
     with pytest.raises(InputError, match="can't be read as an image"):
-        read_color(path)
+        read_pixels(path, "RGB", "RGB")
 
 
 def test_what_a_file_says_cannot_command_the_terminal(tmp_path):

@@ -155,7 +155,7 @@ class ImageSeries:
 
     def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
         """Colours, depth, labels and mask, of one size; depth is cut as the camera's file says."""
-        camera, colors = self.camera, read_color(frame.color)
+        camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera)
         sides = zip(("height", "width"), (camera.height, camera.width), depth.shape, strict=True)
         for name, said, found in sides:
@@ -168,7 +168,9 @@ class ImageSeries:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
-        painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
+        painted = np.zeros(depth.shape, bool)
+        if frame.mask:  # where a channel, other than opacity, is not 0
+            painted = _numbers(read_pixels(frame.mask, "I.*", "RGBA")) != 0
         images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
         for path, image in images:
             if image is not None and image.shape != (height, width):
@@ -213,14 +215,9 @@ def _by_label(labels: NDArray[np.int64]) -> str:
     return "label: pixels " + (", ".join(f"{label}: {count}" for label, count in counts) or "none")
 
 
-def read_color(path: Path) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 sRGB. InputError if it can't be read, as of all functions below."""
-    return _decoded(path, "RGB", "RGB")
-
-
 def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
     """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
-    return np.maximum(_decoded(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
+    return np.maximum(read_pixels(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
@@ -228,7 +225,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
     Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
     """
-    labels = _numbers(_decoded(path, "I.*|1|L|P", "RGBA"))
+    labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
     distinct = len(np.unique(labels))
     if distinct > MAX_LABELS:
         raise InputError(
@@ -236,11 +233,6 @@ def read_labels(path: Path) -> NDArray[np.int64]:
             "each organ, saved without loss and without smoothing."
         )
     return labels
-
-
-def read_mask(path: Path) -> NDArray[np.bool_]:
-    """(H, W) bool, True where a channel (other than opacity) is not 0."""
-    return _numbers(_decoded(path, "I.*", "RGBA")) != 0
 
 
 def _numbers(pixels: NDArray) -> NDArray[np.int64]:
@@ -258,8 +250,11 @@ def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
     return {path.name.removeprefix(before).removesuffix(after): path for path in found}
 
 
-def _decoded(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`."""
+def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
+    """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`.
+
+    InputError if it can't be read.
+    """
     from PIL import Image, UnidentifiedImageError
 
     unreadable = (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error)
