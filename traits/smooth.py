@@ -14,7 +14,7 @@ MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoo
 BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
 MIN_POINTS_FOR_NOISE = 36
 MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
-BLOCK = 256
+BLOCK = 128
 # Exponents of x, y and z in a paraboloid's terms and in its height, and in the products of any two.
 TERMS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0), (1, 1, 0), (0, 2, 0), (0, 0, 1)])
 MONOMIALS, _place = np.unique((TERMS[:, None] + TERMS).reshape(-1, 3), axis=0, return_inverse=True)
