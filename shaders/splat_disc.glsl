@@ -1,7 +1,6 @@
 // A fragment's place in its splat.
 #include "depth.glsl"
 
-uniform mat4 projection;
 uniform float core;       // distance from the centre, in radii, in which a splat hides what is behind
 uniform float thickness;  // depth, in radii, over which splats count as one surface
 
@@ -30,8 +29,4 @@ float depth_in_core() {
         discard;
     }
     return depth_in_disc();
-}
-
-float window_depth(float depth) {
-    return 0.5 - 0.5 * (projection[2].z * depth - projection[3].z) / clip_w(depth);
 }

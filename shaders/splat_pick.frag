@@ -5,6 +5,6 @@ flat in uint v_track;
 layout(location = 0) out uint out_track;
 
 void main() {
-    gl_FragDepth = window_depth(depth_in_core());
+    depth_in_core();  // discards what lies outside the core
     out_track = v_track;
 }
