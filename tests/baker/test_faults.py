@@ -57,8 +57,10 @@ def limited(limit: str, *arguments: object) -> subprocess.CompletedProcess:
     """`bake` in a process that has limited itself."""
     code = LIMITED.format(limit=limit, modules="baker.report, traits.plants, traits.table")
     words = [*map(str, arguments), "-q", "--align", "none", "--force"]
+    # Its limits hold for what Python keeps of modules, too: that would be cut short for good.
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-c", code, *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
 
 
 def test_a_scan_that_vanishes_is_named(write_scans):

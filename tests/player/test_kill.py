@@ -16,6 +16,7 @@ import pytest
 SMALL = ["--size", "64x48", "--fps", "10", "-q", "--force"]
 LIMITED = """
 import resource, sys
+sys.dont_write_bytecode = True  # what Python keeps of modules would be cut short for good
 from player.cli import main
 import player.export, PIL.Image, imageio_ffmpeg
 resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
