@@ -21,7 +21,7 @@ PANELS = {
     "resample every",
     "Alignment": "align up root",
     "Organs": "labels corrections segment graph_neighbors bifurcation",
-    "Motion": "decay paths bud even transport neighbors gamma tolerance iterations paper",
+    "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",
     "Output": "report traits colors precision holdout cache cluster workers force quiet verbose",
 }
 """The options by what they are about, in the order of `bake --help`."""

@@ -180,6 +180,7 @@ class Options:
         min=0,
         max=10,
     )
+    smooth: bool = option(False, "Calm organs that sway; the film then passes beside the scans.")
     decay: Decay = option("fall", "What becomes of an organ that a later scan lacks.")
     paths: Paths = option("auto", "How points travel: straight, or curved as organs bend.")
     colors: Colors = option(

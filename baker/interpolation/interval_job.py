@@ -15,6 +15,7 @@ from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import OrganShape, organ_shapes
 from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
+from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
 from baker.matching import Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
@@ -80,6 +81,8 @@ def interval_jobs(
         next scan counts to that leaf: it fades instead of falling.
     """
     keyframes = list(series.keyframes)
+    if options.smooth:
+        keyframes = smooth_organs(keyframes, matches, series.times)
     curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     clouds = [frame.positions for frame in keyframes]

@@ -91,6 +91,7 @@ def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
     [
         (None, {}),
         (None, {"paper": True}),
+        ("few", {"smooth": True}),
         ("few", {"outliers": 2.0, "align": "icp"}),
     ],
 )
