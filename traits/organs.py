@@ -94,7 +94,7 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
             weight,
             {
                 track: Organ(
-                    *_sample(np.concatenate(part)),
+                    *_sample(np.concatenate(part), weight),
                     mixed=mixed if track in moved else 0.0,
                     seen=born[track] <= begin or passed == 1.0,
                     known=passed if born[track] == begin else float(born[track] < begin),
@@ -125,15 +125,19 @@ def _moving(
     return found
 
 
-def _sample(points: Points) -> tuple[Points, Points]:
-    """A random sample whose density is even, and the larger sample that it was taken from."""
+def _sample(points: Points, weight: float) -> tuple[Points, Points]:
+    """A random sample whose density is even, and the larger sample that it was taken from.
+
+    Two samples share `MAX_POINTS` by their weights: their mean is as sure as all of these in one.
+    """
     from scipy.spatial import cKDTree
 
-    if len(points) <= MAX_POINTS:
+    most = max(round(MAX_POINTS * weight), 1)
+    if len(points) <= most:
         return points, points
     rng = np.random.default_rng(0)
-    cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * MAX_POINTS]]
+    cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * most]]
     distance = cKDTree(cloud).query(cloud, k=DENSITY_NEIGHBORS + 1)[0][:, -1]
     # Weighted sampling without replacement: the largest u^(1/w) (Efraimidis and Spirakis 2006).
     order = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(np.float32).tiny)
-    return cloud[np.sort(np.argsort(order, kind="stable")[-MAX_POINTS:])], cloud
+    return cloud[np.sort(np.argsort(order, kind="stable")[-most:])], cloud
