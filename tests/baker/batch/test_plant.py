@@ -35,7 +35,7 @@ def test_a_long_bake_that_was_stopped_goes_on(command, tmp_path, monkeypatch, ca
         stopped.setattr(Clip, "save", _stop)
         assert main(command) == 130
     begun = tmp_path / ".plant.gclip.begun"
-    assert len(list(begun.glob("*/*"))) == 3  # two intervals, an alignment
+    assert len(list(begun.glob("*/*"))) == 2  # intervals
     assert (tmp_path / "plant.gclip").read_bytes() == clean
     assert main(command) == 0
     assert "2 of 2 intervals" in capsys.readouterr().err
