@@ -30,9 +30,9 @@ SHRINKING_PENALTY = 0.6  # per size lost
 MAX_PENALTY = 1.8  # from which on a loss and a birth are likelier
 MAX_DISTANCE, MAX_SWAY = 2.0, 0.1  # from the later organ, in its sizes; plus a share of the plant's
 CANDIDATES = 16  # organs of the other scan that each is compared with
-# The nearest so many neighbors tell where an organ has moved; beside the weight of each of them, at
-# most 1, that of its standing still.
-NEIGHBORS, STANDSTILL = 3, 0.3
+# Where an organ has moved is estimated from its nearest neighbors, which weigh 1 at most, and
+# shrunk towards no displacement, which has a weight, too (docs/method.md, "Tracking organs").
+NEIGHBORS, STANDSTILL_WEIGHT = 3, 0.3
 MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the median of displacements; in plant sizes
 
 
@@ -64,7 +64,7 @@ def _scores(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
 ) -> NDArray[np.float64]:
     plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
-    young = young.moved(_neighbor_displacements(young, old, pairs, plant))
+    young = young.moved(neighbor_displacements(young, old, pairs, plant))
     before, after = young.sizes[:, None] / plant, old.sizes / plant
     distance = _covering_distances(young, old) / plant
     turn = np.arccos(np.clip(young.directions @ old.directions.T, -1.0, 1.0))
@@ -80,7 +80,7 @@ def _scores(
     return np.where(possible, reward - penalty, -np.inf)
 
 
-def _neighbor_displacements(
+def neighbor_displacements(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
 ) -> NDArray[np.float64]:
     """(n, 3) displacement that each organ shares with its neighbors among the (p, 2) pairs.
@@ -104,7 +104,7 @@ def _neighbor_displacements(
     for _ in range(MEDIAN_STEPS):
         median = shares @ shifts / np.maximum(shares.sum(axis=1, keepdims=True), 1e-30)
         shares = weights / np.maximum(cdist(median, shifts), MEDIAN_SOFTNESS * plant)
-    return np.asarray(median * total / (total + STANDSTILL))
+    return np.asarray(median * total / (total + STANDSTILL_WEIGHT))
 
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:

@@ -51,7 +51,7 @@ def track_organs(
     numbers = [np.arange(0)] * len(organs)
     for _ in range(ROUNDS):
         scores = {
-            (k, later): factor * match_scores(organs[k], organs[later], _same(numbers, k, later))
+            (k, later): factor * match_scores(organs[k], organs[later], _shared(numbers, k, later))
             for (k, later), factor in factors.items()
         }
         for one in corrections:
@@ -69,7 +69,7 @@ def track_organs(
     return tracks
 
 
-def _same(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> list[tuple[int, int]]:
+def _shared(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> list[tuple[int, int]]:
     """The organs of two scans that have the same number."""
     _, first, second = np.intersect1d(numbers[k], numbers[later], return_indices=True)
     return list(zip(first.tolist(), second.tolist(), strict=True))

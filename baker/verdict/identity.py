@@ -59,7 +59,7 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
     first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
     scores = np.zeros((len(first.share), len(second.share)))
     scores[np.ix_(first.segments, second.segments)] = match_scores(
-        first.described, second.described, _known(first, second, match)
+        first.described, second.described, _matched(first, second, match)
     )
     for pair in match.pairs:
         scores[pair] -= MIN_MARGIN
@@ -101,12 +101,13 @@ def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in pairs.tolist() if gains[i, j] > 0.0]
 
 
-def _known(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, int]]:
-    """The pairs of a match, by index of those organs that have points."""
-    places = [{s: i for i, s in enumerate(o.segments.tolist())} for o in (first, second)]
-    return [
-        (places[0][a], places[1][b]) for a, b in match.pairs if a in places[0] and b in places[1]
-    ]
+def _matched(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, int]]:
+    """The pairs of a match, by index among the organs that have points."""
+    starts, ends = (
+        {segment: index for index, segment in enumerate(organs.segments.tolist())}
+        for organs in (first, second)
+    )
+    return [(starts[a], ends[b]) for a, b in match.pairs if a in starts and b in ends]
 
 
 def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:

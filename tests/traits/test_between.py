@@ -12,7 +12,7 @@ from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series
-from traits import measure
+from traits import measure, organs
 
 KNOWN = ("length", "area", "angle")
 
@@ -40,12 +40,22 @@ def test_nothing_jumps_at_a_scan(grown: Clip) -> None:
                     assert near.angle == pytest.approx(at.angle, abs=1.0)
 
 
+def test_two_samples_share_the_points_of_one(grown: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(organs, "MAX_POINTS", 200)
+    day = 0.75 * grown.times[0] + 0.25 * grown.times[1]
+    most = [
+        max(len(one.points) for one in sample.organs.values())
+        for sample in organs.samples_at(grown, day)
+    ]
+    assert most == [150, 50]
+
+
 def test_between_scans_sure_traits_are_true(grown: Clip) -> None:
     subject, off = plant("maize", 1), []
     for before, after in zip(grown.times, grown.times[1:], strict=False):
         day = (before + after) / 2
-        organs = subject.organs(day)
-        truth = {f"leaf {o.label}" if o.label else "stem": o for o in organs}
+        true_organs = subject.organs(day)
+        truth = {f"leaf {o.label}" if o.label else "stem": o for o in true_organs}
         for one in measure(grown, day)[1:]:
             true = truth[grown.track_table[one.track].name]
             if "area" in one.sure:

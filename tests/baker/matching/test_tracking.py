@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from baker.matching.descriptors import OrganDescriptors, describe_organs
-from baker.matching.score import match_scores
+from baker.matching.score import match_scores, neighbor_displacements
 from baker.matching.tracking import follow, track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
 from grow import plant
@@ -230,3 +230,15 @@ def test_known_pairs_tell_where_the_others_have_moved():
     grown = described(1.5 * cloud, labels, 0)
     there, back = match_scores(young, grown, pairs), match_scores(grown, young, pairs)
     np.testing.assert_allclose(there, back.T)
+
+
+def test_a_wrong_pair_neither_confirms_itself_nor_misleads_its_neighbors():
+    at = np.array([[0.0, 0.0, 0.0], [0, 0, 4], [0, 0, 8], [0, 0, 12], [0, 0, 16]])
+    leaves = [point + np.linspace([0, 0, 0], [9, 0, 0], 40) for point in at]
+    labels = np.repeat(np.arange(5), 40)
+    young = described(np.concatenate(leaves), labels, 0)
+    old = described(np.concatenate(leaves) + np.array([0, 1, 0]), labels, 0)
+    right, wrong = [(i, i) for i in range(5)], [(0, 0), (1, 1), (2, 4), (3, 3)]
+    expected = neighbor_displacements(young, old, np.array(right), 5.0)
+    misled = neighbor_displacements(young, old, np.array(wrong), 5.0)
+    np.testing.assert_allclose(misled, expected, atol=0.3)
