@@ -7,17 +7,9 @@ from pathlib import Path
 from gclip.errors import UserError
 from gclip.terminal.text import printable
 
-LONGEST = 1000  # characters of a sentence
-
 
 class InputError(UserError):
-    """Scans or options that can't be baked; the message names the file and the remedy.
-
-    What files hold may stand in it: nothing that a terminal would obey gets through.
-    """
-
-    def __init__(self, sentence: str) -> None:
-        super().__init__(printable(sentence, LONGEST))
+    """Scans or options that can't be baked; the message names the file and the remedy."""
 
 
 def excerpt(text: str) -> str:
@@ -27,9 +19,11 @@ def excerpt(text: str) -> str:
 
 @contextmanager
 def asking(path: Path) -> Iterator[None]:
-    """Ask the file system about `path`: what it refuses to tell is an InputError."""
+    """Ask the file system about `path`, or read it: what goes wrong is an InputError."""
     try:
         yield
+    except UserError as error:
+        raise InputError(str(error)) from error
     except OSError as error:
         what = printable(str(error.filename or path), 200)
         raise InputError(f"'{what}' can't be read: {error.strerror or error}.") from error

@@ -8,9 +8,8 @@ from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 
 from msgspec import to_builtins
 
-from baker.errors import InputError
+from baker.errors import InputError, asking
 from gclip.corrections import Correction, Corrections, read_corrections
-from gclip.errors import UserError
 
 Align = Literal["auto", "turn", "icp", "none"]
 Labels = Literal["auto", "consistent", "independent", "ignore"]
@@ -59,10 +58,8 @@ def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
 
 def parse_corrections(text: str) -> Corrections:
     """The corrections in the file that `--corrections` names. Raises InputError."""
-    try:
+    with asking(Path(text)):
         return Corrections() if text == "none" else read_corrections(Path(text))
-    except UserError as error:
-        raise InputError(str(error)) from None
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,6 @@ from gclip.file import Container, open_container, write_container
 from gclip.interval import Interval, read_interval, read_positions
 from gclip.places import with_names
 from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
-from gclip.terminal.text import printable
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -216,7 +215,7 @@ class Clip:
         try:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
         except ClipError as error:
-            raise ClipError(printable(f"{os.fspath(path)} can't be written: {error}.")) from None
+            raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
         write_container(text, buffers, Path(path))
 
 
@@ -253,7 +252,7 @@ def open_as_baked(path: str | os.PathLike[str]) -> Clip:
         container = open_container(Path(path))
         return clip_in(container, read_document(container.text, container.size))
     except ClipError as error:
-        raise ClipError(printable(f"{os.fspath(path)}: {error}.")) from None
+        raise ClipError(f"{os.fspath(path)}: {error}.") from None
 
 
 def clip_in(container: Container, document: Document) -> Clip:

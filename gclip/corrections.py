@@ -7,18 +7,14 @@ the point stays on the same leaf.
 from __future__ import annotations
 
 import json
-import re
-import tomllib
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from msgspec import Meta, Struct, ValidationError, convert
+from msgspec import Meta, Struct
 
-from gclip.errors import UserError
+from gclip.config_file import read_config
 from gclip.terminal.atomic import atomic_file
-from gclip.terminal.text import printable
 
 Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
@@ -69,36 +65,10 @@ def corrections_file(clip: Path) -> Path:
 
 
 def read_corrections(path: Path) -> Corrections:
-    """Read a file of corrections.
-
-    Raises
-    ------
-    UserError
-        With one sentence: the file, which correction, what was found and what is needed.
-    """
-    content: Any = {}
-    try:
-        if path.exists() and not path.is_file():
-            raise ValueError("it is not even a regular file")
-        if path.stat().st_size > MAX_FILE_SIZE:
-            raise ValueError(f"at most {MAX_FILE_SIZE:,} bytes are allowed")
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-        corrections = Corrections(convert(content, _File).correction)
-        corrections.file = str(path)
-        return corrections
-    except OSError as error:
-        raise UserError(f"'{path}' can't be read: {error.strerror or error}.") from None
-    except ValidationError as error:  # "what is wrong - at `$.correction[0].places[1].point`"
-        reason, _, place = str(error).partition(" - at `$")
-        with suppress(LookupError, TypeError):  # the name of a field may read like a place
-            for index, field in re.findall(r"\[(\d+)\]|\.(\w+)", place):
-                content = content[int(index) if index else field]
-        number = re.match(r"\.correction\[(\d+)\]", place)
-        which = f"correction {int(number[1]) + 1}" if number else "the file"
-        found = printable(repr(content), 80)
-        raise UserError(f"'{path}', {which}: {found}: {printable(reason, 120)}.") from None
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"'{path}' is no sound TOML file: {printable(str(error), 200)}.") from None
+    """Read a file of corrections. Raises UserError with one sentence on what is wrong with it."""
+    corrections = Corrections(read_config(path, _File, MAX_FILE_SIZE).correction)
+    corrections.file = str(path)
+    return corrections
 
 
 def write_corrections(path: Path, corrections: Sequence[Correction]) -> None:

@@ -64,7 +64,7 @@ def check_whole(buffer: NDArray[Any]) -> None:
         base = base.base
     mapped = getattr(base, "obj", base)
     if isinstance(mapped, Mapped) and mapped.size() < len(mapped):
-        raise ClipError(printable(f"{mapped.name}: it was cut short while it was open."))
+        raise ClipError(f"{mapped.name}: it was cut short while it was open.")
 
 
 def open_container(path: Path) -> Container:

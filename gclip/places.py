@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from gclip.corrections import Correction, Place
 from gclip.errors import UserError
-from gclip.terminal.text import printable
 
 if TYPE_CHECKING:
     from gclip.clip import Clip
@@ -46,7 +45,7 @@ def with_names(clip: Clip, corrections: Sequence[Correction]) -> Clip:
     table = tuple(replace(t, name=names.get(t.id, t.name)) for t in clip.track_table)
     for track in table:
         if track.id in names and [one.name for one in table].count(track.name) > 1:
-            raise UserError(f"Two organs are called '{printable(track.name)}'; rename one of them.")
+            raise UserError(f"Two organs are called '{track.name}'; rename one of them.")
     return replace(clip, track_table=table)
 
 

@@ -266,7 +266,7 @@ def _check_field(clip: "Clip", name: str) -> None:
     known = [field.name for field in clip.fields]
     if name and name not in known:
         names = ", ".join(known) or "none; bake it with --fields NAMES"
-        raise PlayerError(printable(f"--field is {name}; the clip's fields: {names}."))
+        raise PlayerError(f"--field is {name}; the clip's fields: {names}.")
 
 
 def _check_every(every: float | None, seconds: float | None) -> None:

@@ -15,7 +15,6 @@ from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track
-from gclip.terminal.text import printable
 from gclip.version import __version__
 
 
@@ -38,7 +37,7 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
     called = set(zip(names, (organ.label for organ in organs), strict=True))
     for label, one in labels.names.items():
         if any(name == one.name and other != label for name, other in called):
-            raise InputError(f"{one.said}: another organ is called '{printable(one.name)}', too.")
+            raise InputError(f"{one.said}: another organ is called '{one.name}', too.")
     return tuple(
         Track(
             id=index,

@@ -13,12 +13,13 @@ from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from gclip import Clip
+from gclip.config_file import read_config
 from player.atomic_write import whole_file
 from player.errors import PlayerError
 from player.view.camera import Camera
 
 MAX_KEYS = 10_000  # more are no path that someone made
-MAX_FILE_SIZE = 1 << 24  # bytes
+MAX_FILE_SIZE = 1 << 22  # bytes
 
 Number = Annotated[float, Meta(gt=-1e300, lt=1e300)]
 
@@ -116,17 +117,8 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
 
 
 def load_path(file: Path, clip: Clip) -> CameraPath:
-    """Read a path for a clip. Raises PlayerError naming the file and the field that is wrong."""
-    try:
-        if not file.is_file() and file.exists():
-            raise PlayerError(f"{file} is not a regular file.")
-        if file.stat().st_size > MAX_FILE_SIZE:
-            raise PlayerError(f"{file} is too large for a camera path.")
-        document = msgspec.json.decode(file.read_bytes(), type=Document)
-    except OSError as error:
-        raise PlayerError(f"{file} can't be read: {error.strerror or error}.") from None
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise PlayerError(f"{file} is no camera path: {error}.") from None
+    """Read a path for a clip. Raises UserError naming the file and the field that is wrong."""
+    document = read_config(file, Document, MAX_FILE_SIZE)
     if document.up != clip.up:
         raise PlayerError(f"{file}: up is {document.up[:20]!r}; the clip's is {clip.up!r}.")
     home, keys = Camera.home(clip), sorted(document.keys, key=lambda key: key.day)

@@ -31,10 +31,10 @@ def test_what_is_written_is_read(corrections, tmp_path_factory):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"cut"', '"trim"', "correction 1: 'trim'"),
-        ("2.5", '"high"', "correction 1: 'high'"),
-        ("2.5", "nan", "correction 1: nan"),
-        (", 3]", "]", "correction 1: [1, 2.5]"),
+        ('"cut"', '"trim"', "correction 1.kind is 'trim'; "),
+        ("2.5", '"high"', "correction 1.places 1.point 2 is 'high'; "),
+        ("2.5", "nan", "correction 1.places 1.point 2 is nan; "),
+        (", 3]", "]", "correction 1.places 1.point is [1, 2.5]; "),
         ("point", "pont", "pont"),
         ('"cut"', '"same"', "same needs 2 places"),
         ('"cut"', '"name"', "name is needed"),
@@ -57,7 +57,7 @@ def test_what_makes_no_sense_is_said_in_one_sentence(old, new, said, tmp_path):
 
 def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "plant.corrections.toml")
-    with pytest.raises(UserError, match="not even a regular file"):
+    with pytest.raises(UserError, match="not a regular file"):
         read_corrections(tmp_path / "plant.corrections.toml")
 
 

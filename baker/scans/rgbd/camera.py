@@ -4,21 +4,19 @@
 of the upper left pixel is (0, 0).
 """
 
-import json
 import re
-import tomllib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from msgspec import Meta, Struct, ValidationError, convert
+from msgspec import Meta, Struct
 
-from baker.errors import InputError, asking, excerpt
-from gclip.terminal.text import printable
+from baker.errors import asking
+from gclip.config_file import read_config
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
 LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
-MAX_FILE_SIZE = 1 << 16  # bytes; parsers of nested text take many times as much
+MAX_FILE_SIZE = 1 << 16  # bytes
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
 
@@ -82,24 +80,6 @@ def find_camera(folder: Path) -> Path | None:
 
 
 def read_camera(path: Path) -> Camera:
-    """Read the file that describes a camera.
-
-    InputError where it is not TOML or JSON, or a field is missing, unknown or out of its bounds.
-    """
-    content: Any = None
-    try:
-        with asking(path):
-            if path.stat().st_size > MAX_FILE_SIZE:
-                raise ValueError(f"a camera takes {MAX_FILE_SIZE} bytes at most")
-            text = path.read_text(encoding="utf-8-sig")
-        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-        return convert(content, Camera)
-    except ValidationError as error:  # "what is wrong - at `$.table.field`"
-        reason, _, place = str(error).partition(" - at `$.")
-        for name in re.findall(r"[a-z_]+", place):
-            content = content[name]
-        found = f"{place.rstrip('`')} is {excerpt(repr(content))}; " if place else ""
-        raise InputError(f"'{path}': {found}{printable(reason, 120)}.") from None
-    except (ValueError, RecursionError) as error:
-        kind = path.suffix[1:].upper()
-        raise InputError(f"'{path}' is no sound {kind} file: {error}.") from error
+    """Read the file that describes a camera. InputError where it is not as `Camera` has it."""
+    with asking(path):
+        return read_config(path, Camera, MAX_FILE_SIZE)

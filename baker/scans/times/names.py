@@ -17,7 +17,15 @@ from typing import Self
 import numpy as np
 
 from baker.errors import InputError, asking
-from baker.scans.times.conventions import CONVENTIONS, NO_YEAR, Convention, Moment, parse_date
+from baker.scans.times.conventions import (
+    CONVENTIONS,
+    NO_YEAR,
+    Convention,
+    Moment,
+    parse_date,
+    read_moment,
+)
+from gclip.config_file import read_text
 
 MAX_GAP_WITHIN_YEAR = 183  # days; a longer gap between dates without a year is a turn of the year
 MAX_SPAN = 1100  # days that dates without separators may span: else they are other numbers
@@ -90,14 +98,14 @@ def read_times(texts: Sequence[str]) -> Reading | None:
 def find_time(text: str) -> re.Match[str] | None:
     """The first clearly written time in a text: a date with a year, or a labelled number."""
     clear = (convention for convention in CONVENTIONS if convention.is_clear)
-    matches = ((c, match) for c in clear for match in c.pattern.finditer(text))
-    return next((match for c, match in matches if c.read(match) is not None), None)
+    matches = (match for convention in clear for match in convention.pattern.finditer(text))
+    return next((match for match in matches if read_moment(match) is not None), None)
 
 
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
     """One reading for each place, counted from the left, at which all texts have a match."""
     for matches in zip(*map(convention.pattern.finditer, texts), strict=False):
-        moments = [moment for moment in map(convention.read, matches) if moment is not None]
+        moments = [moment for moment in map(read_moment, matches) if moment is not None]
         if len(moments) == len(texts):
             if convention.family == NO_YEAR:
                 moments = _across_new_year(moments)
@@ -172,18 +180,10 @@ def _of_one_kind(moments: list[Moment], source: str) -> list[Moment]:
 
 def _rows(path: Path) -> list[tuple[int, str, str]]:
     """Number of the line, name and time, of each line that is no comment and no header."""
-    try:
-        with asking(path):
-            if path.exists() and not path.is_file():
-                raise InputError(f"'{path}' is not a regular file.")
-            if (size := path.stat().st_size) > MAX_FILE_BYTES:
-                most = f"a list of times has {MAX_FILE_BYTES} at most"
-                raise InputError(f"'{path}' holds {size} bytes; {most}.")
-            lines = map(str.strip, path.read_text(encoding="utf-8-sig").splitlines())
-    except UnicodeDecodeError as error:
-        raise InputError(f"'{path}' is not a text file.") from error
+    with asking(path):
+        text = read_text(path, MAX_FILE_BYTES)
     rows: list[tuple[int, str, str]] = []
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
         if not line or line.startswith(("#", "//")):
             continue
         parts = re.split(r"[,;\t]", line, maxsplit=2)

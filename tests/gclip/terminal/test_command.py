@@ -26,7 +26,7 @@ def raising(error: BaseException) -> Callable[[], None]:
     ("error", "code", "words"),
     [
         (UserError("this is wrong."), 2, "bake: this is wrong.\n"),
-        (ClipError("a\nb\x1b[2Jc."), 2, "bake: a b\ufffd[2Jc.\n"),
+        (ClipError("a\nb\x1b[2Jc."), 2, "bake: a\ufffdb\ufffd[2Jc.\n"),
         (MemoryError(), 2, "out of memory; try fewer points"),
         (
             PermissionError(13, "Permission denied", "a\nb"),

@@ -300,6 +300,6 @@ def test_a_list_of_times_is_a_file_of_decent_size(tmp_path):
     path = tmp_path / "times.txt"
     with path.open("wb") as file:
         file.truncate(1 << 30)
-    for listed, said in ((path, "holds 1073741824 bytes"), (Path("/dev/zero"), "not a regular")):
+    for listed, said in ((path, "holds 1,073,741,824 bytes"), (Path("/dev/zero"), "not a regular")):
         with pytest.raises(InputError, match=said):
             schedule("a.ply", "b.ply", times_file=listed)

@@ -1,0 +1,64 @@
+"""Files that people write: read within bounds, and checked by a type of msgspec."""
+
+import json
+import re
+import tomllib
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+from msgspec import ValidationError, convert
+
+from gclip.errors import UserError
+from gclip.terminal.text import printable
+
+T = TypeVar("T")
+
+
+def read_text(path: Path, most: int) -> str:
+    """A file of `most` bytes in UTF-8. Raises UserError, which names it."""
+    try:
+        if path.exists() and not path.is_file():
+            raise UserError(f"'{path}' is not a regular file.")
+        if (size := path.stat().st_size) > most:
+            raise UserError(f"'{path}' holds {size:,} bytes; at most {most:,} are allowed.")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UserError(f"'{path}' can't be read: {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise UserError(f"'{path}' is not a text file.") from None
+
+
+def read_config(path: Path, kind: type[T], most: int) -> T:
+    """Read a file of TOML or, if its suffix says so, JSON.
+
+    Parameters
+    ----------
+    path : Path
+    kind : type
+        What the file holds, as msgspec checks it.
+    most : int
+        Bytes that it may have: parsers of nested text take many times as much memory.
+
+    Raises
+    ------
+    UserError
+        With one sentence: the file, the field, what was found and what is needed.
+    """
+    content: Any = None
+    try:
+        text = read_text(path, most)
+        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        return convert(content, kind)
+    except ValidationError as error:  # "what is wrong - at `$.table[0].field`"
+        reason, _, place = str(error).rpartition(" - at `$")
+        reason, field = (reason, place.strip(".`")) if reason else (place, "")
+        with suppress(LookupError, TypeError):  # the name of a field may read like a place
+            for index, name in re.findall(r"\[(\d+)\]|(\w+)", field):
+                content = content[int(index) if index else name]
+        numbered = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", field)
+        found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
+        raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
+    except (ValueError, RecursionError) as error:
+        what = f"no sound {path.suffix[1:].upper()} file: {printable(str(error), 200)}"
+        raise UserError(f"'{path}' is {what}.") from None
