@@ -11,7 +11,7 @@ import typer
 
 from baker.batch.outputs import Outputs
 from baker.options import Options
-from gclip.terminal.command import run_app
+from gclip.terminal.command import in_panels, run_app
 from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
@@ -31,32 +31,24 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
     own = signature(command, eval_str=True).parameters
     parameters = [own[name].replace(kind=Parameter.KEYWORD_ONLY) for name in own if name != "flags"]
-    hints = (
-        get_type_hints(Options)
-        | get_type_hints(Outputs)
-        | {"root": str | None, "corrections": str | None}
-    )
-    panels = {name: panel for panel, names in PANELS.items() for name in names.split()}
+    hints = get_type_hints(Options) | get_type_hints(Outputs)
+    hints |= {"root": str | None, "corrections": str | None}  # as they are parsed from
     by_name = {one.name: one for one in (*fields(Options), *fields(Outputs))}
-    for one in (by_name[name] for name in panels):
+    for one in (by_name[name] for panel in PANELS.values() for name in panel.split()):
         settings = {name: one.metadata[name] for name in one.metadata if name != "positive"}
-        names = [f"--{one.name}", *settings.pop("short", [])] if hints[one.name] is bool else []
-        if settings:
-            settings |= {"rich_help_panel": panels[one.name], "case_sensitive": False}  # --up Z
-            parameters.append(
-                Parameter(
-                    one.name,
-                    Parameter.KEYWORD_ONLY,
-                    default=one.default,
-                    annotation=Annotated[hints[one.name], typer.Option(*names, **settings)],
-                )
-            )
+        names = [f"--{one.name.replace('_', '-')}", *settings.pop("short", [])]
+        option = typer.Option(*names, **settings, case_sensitive=False)  # --up Z
+        annotation = Annotated[hints[one.name], option]
+        parameters.append(
+            Parameter(one.name, Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
+        )
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return command
 
 
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
+@in_panels(PANELS)
 @_with_flags
 def bake_command(
     inputs: Annotated[

@@ -9,7 +9,6 @@ import os
 import re
 import sys
 from collections.abc import Callable
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from gclip.errors import UserError
@@ -23,21 +22,13 @@ DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by
 # What no program can help, whatever file it is about.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 TYPES = re.compile(r"<(bool|str|int|float|path|file|list\[.*\])>")
-# What typer says of the words of a command line, in words of our own.
-COMPLAINTS = (
-    ("Missing argument '(.+?)'(.*)", r"\1 is missing\2"),
-    ("Missing command", "the command is missing"),
-    ("No such command '(.*)'", r"there is no command \1"),
-    ("Option '(.+?)' requires an argument", r"\1 needs a value after it"),
-    (r"Got unexpected extra argument(?:\(s\)|s)? \((.*)\)", r"\1 is one too many"),
-)
-# What pydantic says of a value, and what the value has to be instead.
-REASONS = (
-    ("Input should be a valid integer,.*", "a whole number is needed"),
-    ("Input should be a valid number,.*", "a number is needed"),
-    ("Input should be greater than or equal to (.*)", r"at least \1 is needed"),
-    ("Input should be less than or equal to (.*)", r"at most \1 is possible"),
-)
+# By pydantic's name of what is wrong with a value, what the value has to be instead.
+NEEDED = {
+    "int_parsing": "a whole number is needed",
+    "float_parsing": "a number is needed",
+    "greater_than_equal": "at least {ge:g} is needed",
+    "less_than_equal": "at most {le:g} is possible",
+}
 
 
 def run(command: str, work: Callable[[], int | None]) -> int:
@@ -82,22 +73,15 @@ def verdict(error: Exception) -> tuple[int, str]:
     return OUR_FAULT, f"{what}, please report it (set GCLIP_TRACEBACK=1 to see where)."
 
 
-def _reworded(message: str, words: list[str]) -> str:
-    """What the library says of a value, in the words of this program's own messages."""
-    option = re.match("Invalid value for '(.+?)': (?:Value error, )?", message)
-    if option is None:
-        for pattern, said in COMPLAINTS:
-            message = re.sub(pattern, said, message)
-        return message
-    reason, name, given = message[option.end() :], option[1], dict(pairwise(words))
-    if choice := re.fullmatch("'(.*?)' is not one of (.*)", reason):
-        allowed = choice[2].replace("'", "")
-        return f"{name} is {choice[1]}; one of {allowed} is needed"
-    for pattern, said in REASONS:
-        reason = re.sub(pattern, said, reason)
-    return (
-        f"{name} is {given[name] or repr('')}; {reason}" if name in given else f"{name}: {reason}"
-    )
+def _complaint(error: Any) -> str:
+    """What is wrong with the words of a command line, by an exception of typer's."""
+    if error.__cause__ is None:
+        return str(getattr(error, "format_message", error.__str__)()).rstrip(".")
+    wrong, option = error.__cause__.errors()[0], error.param.get_error_hint().replace("'", "")
+    if wrong["type"] not in NEEDED:
+        return f"{option}: {wrong['ctx']['error']}".rstrip(".")
+    needed = NEEDED[wrong["type"]].format(**wrong.get("ctx", {}))
+    return f"{option} is {wrong['input'] or repr('')}; {needed}"
 
 
 def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -141,16 +125,14 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     def work() -> int | None:
         parser = get_command(app)
         without_types(parser)
-        words = sys.argv[1:] if argv is None else argv
         try:
-            with parser.make_context(command, [*words]) as context:
+            with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
                 code = parser.invoke(context)
             return code if isinstance(code, int) else None
         except Exit as ended:
             return ended.exit_code
         except TyperException as error:
-            message = getattr(error, "format_message", error.__str__)().rstrip(".")
-            raise UserError(f"{_reworded(message, words)}; see `{command} --help`.") from None
+            raise UserError(f"{_complaint(error)}; see `{command} --help`.") from None
         except Abort:
             raise KeyboardInterrupt from None
 

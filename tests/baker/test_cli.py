@@ -173,9 +173,9 @@ def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans,
         (["--workers", "-1"], "--workers is -1; at least 0 is needed"),
         (["--even", "11"], "--even is 11; at most 10 is possible"),
         (["--even", "many"], "--even is many; a number is needed"),
-        (["--up=Q"], "--up is Q; one of auto, x, y, z, -x, -y, -z is needed"),
+        (["--up=Q"], "--up: 'Q' is not one of 'auto', 'x', 'y', 'z', '-x', '-y', '-z'"),
         (["--every", ""], "--every is ''; a whole number is needed"),
-        (["--unit"], "--unit needs a value after it"),
+        (["--unit"], "Option '--unit' requires an argument"),
     ],
 )
 def test_a_bad_value_is_said_in_words_of_our_own(capsys, words, sentence):

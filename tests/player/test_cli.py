@@ -168,7 +168,7 @@ def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -
     ("arguments", "message"),
     [
         (["--camera", "round"], "still, turntable or a camera path"),
-        (["--camera", "none.json", "--export", "a.png"], "none.json can't be read"),
+        (["--camera", "none.json", "--export", "a.png"], "'none.json' can't be read"),
         (["b.gclip", "--info"], "in step in the window only"),
     ],
 )
