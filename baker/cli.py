@@ -38,7 +38,7 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
         settings = {name: one.metadata[name] for name in one.metadata if name != "positive"}
         names = [f"--{one.name.replace('_', '-')}", *settings.pop("short", [])]
         option = typer.Option(*names, **settings, case_sensitive=False)  # --up Z
-        annotation = Annotated[hints[one.name], option]
+        annotation: Any = Annotated[hints[one.name], option]
         parameters.append(
             Parameter(one.name, Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
         )
