@@ -1,14 +1,16 @@
 """Bakes and exports killed at random moments: is the old output intact, or the new one whole?
 
-    python -m tests.kill [--count 200] [--seed 0] [--only bake,mp4,...] [--interrupt]
+    python -m tests.kill [--count 200] [--seed 0] [--only bake,mp4,...]
+        [--signals SIGKILL,SIGINT]
 
 Every way out runs in a process of its own, forked from one that has imported all it needs, and is
 killed (SIGKILL), half of the time at any moment, half of the time within 50 ms after its draft
-appears, which is when it writes.
+appears, which is when it writes. This goes on until each has been killed so many times: a run that
+ends before it is killed does not count.
 Each file at the output must then be what was there before, or what a run that is left alone writes;
-nothing else but its draft. With --interrupt it is stopped by Ctrl-C instead (SIGINT): it must then
-end with exit code 130 and leave no draft either. Now and then a run is left alone: it must come out
-right whatever killed ones have left, and leave nothing itself.
+nothing else but its draft. Then as many are stopped by Ctrl-C (SIGINT): they must end with exit code
+130 and leave no draft either. Now and then a run is left alone: it must come out right whatever
+killed ones have left, and leave nothing itself.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing.context import ForkServerProcess
+from multiprocessing.synchronize import Event
 from pathlib import Path
 
 DRAFT = re.compile(r"\..+\.\w{8}\.part")
@@ -104,10 +107,10 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
     return [*found, WayOut("check", "gclip.cli", check, check, [])]
 
 
-def killed(
+def stopped(
     way: WayOut, folder: Path, duration: float, chance: random.Random, stop: signal.Signals
-) -> bool:
-    """Start the way out and kill or stop it; whether it was still running then."""
+) -> int | None:
+    """Start the way out and stop it; its exit code."""
     before = set(folder.iterdir())
     at_draft, due = chance.random() < 0.5, chance.uniform(BEGUN, max(BEGUN, duration))
     process = _started(way.module, way.new, folder)
@@ -119,14 +122,10 @@ def killed(
         if not at_draft and late >= due:
             break
         time.sleep(0.001)
-    running = process.is_alive()
-    if running:
+    if process.is_alive():
         os.kill(process.pid, stop)
     process.join(PATIENCE)
-    allowed = {-stop, 0} if stop == signal.SIGKILL else {INTERRUPTED, 0}
-    if process.exitcode not in allowed:
-        raise SystemExit(f"{way.name}: exit code {process.exitcode} after {stop.name}")
-    return running
+    return process.exitcode
 
 
 def contents(folder: Path, output: str) -> Files:
@@ -156,8 +155,11 @@ def varied(way: WayOut, output: str, files: Files) -> bool:
     return all(text.rstrip().endswith(b"</html>") for text in files.values())
 
 
-def try_out(way: WayOut, kills: int, seed: int, stop: signal.Signals) -> Counter[str]:
-    """Kill it so many times. Counts what was left: old, new or broken outputs, and litter."""
+def try_out(way: WayOut, count: int, seed: int, signals: Sequence[str]) -> Counter[str]:
+    """Stop it so many times by each signal.
+
+    Counts these, and what was left: old, new or broken outputs, and litter.
+    """
     chance = random.Random(f"{seed} {way.name}")
     left: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as name:
@@ -168,25 +170,39 @@ def try_out(way: WayOut, kills: int, seed: int, stop: signal.Signals) -> Counter
             _finished(way.module, arguments, place)
             duration = time.monotonic() - began
         shutil.copytree(olds, folder)
-        for number in range(kills):
-            running = killed(way, folder, duration, chance, stop)
-            left["killed" if running else "too late"] += 1
-            if stop != signal.SIGKILL:
-                left["litter"] += _counted(way, _strange(way, folder))
-            for output in way.outputs:
-                found = contents(folder, output)
-                if found == contents(olds, output):
-                    left["old"] += 1
-                elif whole(found, olds, news, output) or varied(way, output, found):
-                    left["new"] += 1
-                else:
-                    left["broken"] += 1
-                    print(f"{way.name}: {output} is broken after kill {number}", flush=True)
-            if number % EVERY == EVERY - 1 or number == kills - 1:
-                left["litter"] += _litter(way, folder, news)
-            for output in way.outputs:
-                _restore(folder, olds, output)
+        for stop in signals:
+            while left[stop] < count:
+                before = _strange(way, folder)
+                code = stopped(way, folder, duration, chance, signal.Signals[stop])
+                hit = code == (INTERRUPTED if stop == "SIGINT" else -signal.SIGKILL)
+                left[stop if hit else "wrong exit" if code else "too late"] += 1
+                if code and not hit:
+                    print(f"{way.name}: exit code {code} after {stop}", flush=True)
+                left.update(_looked_at(way, folder, olds, news))
+                if stop != "SIGKILL":
+                    left["litter"] += _counted(way, _strange(way, folder) - before)
+                alone = hit and (left[stop] % EVERY == 0 or left[stop] == count)
+                if alone:
+                    left["litter"] += _litter(way, folder, news)
+                for output in way.outputs:
+                    if alone or output != "cache":  # which other runs are to go on with
+                        _restore(folder, olds, output)
     return left
+
+
+def _looked_at(way: WayOut, folder: Path, olds: Path, news: Path) -> Counter[str]:
+    """How many outputs are old, new and broken."""
+    found: Counter[str] = Counter()
+    for output in way.outputs:
+        files = contents(folder, output)
+        if files == contents(olds, output):
+            found["old"] += 1
+        elif whole(files, olds, news, output) or varied(way, output, files):
+            found["new"] += 1
+        else:
+            found["broken"] += 1
+            print(f"{way.name}: {output} is broken", flush=True)
+    return found
 
 
 def _litter(way: WayOut, folder: Path, news: Path) -> int:
@@ -213,8 +229,6 @@ def _strange(way: WayOut, folder: Path) -> set[str]:
 
 def _restore(folder: Path, olds: Path, output: str) -> None:
     place, old = folder / output, olds / output
-    if output == "cache":
-        return  # the next run is to go on with it
     if place.is_dir():
         shutil.rmtree(place)
     place.unlink(missing_ok=True)
@@ -225,17 +239,24 @@ def _restore(folder: Path, olds: Path, output: str) -> None:
 
 
 def _started(module: str, arguments: Sequence[str], folder: Path) -> ForkServerProcess:
+    """A process in which the command has begun."""
     processes = multiprocessing.get_context("forkserver")
     processes.set_forkserver_preload(PRELOADED)
-    process = processes.Process(target=_run, args=(module, list(arguments), folder))
+    begun = processes.Event()
+    process = processes.Process(target=_run, args=(module, list(arguments), folder, begun))
     process.start()
+    begun.wait(PATIENCE)
     return process
 
 
-def _run(module: str, arguments: list[str], folder: Path) -> None:
+def _run(module: str, arguments: list[str], folder: Path, begun: Event) -> None:
     os.chdir(folder)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    sys.exit(import_module(module).main(arguments))
+    main = import_module(module).main
+    begun.set()
+    code = main(arguments)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # what follows is not the command's
+    sys.exit(code)
 
 
 def _finished(module: str, arguments: Sequence[str], folder: Path) -> None:
@@ -256,28 +277,26 @@ def make_series(folder: Path) -> tuple[Path, Path]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--count", type=int, default=200, help="of each, by each signal")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="names, with commas between")
-    parser.add_argument("--interrupt", action="store_true", help="by Ctrl-C")
+    parser.add_argument("--signals", default="SIGKILL,SIGINT")
     asked = parser.parse_args(argv)
-    stop = signal.SIGINT if asked.interrupt else signal.SIGKILL
     with tempfile.TemporaryDirectory() as name:
         ways = ways_out(*make_series(Path(name)))
         if asked.only:
             ways = [way for way in ways if way.name in asked.only.split(",")]
         total: Counter[str] = Counter()
-        for number, way in enumerate(ways):
-            kills = asked.count * (number + 1) // len(ways) - asked.count * number // len(ways)
-            left = try_out(way, kills, asked.seed, stop)
+        for way in ways:
+            left = try_out(way, asked.count, asked.seed, asked.signals.split(","))
             print(f"{way.name}: {_told(left)}", flush=True)
             total += left
     print(f"all: {_told(total)}")
-    return 1 if total["broken"] or total["litter"] else 0
+    return 1 if total["wrong exit"] or total["broken"] or total["litter"] else 0
 
 
 def _told(left: Counter[str]) -> str:
-    names = ("killed", "too late", "old", "new", "broken", "litter")
+    names = ("SIGKILL", "SIGINT", "too late", "wrong exit", "old", "new", "broken", "litter")
     return ", ".join(f"{left[name]} {name}" for name in names)
 
 

@@ -43,35 +43,35 @@ def write_las(folder: Path, days=(0, 1)) -> Path:
     return folder
 
 
-@pytest.fixture
-def write_scans(tmp_path) -> ScanWriter:
+def write_series(
+    folder: Path,
+    days=(0, 1, 2),
+    labels: str = "names",
+    reverse: bool = False,
+    without: int | None = None,
+    gone: int = 1,
+) -> Path:
     """Write a series of the plant into a folder and return it.
 
     days: the scans' days; labels: "names", "shuffled" or "none"; reverse: the last scan first;
     without: a label that scans from `gone` on no longer have.
     """
+    folder.mkdir(exist_ok=True)
+    clouds = [plant_on(day, seed=0) for day in days]
+    for k, cloud in enumerate(reversed(clouds) if reverse else clouds):
+        kept = cloud[(cloud[:, 3] != without) | (k < gone)]
+        if labels == "shuffled":
+            names = np.random.default_rng(k).permutation(10)
+            kept[:, 3] = names[kept[:, 3].astype(int)]
+        columns = 3 if labels == "none" else 4
+        np.savetxt(folder / f"day{k:02d}.txt", kept[:, :columns], fmt="%.4f")
+    return folder
 
-    def write(
-        days=(0, 1, 2),
-        labels: str = "names",
-        reverse: bool = False,
-        without: int | None = None,
-        gone: int = 1,
-        name: str = "scans",
-    ) -> Path:
-        folder = tmp_path / name
-        folder.mkdir()
-        clouds = [plant_on(day, seed=0) for day in days]
-        for k, cloud in enumerate(reversed(clouds) if reverse else clouds):
-            kept = cloud[(cloud[:, 3] != without) | (k < gone)]
-            if labels == "shuffled":
-                names = np.random.default_rng(k).permutation(10)
-                kept[:, 3] = names[kept[:, 3].astype(int)]
-            columns = 3 if labels == "none" else 4
-            np.savetxt(folder / f"day{k:02d}.txt", kept[:, :columns], fmt="%.4f")
-        return folder
 
-    return write
+@pytest.fixture
+def write_scans(tmp_path) -> ScanWriter:
+    """`write_series`, into a folder of that name (scans) in the test's own."""
+    return lambda *days, name="scans", **named: write_series(tmp_path / name, *days, **named)
 
 
 @pytest.fixture

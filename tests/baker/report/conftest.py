@@ -10,15 +10,17 @@ import pytest
 
 from baker.pipeline import Survey
 from gclip import Clip
+from tests.baker.conftest import write_series
 
 
-@pytest.fixture
-def baked(write_scans) -> tuple[Clip, Survey]:
+@pytest.fixture(scope="session")
+def baked(tmp_path_factory) -> tuple[Clip, Survey]:
     """Five scans of a plant, two of them left out."""
     from baker import Options
     from baker.pipeline import bake_recorded
 
-    return bake_recorded([write_scans(days=range(5))], Options(align="none", up="z", holdout=2))
+    scans = write_series(tmp_path_factory.mktemp("report") / "scans", days=range(5))
+    return bake_recorded([scans], Options(align="none", up="z", holdout=2))
 
 
 @pytest.fixture(scope="session")
