@@ -8,9 +8,9 @@ killed (SIGKILL), half of the time at any moment, half of the time within 50 ms 
 appears, which is when it writes. This goes on until each has been killed so many times: a run that
 ends before it is killed does not count.
 Each file at the output must then be what was there before, or what a run that is left alone writes;
-nothing else but its draft. Then as many are stopped by Ctrl-C (SIGINT): they must end with exit code
-130 and leave no draft either. Now and then a run is left alone: it must come out right whatever
-killed ones have left, and leave nothing itself.
+nothing else but its draft. Then as many are stopped by Ctrl-C (SIGINT): they must end with exit
+code 130 and leave no draft either. Now and then a run is left alone: it must come out right
+whatever killed ones have left, and leave nothing itself.
 """
 
 from __future__ import annotations

@@ -242,21 +242,24 @@ def test_nothing_is_written_outside_the_output_and_the_cache(write_scans, tmp_pa
 
 
 @linux_only
-@pytest.mark.parametrize("mode", [0o000, 0o444, 0o311])
-def test_folders_and_scans_that_may_not_be_read_are_said(write_scans, output, mode):
+@pytest.mark.parametrize(
+    ("mode", "names_are_given"), [(0o000, False), (0o444, False), (0o444, True), (0o311, True)]
+)
+def test_folders_and_scans_that_may_not_be_read_are_said(
+    write_scans, output, mode, names_are_given
+):
     folder = write_scans()
-    days = sorted(folder.iterdir())
+    given = sorted(folder.iterdir()) if names_are_given else [folder]
     folder.chmod(mode)
     try:
-        for given in [folder], days:
-            done = limited(NO_PRIVILEGES, *given, "-o", output)
-            if mode == 0o311 and given is days:
-                assert done.returncode == 0, done.stderr  # who knows the names may read
-            else:
-                assert done.returncode == 2, done.stderr
-                assert one_sentence(done.stderr, str(folder), "ermission denied")
+        done = limited(NO_PRIVILEGES, *given, "-o", output)
     finally:
         folder.chmod(0o755)
+    if mode == 0o311:
+        assert done.returncode == 0, done.stderr  # who knows the names may read
+    else:
+        assert done.returncode == 2, done.stderr
+        assert one_sentence(done.stderr, str(folder), "ermission denied")
 
 
 @linux_only

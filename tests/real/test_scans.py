@@ -1,5 +1,7 @@
 """Real scans of every kind are read whole."""
 
+from functools import cache
+
 import laspy
 import numpy as np
 import pytest
@@ -30,9 +32,14 @@ PINES = "treeiso_LPine1_demo.laz"
 TOMATOES = [EXAMPLE, *(SHARED / name for name in present("tomato_fullres"))]
 
 
+@cache
+def scans_of(folder):
+    return read_series([folder])
+
+
 @pytest.mark.parametrize("name", labelled(*SERIES))
 def test_labelled_series(series, name):
-    read = read_series([series(name)])
+    read = scans_of(series(name))
     assert [scan.time for scan in read.scans] == list(TIMES[name])
     for scan in read.scans:
         table = np.loadtxt(scan.path)
@@ -45,7 +52,7 @@ def test_labelled_series(series, name):
 
 @pytest.mark.parametrize("name", labelled(*(name for name in SERIES if "/" not in name)))
 def test_labels_of_careful_hands_are_hardly_touched(series, name):
-    for scan in read_series([series(name)]).scans:
+    for scan in scans_of(series(name)).scans:
         cleaned = clean_labels(scan.labels, nearest_neighbors(scan.points))
         assert (cleaned != scan.labels).sum() <= 1e-3 * len(scan)
 
@@ -53,7 +60,7 @@ def test_labels_of_careful_hands_are_hardly_touched(series, name):
 @pytest.mark.parametrize("folder", TOMATOES, ids=lambda folder: folder.name)
 def test_nothing_is_lost_far_from_the_origin(folder):
     """At y near -745 mm, where one step of single precision is 0.00006 mm."""
-    read = read_series([folder])
+    read = scans_of(folder)
     assert [scan.date for scan in read.scans] == ["2020-03-08", "2020-03-10"]
     assert [scan.time - read.scans[0].time for scan in read.scans] == [0, 2]
     for scan in read.scans:
@@ -69,7 +76,7 @@ def test_nothing_is_lost_far_from_the_origin(folder):
 @pytest.mark.parametrize("folder", TOMATOES, ids=lambda folder: folder.name)
 def test_one_point_stays_of_each_voxel_and_organ(folder):
     side = 1.0
-    full = read_series([folder], Options())
+    full = scans_of(folder)
     thin = read_series([folder], Options(voxel=side))
     for before, after in zip(full.scans, thin.scans, strict=True):
         labels = np.zeros(len(before)) if before.labels is None else before.labels
@@ -82,7 +89,7 @@ def test_one_point_stays_of_each_voxel_and_organ(folder):
 @pytest.fixture
 def laz_files(tmp_path):
     """Path, points, low corner and step: the example as LAZ, and a stand of pines."""
-    scan = read_series([EXAMPLE]).scans[0]
+    scan = scans_of(EXAMPLE).scans[0]
     world = scan.points + scan.origin
     header = laspy.LasHeader(point_format=3, version="1.2")
     header.offsets, header.scales = world.min(axis=0), [1e-4] * 3

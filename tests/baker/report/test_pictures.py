@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from baker.report.pictures import NEUTRAL_COLOR, NoPicture, scans_pictured, take_pictures
+from baker.report.pictures import NEUTRAL_COLOR, NoPicture, Pictures, scans_pictured, take_pictures
 from baker.verdict import Doubt
 
 
@@ -33,10 +33,15 @@ def count(picture: str, channel: int) -> int:
     return int((image[:, :, channel] - others > 60).sum())
 
 
-@pytest.mark.usefixtures("player_draws")
-def test_pictures_of_the_scans_and_of_those_left_out_share_a_camera(baked):
+@pytest.fixture(scope="module")
+def pictures(baked, player_draws) -> Pictures:
+    """Of the scans, of what was left out, and of a doubt about a leaf and one about the stem."""
+    doubts = [[Doubt(0.0, 2.0, track, "it tears", 1.0)] for track in (1, 0)]
+    return take_pictures(grown(baked[0]), doubts)
+
+
+def test_pictures_of_the_scans_and_of_those_left_out_share_a_camera(baked, pictures):
     clip, record = baked
-    pictures = take_pictures(grown(clip), [])
     assert len(pictures.scans) == len(clip.scans)
     assert len(pictures.errors) == len(record.held_out)
     shapes = {pixels(picture).shape for picture in (*pictures.scans, *pictures.errors)}
@@ -45,11 +50,8 @@ def test_pictures_of_the_scans_and_of_those_left_out_share_a_camera(baked):
     assert 0 < sizes[0] < sizes[1] < sizes[2], "the stem grows"
 
 
-@pytest.mark.usefixtures("player_draws")
-def test_the_scale_bar_is_as_long_as_it_says(baked):
+def test_the_scale_bar_is_as_long_as_it_says(pictures):
     """The stem stands upright in the plant's middle: 10 high at first, 18 in the end."""
-    clip, _ = baked
-    pictures = take_pictures(grown(clip), [])
     bar = pictures.scale_bar
     for picture, height in zip(pictures.scans, (10, 14, 18), strict=True):
         image = pixels(picture)
@@ -60,14 +62,9 @@ def test_the_scale_bar_is_as_long_as_it_says(baked):
     assert bar.length in (1, 2, 5, 10)
 
 
-@pytest.mark.usefixtures("player_draws")
-def test_of_a_doubtful_interval_only_the_organs_in_doubt_have_colours(baked):
-    clip = grown(baked[0])
-    doubt = Doubt(0.0, 2.0, 1, "it tears", 1.0)
-    (first, *_), (stem, *_) = (
-        take_pictures(clip, [[replace(doubt, track=track)]]).doubts[0] for track in (1, 0)
-    )
-    assert count(first, 2) > 0 == count(first, 0)
+def test_of_a_doubtful_interval_only_the_organs_in_doubt_have_colours(pictures):
+    (leaf, *_), (stem, *_) = pictures.doubts
+    assert count(leaf, 2) > 0 == count(leaf, 0)
     assert count(stem, 0) > 0 == count(stem, 2)
     assert max(NEUTRAL_COLOR) - min(NEUTRAL_COLOR) < 30
 

@@ -6,7 +6,6 @@ import ast
 import os
 import subprocess
 import sys
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from shutil import copytree, ignore_patterns
@@ -42,22 +41,6 @@ print(repr((reported, sentence)))
 """
 
 
-def compile_in(folder: Path, cwd: Path | None = None) -> tuple[list[tuple[int, int]], str | None]:
-    """What another process reports that keeps its code there."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
-    command = [sys.executable, "-c", COMPILE]
-    run = partial(subprocess.run, capture_output=True, text=True, check=True)
-    done = run(command, env=environment, cwd=cwd)
-    return ast.literal_eval(done.stdout)
-
-
-def test_loops_are_compiled_once(tmp_path: Path) -> None:
-    reported, sentence = compile_in(tmp_path)
-    assert reported == [(0, 1), (1, 1)]
-    assert sentence is None
-    assert compile_in(tmp_path) == ([], None)
-
-
 def test_a_bake_whose_code_can_not_be_kept_says_so_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -67,7 +50,10 @@ def test_a_bake_whose_code_can_not_be_kept_says_so_and_goes_on(
     copytree(ROOT, source / "baker", ignore=ignore_patterns("__pycache__"))
     (source / "baker" / "transport" / "__pycache__").touch()
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(source), str(ROOT.parent)]))
-    reported, sentence = compile_in(tmp_path / "file", tmp_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    command = [sys.executable, "-c", COMPILE]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    reported, sentence = ast.literal_eval(done.stdout)
     assert reported == [(0, 1), (1, 1)]
     assert "NUMBA_CACHE_DIR" in sentence
 
