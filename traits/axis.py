@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,6 +80,7 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
         return None
     graph, spacing = _graph(points)
 
+    @cache  # an end that turns out to be the base, or the tip, is asked again
     def distances_from(*sources: int) -> NDArray[np.float64]:
         return dijkstra(graph, directed=False, indices=list(sources), min_only=True)
 

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from gclip.evaluate import layers_at, locate, positions_on_curve
 
 if TYPE_CHECKING:
-    from gclip import Clip, Interval
-    from gclip.evaluate import Layer
+    from gclip import Clip
 
 Points = NDArray[np.float64]
 
@@ -72,22 +71,30 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     """
     index, passed = locate(clip, day)
     begin = clip.intervals[index].start
-    born = {track.id: track.born for track in clip.track_table}
-    lost = {track.id: track.lost for track in clip.track_table}
+    born = np.array([track.born for track in clip.track_table])
+    lost = [track.lost for track in clip.track_table]
     weights = (1.0 - passed, passed)
     moved: set[int] = set()
     parts: tuple[dict[int, list[Points]], dict[int, list[Points]]] = ({}, {})
     for layer in layers_at(clip, day):
         if layer.litter:
             continue
-        interval = clip.intervals[layer.interval]
-        for track, now, start, end in _moving(interval, layer):
-            newborn = born[track] > begin
-            if not newborn and lost[track] != begin:
-                moved.add(track)
-            for kept, weight, given in zip(parts, weights, (start, end), strict=True):
-                if weight:
-                    kept.setdefault(track, []).append(now[end if newborn else given])
+        interval, movers = (
+            clip.intervals[layer.interval],
+            slice(layer.group.first, layer.group.stop),
+        )
+        now = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
+        tracks, ends = (
+            np.asarray(interval.tracks[movers]),
+            np.asarray(interval.end_positions[movers]),
+        )
+        newborn = born[tracks] > begin
+        starts = np.where(newborn[:, None], ends, interval.start_positions[movers])
+        moved |= {track for track in np.unique(tracks[~newborn]).tolist() if lost[track] != begin}
+        for kept, weight, places in zip(parts, weights, (starts, ends), strict=True):
+            if weight:
+                for track, chosen in _distinct(tracks, places).items():
+                    kept.setdefault(track, []).append(now[chosen])
     mixed = 4.0 * passed * (1.0 - passed)
     return [
         Sample(
@@ -96,7 +103,7 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
                 track: Organ(
                     *_sample(np.concatenate(part), weight),
                     mixed=mixed if track in moved else 0.0,
-                    seen=born[track] <= begin or passed == 1.0,
+                    seen=bool(born[track] <= begin) or passed == 1.0,
                     known=passed if born[track] == begin else float(born[track] < begin),
                 )
                 for track, part in kept.items()
@@ -107,22 +114,13 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     ]
 
 
-def _moving(
-    interval: Interval, layer: Layer
-) -> list[tuple[int, Points, NDArray[np.intp], NDArray[np.intp]]]:
-    """For each track of a layer: positions, and indices of movers with distinct starts and ends."""
-    movers = slice(layer.group.first, layer.group.stop)
-    now = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
-    tracks = np.asarray(interval.tracks[movers])
-    found = []
-    for track in np.unique(tracks).tolist():
-        own = np.flatnonzero(tracks == track)
-        start, end = (
-            np.unique(np.asarray(places[movers][own]), axis=0, return_index=True)[1]
-            for places in (interval.start_positions, interval.end_positions)
-        )
-        found.append((track, now[own], start, end))
-    return found
+def _distinct(tracks: NDArray[np.integer], places: NDArray) -> dict[int, NDArray[np.intp]]:
+    """For each track, the indices of movers whose (N, 3) places differ, the first of each place."""
+    order = np.lexsort((*places.T[::-1], tracks))
+    of, at, first = tracks[order], places[order], np.ones(len(order), bool)
+    first[1:] = (of[1:] != of[:-1]) | (at[1:] != at[:-1]).any(axis=1)
+    order, of = order[first], of[first]
+    return {track: order[of == track] for track in np.unique(of).tolist()}
 
 
 def _sample(points: Points, weight: float) -> tuple[Points, Points]:

@@ -9,18 +9,10 @@ Points = NDArray[np.float64]
 
 # Neighbours that a paraboloid may be fitted to; residuals about the first estimate the noise.
 PATCH_SIZES = (12, 20, 40, 100)
-NORMAL_NEIGHBORS = 20  # nearest neighbours whose plane all patches of a point share
 MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoothed
 BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
 MIN_POINTS_FOR_NOISE = 36
 MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
-BLOCK = 128
-# Exponents of x, y and z in a paraboloid's terms and in its height, and in the products of any two.
-TERMS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0), (1, 1, 0), (0, 2, 0), (0, 0, 1)])
-MONOMIALS, _place = np.unique((TERMS[:, None] + TERMS).reshape(-1, 3), axis=0, return_inverse=True)
-PRODUCTS = _place.reshape(len(TERMS), len(TERMS))  # the monomial that two terms' product is
-DEGREES = TERMS[:6].sum(axis=1)
-RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])  # for patches whose points lie on a line
 
 
 class Smoothed(NamedTuple):
@@ -81,15 +73,14 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
     """
     from scipy.spatial import cKDTree
 
+    from traits.neighborhoods import fit_paraboloids
+
     most = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
     sizes = [size for size in PATCH_SIZES if size <= most]
     normals, fits = np.zeros((len(points), 3)), np.zeros((3, len(sizes), len(points)))
     if sizes:
         distance, neighbors = cKDTree(cloud).query(points, k=sizes[-1])
-        for first in range(0, len(points), BLOCK):
-            part = slice(first, first + BLOCK)
-            offsets = cloud[neighbors[part]] - points[part, None]
-            normals[part], fits[..., part] = _fit(offsets, distance[part], np.array(sizes))
+        fit_paraboloids(points, cloud, neighbors, distance, np.array(sizes), normals, fits)
     return Patches(points, len(cloud), normals, *fits)
 
 
@@ -159,57 +150,3 @@ def smoothed(patches: Patches, noise: float) -> Smoothed:
     worth = risk[best] < 1.0
     moved = points + np.where(worth, height[best], 0.0)[:, None] * normals
     return Smoothed(moved, float(np.where(worth, left[best], 1.0).mean()))
-
-
-def axes_of(offsets: NDArray[np.float64]) -> Points:
-    """Normals and two tangent directions, the columns of (N, 3, 3), of (N, k, 3) neighbourhoods."""
-    about = offsets - offsets.mean(axis=1, keepdims=True)
-    return np.linalg.eigh(about.mT @ about)[1]
-
-
-def _fit(
-    offsets: NDArray[np.float64], distance: NDArray[np.float64], sizes: NDArray[np.intp]
-) -> tuple[Points, NDArray[np.float64]]:
-    """Normals, (n, 3), and the heights, residuals and remaining variances, (3, P, n).
-
-    All sizes share the monomials, whose weighted sums (moments) are all that least squares need.
-    """
-    axes = axes_of(offsets[:, :NORMAL_NEIGHBORS])
-    radii = np.maximum(distance[:, sizes - 1], np.finfo(float).tiny + 1e-6 * distance[:, -1:]).T
-    widest = radii[-1]
-    zxy = ((axes / widest[:, None, None]).mT @ offsets.mT).swapaxes(0, 1)
-    z, x, y = [(1.0, t, t * t, t * t * t, (t * t) ** 2) for t in zxy]
-    monomials = np.empty((len(offsets), len(MONOMIALS), sizes[-1]))
-    for i, (a, b, c) in enumerate(MONOMIALS):
-        monomials[:, i] = x[a] * y[b] * z[c]
-    weights = np.zeros((len(offsets), len(sizes), sizes[-1]))
-    for i, size in enumerate(sizes):
-        weights[:, i, :size] = np.exp(-((distance[:, :size] / radii[i, :, None]) ** 2))
-    # Arrays of many small matrices are far faster where the points are their last axis.
-    moments = monomials @ np.concatenate([weights, weights**2], axis=1).mT
-    moments = np.ascontiguousarray(np.moveaxis(moments, 0, 2))
-    first, second = moments[:, : len(sizes)][PRODUCTS], moments[:, len(sizes) :][PRODUCTS]
-    total = first[0, 0].copy()
-    ridge = RIDGE[:, None, None] * (radii / widest) ** (2 * DEGREES[:, None, None])
-    first[range(6), range(6)] += ridge
-    _sweep(first, 6)
-    inverse, solution, spread = first[:6, :6], first[:6, 6], second[:6, :6]
-    misfit = first[6, 6] - (ridge * solution**2).sum(axis=0)
-    free = total - np.einsum("ijpn,ijpn->pn", inverse, spread)
-    left = np.einsum("ipn,ijpn,jpn->pn", inverse[0], spread, inverse[0])
-    residual = np.maximum(misfit, 0.0) / np.maximum(free, 1e-9) * widest**2
-    return axes[..., 0], np.stack([solution[0] * widest, residual, np.minimum(left, 1.0)])
-
-
-def _sweep(matrix: NDArray[np.float64], count: int) -> None:
-    """Sweep operator on the first rows of symmetric matrices, (m, m, ...), in place.
-
-    Of the normal equations, bordered by their right side, it leaves the inverse, the solution, and
-    in the corner the sum of squares that remains (Goodnight 1979).
-    """
-    for k in range(count):
-        pivot, column = matrix[k, k].copy(), matrix[:, k].copy()
-        matrix[k] /= pivot
-        row = matrix[k].copy()
-        matrix -= column[:, None] * row
-        matrix[k], matrix[:, k], matrix[k, k] = row, -column / pivot, 1.0 / pivot

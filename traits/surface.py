@@ -5,12 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from traits.smooth import axes_of
-
 Points = NDArray[np.float64]
 
 CELL_NEIGHBORS = 24  # neighbours that may bound a point's Voronoi cell
-PLANE_NEIGHBORS = 12  # of them, those that the tangent plane is fitted to
 DIRECTIONS = 32  # in which the extent of a cell is measured
 # Disc radii, in mean point distances, and the width of the strip by which the union of discs
 # exceeds a border: for uniformly random points (an integral), and for evenly spread ones (measured
@@ -22,7 +19,6 @@ RANDOM_OWN_SHARE, EVEN_OWN_SHARE = 0.699, 0.831
 # Distance from the border, in mean point distances, by which half-way states of two scans shrink:
 # a point on the border moves to one that is seldom as near to it. Measured on leaves at rest.
 MIXING_INSET = 0.06
-BLOCK = 64  # points at once: what they need stays in the processor's cache
 MIN_POINTS_FOR_AREA = 12
 
 
@@ -91,29 +87,18 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
 
 
 def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]:
-    """Rough mean point distance, and the extent of each point's Voronoi cell in its tangent plane.
-
-    Neighbours keep their direction in the tangent plane and their distance in space: a plain
-    projection would draw the sides of a thin stem together. Neighbours that stand upright on the
-    plane belong to another sheet and are ignored. The extents have shape (N, DIRECTIONS).
-    """
+    """Rough mean point distance, and the extents of the points' Voronoi cells, (N, DIRECTIONS)."""
     from scipy.spatial import cKDTree
 
+    from traits.neighborhoods import measure_cells
+
     distance, neighbors = cKDTree(points).query(points, k=min(CELL_NEIGHBORS, len(points) - 1) + 1)
-    distance, neighbors = distance[:, 1:], neighbors[:, 1:]
+    distance = np.ascontiguousarray(distance[:, 1:])
+    neighbors = np.ascontiguousarray(neighbors[:, 1:])
     angle = (np.arange(DIRECTIONS) + 0.5) * 2.0 * np.pi / DIRECTIONS
-    directions = np.stack([np.cos(angle), np.sin(angle)])
-    cells = np.empty((len(points), DIRECTIONS))
+    directions = np.column_stack([np.cos(angle), np.sin(angle)])
     far = 1e3 * max(float(distance.max()), 1e-30)
-    for first in range(0, len(points), BLOCK):
-        part = slice(first, first + BLOCK)
-        offsets = points[neighbors[part]] - points[part, None]
-        flat = offsets @ axes_of(offsets[:, :PLANE_NEIGHBORS])[..., 1:]
-        length = np.linalg.norm(flat, axis=2)
-        true_length = np.sqrt(np.maximum(distance[part] ** 2 - variance, length**2))
-        # A neighbour at q ends the cell where |p|² = |p - q|², in direction w at |q|² / 2 w·q.
-        upright = length <= 0.5 * distance[part]
-        flat *= np.where(upright, 0.0, 2.0 / np.maximum(length * true_length, 1e-300))[..., None]
-        cells[part] = 1.0 / np.maximum((flat @ directions).max(axis=1), 1.0 / far)
+    cells = np.empty((len(points), DIRECTIONS))
+    measure_cells(points, neighbors, distance, variance, directions, far, cells)
     # The median distance to the sixth neighbour in a plane is 1.343 / √λ.
     return float(np.median(distance[:, min(5, distance.shape[1] - 1)])) / 1.343, cells
