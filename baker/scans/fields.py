@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
-from baker.scans.cloud import Cloud, Columns
+from baker.scans.formats import Columns
 from baker.scans.labels import label_rank
+from baker.scans.scan import Scan
 
 COLOR_NAMES = tuple(
     tuple(names.split())
@@ -25,7 +26,7 @@ def choose_fields(
     label_field: str | None = None,
     use_labels: bool = True,
     carried: Sequence[str] = (),
-) -> Cloud:
+) -> Scan:
     """Positions and colours among the fields of a file, those to be carried into the clip, and all
     others that may be labels.
 
@@ -64,7 +65,7 @@ def choose_fields(
 
     notes = [*columns.notes, "; ".join(notes) + "."]
     fields = {name: columns.values[name] for name in labels}
-    return Cloud(points, None, colors, tuple(notes), fields, scalars)
+    return Scan(points, None, colors, tuple(notes), fields, scalars, path)
 
 
 def _may_be_labels(values: NDArray) -> bool:

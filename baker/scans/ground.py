@@ -9,9 +9,8 @@ import numpy as np
 
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
-from baker.scans.cloud import Cloud
 from baker.scans.ground_plane import MIN_SCORE, Ground, find_ground
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Scan
 
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # that may be up, the usual ones first
 SCANS_TO_ASK = 3  # of a series, whether there may be a ground across an unusual direction
@@ -25,12 +24,11 @@ MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that this label has
 
 
 def take_out_ground(
-    clouds: Sequence[Cloud],
-    names: Sequence[str],
+    scans: Sequence[Scan],
     up: str = "auto",
     keep: bool = False,
     map: MapLike = map,
-) -> tuple[list[Cloud], tuple[float, float, float] | None, tuple[Finding, ...]]:
+) -> tuple[list[Scan], tuple[float, float, float] | None, tuple[Finding, ...]]:
     """The scans of a series without the ground that they stand on, where they have one.
 
     Of scans with labels those go of which most points lie in the ground. `up` is the direction of
@@ -38,7 +36,7 @@ def take_out_ground(
     vector away from the ground, and what was found, if there is one.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
-    left, normal, findings = list(clouds), None, []
+    left, normal, findings = list(scans), None, []
     for _ in range(MAX_LAYERS):
         grounds = _grounds(left, directions, map)
         found = [ground for ground in grounds if ground]
@@ -50,16 +48,16 @@ def take_out_ground(
             normal = (x, y, z)
             along = [Vertical.named(name).height(mean[None])[0] for name in directions]
             directions = (directions[int(np.argmax(along))],)
-        said, doubt = _said(grounds, names)
+        said, doubt = _said(grounds, [scan.name for scan in left])
         if keep:
             findings.append(Finding("ground", f"{said}, kept as asked"))
             break
         labels = list(map(_labels_of_ground, left, grounds))
         votes = Counter(chain.from_iterable(labels))
         usual = {label for label, count in votes.items() if 2 * count > len(found)}
-        before = sum(map(len, left))
+        count = sum(map(len, left))
         left = [*map(_without, left, grounds, [own or usual for own in labels])]
-        said += f"; its {before - sum(len(cloud) for cloud in left):,} points are taken out"
+        said += f"; its {count - sum(map(len, left)):,} points are taken out"
         findings.append(Finding("ground", said, doubt, "--ground keep"))
     return left, normal, tuple(findings)
 
@@ -76,15 +74,13 @@ def _said(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, 
     return said, "it is not quite round and closed, and may be leaves" * bool(is_close)
 
 
-def _grounds(
-    clouds: Sequence[Cloud], directions: Sequence[str], map: MapLike
-) -> list[Ground | None]:
+def _grounds(scans: Sequence[Scan], directions: Sequence[str], map: MapLike) -> list[Ground | None]:
     """The ground of each scan: of most along one direction, or of some along the usual one."""
-    asked = np.linspace(0, len(clouds) - 1, min(len(clouds), SCANS_TO_ASK)).astype(int)
+    asked = np.linspace(0, len(scans) - 1, min(len(scans), SCANS_TO_ASK)).astype(int)
     for up in directions:
         is_usual = up == directions[0]
-        for scans in (range(len(clouds)),) if is_usual else (asked, range(len(clouds))):
-            found = list(map(partial(find_ground, up=up), [clouds[scan].points for scan in scans]))
+        for some in (scans,) if is_usual else ([scans[k] for k in asked], scans):
+            found = list(map(partial(find_ground, up=up), [scan.points for scan in some]))
             scores = np.array([ground.score if ground else 0.0 for ground in found])
             if np.median(scores) < (MIN_SCORE if is_usual else MIN_SCORE_OF_UNUSUAL):
                 break
@@ -92,26 +88,26 @@ def _grounds(
             return found
         if is_usual and scores.max() >= CERTAIN_SCORE:
             return [g if g and g.score >= CERTAIN_SCORE else None for g in found]
-    return [None] * len(clouds)
+    return [None] * len(scans)
 
 
-def _labels_of_ground(cloud: Cloud, ground: Ground | None) -> set[int]:
+def _labels_of_ground(scan: Scan, ground: Ground | None) -> set[int]:
     """The labels of which most points lie in the ground, where they are much of it."""
-    if ground is None or cloud.labels is None:
+    if ground is None or scan.labels is None:
         return set()
-    names, number = np.unique(cloud.labels, return_inverse=True)
-    inside = np.bincount(number, ground.holds(cloud.points))
+    names, number = np.unique(scan.labels, return_inverse=True)
+    inside = np.bincount(number, ground.holds(scan.points))
     is_most = inside > MIN_SHARE_OF_LABEL * np.bincount(number)
     return set(names[is_most & (inside > MIN_SHARE_OF_GROUND * inside.sum())].tolist())
 
 
-def _without(cloud: Cloud, ground: Ground | None, labels: set[int]) -> Cloud:
+def _without(scan: Scan, ground: Ground | None, labels: set[int]) -> Scan:
     """The scan without its ground: without these labels, if it has any of them."""
-    held = np.zeros(len(cloud), bool)
-    if cloud.labels is not None and labels:
-        held = np.isin(cloud.labels, list(labels))
+    held = np.zeros(len(scan), bool)
+    if scan.labels is not None and labels:
+        held = np.isin(scan.labels, list(labels))
     elif ground:
-        held = ground.holds(cloud.points)
+        held = ground.holds(scan.points)
     if held.all() or not held.any():
-        return cloud
-    return cloud.take(np.flatnonzero(~held)).noting(f"took out {held.sum()} points of the ground.")
+        return scan
+    return scan.take(np.flatnonzero(~held)).noting(f"took out {held.sum()} points of the ground.")

@@ -10,15 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import compress
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.geometry.neighbors import nearest_neighbors
-from baker.scans.cloud import Cloud
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
 # What fields of labels are called: first those that tell organs apart, then those that tell their
@@ -58,11 +56,10 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    clouds: Sequence[Cloud],
-    paths: Sequence[Path],
+    scans: Sequence[Scan],
     is_asked: bool = False,
     are_needed: bool = False,
-) -> tuple[list[Cloud], str, dict[int, str], tuple[Finding, ...]]:
+) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
     is_asked: the fields are named by the user. are_needed: the user said that there are labels, so
@@ -73,19 +70,19 @@ def choose_labels(
     """
     names: list[str] = []
     findings: list[Finding] = []
-    for name in sorted({name for cloud in clouds for name in cloud.fields}, key=_order):
+    for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
         is_known = is_asked or label_rank(name) is not None
-        having = [k for k, cloud in enumerate(clouds) if name in cloud.fields]
-        if not is_known and (names or min(len(clouds[k]) for k in having) < MIN_SAMPLE):
+        having = [scan for scan in scans if name in scan.fields]
+        if not is_known and (names or min(map(len, having)) < MIN_SAMPLE):
             continue
-        bad = [(k, value) for k in having for value in _not_whole(clouds[k].fields[name])[:1]]
+        bad = [(one.path, v) for one in having for v in _not_whole(one.fields[name])[:1]]
         if bad and is_asked:
             raise InputError(
-                f"'{paths[bad[0][0]]}': the field '{excerpt(name)}' holds {bad[0][1]:g}, but "
+                f"'{bad[0][0]}': the field '{excerpt(name)}' holds {bad[0][1]:g}, but "
                 "labels must be whole numbers or words; choose another field with --label-field, "
                 "or read the scans without labels (--labels ignore)."
             )
-        objection = _objection(name, [clouds[k] for k in having], [v for _, v in bad])
+        objection = _objection(name, having, [v for _, v in bad])
         at_their_word = are_needed and is_known and objection and objection.doubt
         if is_asked or not objection or at_their_word:
             names.append(name)
@@ -94,34 +91,33 @@ def choose_labels(
                 findings.append(_finding(name, said, "its name does not say so", "--labels ignore"))
         elif is_known and not names:
             findings.append(objection)
-    chosen = [next((name for name in names if name in cloud.fields), "") for cloud in clouds]
+    chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
     used = sorted(set(chosen) - {""}, key=_order)
-    values = [cloud.fields.get(name) for cloud, name in zip(clouds, chosen, strict=True)]
+    values = [scan.fields.get(name) for scan, name in zip(scans, chosen, strict=True)]
     numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
     labelled = [
-        cloud if own is None else replace(cloud, labels=own)
-        for cloud, own in zip(clouds, numbers, strict=True)
+        scan if own is None else replace(scan, labels=own)
+        for scan, own in zip(scans, numbers, strict=True)
     ]
     kept = [finding for finding in findings if finding.doubt or not used]
     return labelled, ", ".join(map(excerpt, used)), words, tuple(kept)
 
 
 def drop_labels(
-    clouds: Sequence[Cloud],
-    paths: Sequence[Path],
+    scans: Sequence[Scan],
     words: dict[int, str],
     dropped: str,
     keep_ground: bool,
-) -> tuple[list[Cloud], tuple[Finding, ...]]:
+) -> tuple[list[Scan], tuple[Finding, ...]]:
     """The scans without the points of some labels: those that are asked for, soil, pots and such.
 
     Raises InputError where no scan has a label that is asked for, or a scan has no other one.
     """
     asked = set(filter(None, dropped.lower().split(",")))
     found, out, left = set[str](), set[str](), []
-    for cloud, path in zip(clouds, paths, strict=True):
-        held = np.zeros(len(cloud), bool)
-        for texts, index in _named(cloud, words):
+    for scan in scans:
+        held = np.zeros(len(scan), bool)
+        for texts, index in _named(scan, words):
             named = [text.lower() for text in texts]
             ground = set() if keep_ground else GROUND_WORDS
             is_out = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in named]
@@ -129,24 +125,24 @@ def drop_labels(
             found |= {*named}
             out |= {*compress(named, is_out)}
         if held.all():
-            raise InputError(f"'{path}': without the labels to drop no points are left.")
-        left.append(cloud.take(np.flatnonzero(~held)) if held.any() else cloud)
+            raise InputError(f"'{scan.path}': without the labels to drop no points are left.")
+        left.append(scan.take(np.flatnonzero(~held)) if held.any() else scan)
     if missing := sorted(asked - found):
         listed = excerpt(", ".join(sorted(found, key=natural_key))) or "none"
         raise InputError(f"--drop-label {missing[0]}: no scan has such a label; found: {listed}.")
     if not out:
-        return list(clouds), ()
-    count = sum(map(len, clouds)) - sum(map(len, left))
+        return list(scans), ()
+    count = sum(map(len, scans)) - sum(map(len, left))
     listed = ", ".join(f"'{excerpt(text)}'" for text in sorted(out, key=natural_key))
     return left, (Finding("labels", f"{listed}, {count:,} points, taken out"),)
 
 
-def _named(cloud: Cloud, words: dict[int, str]) -> Iterator[tuple[list[str], NDArray[np.intp]]]:
+def _named(scan: Scan, words: dict[int, str]) -> Iterator[tuple[list[str], NDArray[np.intp]]]:
     """The distinct labels as texts and which of them each point has; likewise fields of words."""
-    if cloud.labels is not None:
-        numbers, index = np.unique(cloud.labels, return_inverse=True)
+    if scan.labels is not None:
+        numbers, index = np.unique(scan.labels, return_inverse=True)
         yield [words.get(number, str(number)) for number in numbers.tolist()], index
-    for values in (field for field in cloud.fields.values() if field.dtype.kind == "U"):
+    for values in (field for field in scan.fields.values() if field.dtype.kind == "U"):
         texts, index = np.unique(values, return_inverse=True)
         yield texts.tolist(), index
 
@@ -165,11 +161,11 @@ def _not_whole(values: NDArray) -> NDArray:
         return values[~(is_whole | np.isnan(values))]
 
 
-def _objection(name: str, clouds: Sequence[Cloud], bad: Sequence[float]) -> Finding | None:
+def _objection(name: str, scans: Sequence[Scan], bad: Sequence[float]) -> Finding | None:
     """Why a field is none of labels, if it isn't."""
     if bad:
         return _finding(name, f"is not used, as it holds {bad[0]:g}, which is no whole number")
-    values = [cloud.fields[name] for cloud in clouds]
+    values = [scan.fields[name] for scan in scans]
     in_scans = [np.unique(own) for own in values]
     distinct = np.unique(np.concatenate(in_scans))
     texts = [str(value).strip().lower() for value in distinct]
@@ -177,8 +173,8 @@ def _objection(name: str, clouds: Sequence[Cloud], bad: Sequence[float]) -> Find
         return _finding(name, f"is not used, as it is {texts[0].removesuffix('.0')} everywhere")
     if max(map(len, in_scans)) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
-    asked = np.unique(np.linspace(0, len(clouds) - 1, SCANS_TO_ASK).astype(int))
-    found = [_patches(clouds[k].points, values[k]) for k in asked]
+    asked = np.unique(np.linspace(0, len(scans) - 1, SCANS_TO_ASK).astype(int))
+    found = [_patches(scans[k].points, values[k]) for k in asked]
     agreement, places, steps = np.mean(found, axis=0)
     doubt = ""
     if agreement < MIN_AGREEMENT:

@@ -7,20 +7,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from baker.errors import InputError, asking, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans.child_process import ChildProcess
-from baker.scans.cloud import (
-    Cloud,
+from baker.scans.cleaning import (
     downsample,
     drop_duplicates,
     drop_non_finite,
     drop_outliers,
-    own_origin,
     relative_to,
     resampled,
     shared_origin,
@@ -73,23 +68,18 @@ def read_series(
     if report_progress:
         map = reporting(map, report_progress, len(entries))
     with ChildProcess() as child:
-        read = partial(listing.read, options=options, child=child)
-        raw, digests = zip(*map(read, entries), strict=True)
-    shared = shared_origin(raw[0].points)
-    origins = [own_origin(cloud.points, shared) for cloud in raw]
-    clouds = list(map(drop_duplicates, map(relative_to, origins, raw)))
-    paths, names = [entry.path for entry in entries], [printable(entry.name) for entry in entries]
+        scans = list(map(partial(listing.read, options=options, child=child), entries))
+    shared = shared_origin(scans[0].points)
+    scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
     keep, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
-    clouds, field, words, labels = choose_labels(clouds, paths, is_asked, are_needed)
-    clouds, dropped = drop_labels(clouds, paths, words, options.drop_label, keep)
+    scans, field, words, labels = choose_labels(scans, is_asked, are_needed)
+    scans, dropped = drop_labels(scans, words, options.drop_label, keep)
     up = "z" if listing.images and options.up == "auto" else options.up
-    files = [path.name for path in paths]
-    clouds, ground_up, ground = take_out_ground(clouds, files, up, keep, map)
-    clouds = _with_colors_in_all(list(map(partial(_thinned, options=options), clouds)), names)
-    series = listing.series(tuple(map(_scan, entries, names, clouds, digests, origins)), options)
-    unit = options.unit or series.length
-    size = require_one_unit([cloud.points for cloud in clouds], names, unit)
+    scans, ground_up, ground = take_out_ground(scans, up, keep, map)
+    scans = _with_colors_in_all(list(map(partial(_thinned, options=options), scans)))
+    series = listing.series(tuple(scans), options)
+    size = require_one_unit(scans, options.unit or series.length)
     return replace(
         series,
         label_field=field,
@@ -99,30 +89,21 @@ def read_series(
     )
 
 
-def _thinned(cloud: Cloud, options: Options) -> Cloud:
+def _thinned(scan: Scan, options: Options) -> Scan:
+    scan = replace(scan, fields={})
     if options.outliers is not None:
-        cloud = drop_outliers(cloud, options.outliers)
+        scan = drop_outliers(scan, options.outliers)
     if options.voxel is not None:
-        cloud = downsample(cloud, options.voxel)
-    return cloud if options.resample is None else resampled(cloud, options.resample)
+        scan = downsample(scan, options.voxel)
+    return scan if options.resample is None else resampled(scan, options.resample)
 
 
-def _with_colors_in_all(clouds: list[Cloud], names: list[str]) -> list[Cloud]:
+def _with_colors_in_all(scans: list[Scan]) -> list[Scan]:
     """Colours in all scans or in none."""
-    without = [f"'{n}'" for n, cloud in zip(names, clouds, strict=True) if cloud.colors is None]
-    if not without:
-        return clouds
-    note = f"colours left out ({excerpt(', '.join(without))} without colours)."
-    return [
-        cloud if cloud.colors is None else replace(cloud, colors=None).noting(note)
-        for cloud in clouds
-    ]
-
-
-def _scan(entry: Entry, name: str, cloud: Cloud, sha256: str, origin: NDArray[np.float64]) -> Scan:
-    time, date = entry.moment.time, entry.moment.date
-    contents = cloud.points, cloud.labels, cloud.colors, date, cloud.notes, sha256, cloud.scalars
-    return Scan(name, entry.path, time, origin, *contents)
+    if without := [f"'{scan.name}'" for scan in scans if scan.colors is None]:
+        note = f"colours left out ({excerpt(', '.join(without))} without colours)."
+        return [s if s.colors is None else replace(s, colors=None).noting(note) for s in scans]
+    return scans
 
 
 @dataclass(frozen=True)
@@ -136,24 +117,23 @@ class Listing:
         """All files that one scan is made from."""
         return (entry.path, *(self.images.beside(entry.path) if self.images else ()))
 
-    def read(
-        self, entry: Entry, options: Options, child: ChildProcess | None = None
-    ) -> tuple[Cloud, str]:
-        """What a scan's files hold, but for points without a place, and their digest."""
+    def read(self, entry: Entry, options: Options, child: ChildProcess | None = None) -> Scan:
+        """What a scan's files hold, but for points without a place."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names, carried = (
             [*filter(None, listed.split(","))] for listed in (options.columns, options.fields)
         )
 
-        def read() -> Cloud:
+        def read() -> Scan:
             if self.images:
                 return self.images.read(entry.path, use_labels)
             columns = read_columns(entry.path, names, child)
             return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
 
-        cloud, sha256 = _read_unchanged(self.files(entry), read)
-        scaled = replace(cloud, points=cloud.points * options.scale)
-        return drop_non_finite(scaled, entry.path), sha256
+        scan, moment = _read_unchanged(self.files(entry), read), entry.moment
+        points, name = scan.points * options.scale, printable(entry.name)
+        scan = replace(scan, points=points, name=name, time=moment.time, date=moment.date)
+        return drop_non_finite(scan)
 
     def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
         """The series of these scans once they are read; without any, what is known of it before."""
@@ -202,15 +182,15 @@ def digest(paths: Sequence[Path]) -> str:
     return found.hexdigest()
 
 
-def _read_unchanged(paths: Sequence[Path], read: Callable[[], Cloud]) -> tuple[Cloud, str]:
-    """What `read` makes of these files, and their digest.
+def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
+    """What `read` makes of these files, with their digest.
 
     Raises InputError where they can't be read, or are not the same before and after.
     """
     before = _states(paths)
     try:
         with asking(paths[0]):
-            return read(), digest(paths)
+            return replace(read(), sha256=digest(paths))
     finally:  # also after a fault, which may be only that
         if _states(paths) != before:
             changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."

@@ -1,8 +1,8 @@
 """The point clouds the baker works on, and what was decided about them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,34 +42,51 @@ class Finding:
 class Scan:
     """One point cloud with a time.
 
-    name:    what the user calls it: the file's name, without folders.
-    path:    where it was read from.
-    time:    days: the number in the name, or days since the first scan where names are dates.
-    origin:  (3,) float64, the world position of the local coordinates' zero.
-    points:  (N, 3) float32, positions relative to `origin`, in the scan's own unit.
+    points:  (N, 3) positions in the scan's own unit: float64 in the world as they are read, float32
+             relative to `origin` in a `Series`.
     labels:  (N,) int64, the organ of each point, or None where the scan has no labels.
     colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
-    scalars: name -> (N,) float32, the fields that are carried into the clip.
-    date:    how the time is written for people: "2020-03-08", "day 5", "2".
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
+    fields:  name -> (N,) numbers or words, that may be labels; which ones the series decides.
+    scalars: name -> (N,) float32, the fields that are carried into the clip.
+    path:    where it was read from.
+    name:    what the user calls it: the file's name, with its folder where names are all alike.
+    time:    days: the number in the name, or days since the first scan where names are dates.
+    date:    how the time is written for people: "2020-03-08", "day 5", "2".
+    origin:  (3,) float64, the world position of the local coordinates' zero.
     sha256:  digest of the bytes, as they were read, of this file and all others that the scan was
              made from (the depth and label images of a colour image).
     """
 
-    name: str
-    path: Path
-    time: float
-    origin: NDArray[np.float64]
-    points: NDArray[np.float32]
+    points: NDArray
     labels: NDArray[np.int64] | None = None
     colors: NDArray[np.uint8] | None = None
-    date: str = ""
     notes: tuple[str, ...] = ()
-    sha256: str = ""
+    fields: dict[str, NDArray] = field(default_factory=dict)
     scalars: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+    path: Path = Path()
+    name: str = ""
+    time: float = 0.0
+    date: str = ""
+    origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    sha256: str = ""
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def take(self, chosen: NDArray) -> Self:
+        """The points at the indices (or where the mask) `chosen`, with all that belongs to them."""
+        return replace(
+            self,
+            points=self.points[chosen],
+            labels=None if self.labels is None else self.labels[chosen],
+            colors=None if self.colors is None else self.colors[chosen],
+            fields={name: values[chosen] for name, values in self.fields.items()},
+            scalars={name: values[chosen] for name, values in self.scalars.items()},
+        )
+
+    def noting(self, sentence: str) -> Self:
+        return replace(self, notes=(*self.notes, sentence))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Scan
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 PLANT_SIZES = (2e-3, 100.0)  # meters
@@ -18,15 +18,13 @@ MIN_SIZE = 1e-100  # has a logarithm
 MAX_SAMPLE = 20_000  # points of a scan that its size is found by
 
 
-def require_one_unit(
-    clouds: Sequence[NDArray[np.floating]], names: Sequence[str], unit: str
-) -> Finding:
+def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
     """How large the plant is in its unit ("" where the user has not said it).
 
     Raises InputError where a scan is so much larger or smaller than the one before it that its unit
     must be another one.
     """
-    sizes = [_size(cloud) for cloud in clouds]
+    sizes = [_size(scan.points) for scan in scans]
     short = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
     logs = np.log(np.maximum(sizes, MIN_SIZE))
     off = np.abs(logs - np.median(logs))
@@ -38,9 +36,12 @@ def require_one_unit(
             continue
         factors = [a / b for a in UNITS for b in UNITS]
         factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[other]))
-        across = f"'{names[odd]}' is {short[odd]} across, '{names[other]}' {short[other]}"
-        remedy = f"multiply the coordinates of '{names[odd]}' by {factor:g}, or leave it out"
-        said = f"{across}, as if they were in different units: {remedy}"
+        name = scans[odd].name
+        said = (
+            f"'{name}' is {short[odd]} across, '{scans[other].name}' {short[other]}, as if they "
+            f"were in different units: multiply the coordinates of '{name}' by {factor:g}, or "
+            "leave it out"
+        )
         if ratio > MAX_RATIO:
             raise InputError(f"{said}.")
         doubts.append(said)

@@ -245,7 +245,7 @@ def _read_scan(path: Path) -> None:
     from baker.scans.labels import choose_labels
 
     columns = read_columns(path, (), _child())
-    cloud = choose_labels([choose_fields(columns, path)], [path])[0][0]
+    cloud = choose_labels([choose_fields(columns, path)])[0][0]
     assert cloud.points.shape == (len(cloud), 3)
     assert cloud.labels is None or cloud.labels.shape == (len(cloud),)
     assert cloud.colors is None or cloud.colors.shape == (len(cloud), 3)

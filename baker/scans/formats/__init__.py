@@ -12,14 +12,16 @@ import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from numpy.typing import NDArray
+
 from baker.errors import InputError, asking
 from baker.scans.child_process import ChildEnded, ChildProcess
-from baker.scans.cloud import Columns
 
 READERS = {
     ".ply": "ply",
@@ -38,6 +40,19 @@ KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
 GZIP = ".gz"
 BYTES_A_BYTE = 100  # that a file may unpack to, or native code may take to read it,
 UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30  # and how many more
+
+
+@dataclass(frozen=True)
+class Columns:
+    """All fields of one file, as they stand in it.
+
+    values:  field name as written in the file -> (N,) numbers of any dtype, all the same length;
+             or words, where it may be that of labels.
+    notes:   what the reader had to decide, one sentence each.
+    """
+
+    values: dict[str, NDArray]
+    notes: tuple[str, ...] = ()
 
 
 class FormatError(Exception):

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import excerpt
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_modest, require_room
+from baker.scans.formats import Columns, FormatError, require_modest, require_room
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")

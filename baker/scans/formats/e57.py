@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_room
+from baker.scans.formats import Columns, FormatError, require_room
 
 PLACES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_count, require_room
+from baker.scans.formats import Columns, FormatError, require_count, require_room
 
 BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
 MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2

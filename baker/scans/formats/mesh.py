@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import excerpt
-from baker.scans.cloud import Columns
 from baker.scans.fields import COLOR_NAMES
-from baker.scans.formats import FormatError, require_count
+from baker.scans.formats import Columns, FormatError, require_count
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """A mesh gives as many points as it has vertices, but no fewer and no more than these."""

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import excerpt
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_count, require_room
+from baker.scans.formats import Columns, FormatError, require_count, require_room
 from baker.scans.formats.text import as_type, read_numbers
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}

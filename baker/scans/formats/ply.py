@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import excerpt
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_count, require_room
+from baker.scans.formats import Columns, FormatError, require_count, require_room
 from baker.scans.formats.mesh import points_on_surface
 from baker.scans.formats.text import as_type, read_numbers
 

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from baker.errors import excerpt
-from baker.scans.cloud import Columns
-from baker.scans.formats import FormatError, require_count
+from baker.scans.formats import Columns, FormatError, require_count
 from baker.scans.labels import label_rank
 
 LONGEST_LINE = 1 << 17

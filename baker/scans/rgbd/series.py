@@ -14,9 +14,9 @@ from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.scans.cloud import Cloud
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
 from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
+from baker.scans.scan import Scan
 from baker.scans.times.conventions import Moment
 from baker.scans.times.schedule import (
     FoundScans,
@@ -107,7 +107,7 @@ class ImageSeries:
         self.frames = {frame.color: frame for frame in frames}
         self.has_labels = frames[0].label is not None
 
-    def read(self, color: Path, use_labels: bool = True) -> Cloud:
+    def read(self, color: Path, use_labels: bool = True) -> Scan:
         """Read the frame whose colour image is `color`; points are as `unproject` gives them.
 
         With label images only labelled pixels become points, after `repair`; without them every
@@ -129,7 +129,8 @@ class ImageSeries:
                 f"{'labelled ' if frame.label else ''}pixel has a depth."
             )
         named = labels[chosen] if labels is not None and use_labels else None
-        return Cloud(unproject(depth, camera, self._ground), named, colors[chosen], notes)
+        points = unproject(depth, camera, self._ground)
+        return Scan(points, named, colors[chosen], notes, path=color)
 
     def beside(self, color: Path) -> tuple[Path, ...]:
         """What a frame was read from besides its colour image."""

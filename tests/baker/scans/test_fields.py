@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from baker.errors import InputError
-from baker.scans.cloud import Columns
 from baker.scans.fields import choose_fields, to_srgb
+from baker.scans.formats import Columns
 
 HERE = Path("scan.ply")
 

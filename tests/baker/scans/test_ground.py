@@ -1,11 +1,13 @@
 """Ground is found, taken out and told of; plants without any lose nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from baker.scans.cloud import Cloud
 from baker.scans.ground import DIRECTIONS, take_out_ground
 from baker.scans.ground_plane import find_ground
+from baker.scans.scan import Scan
 
 NAMES = ["day1", "day2", "day3", "day4", "day5"]
 TURNS = {
@@ -62,8 +64,8 @@ def test_soil_is_taken_out_and_the_plant_stays(radius, count, roughness, slope, 
     clouds = []
     for points, ground in zip(grown, grounds, strict=True):
         labels = np.repeat([3, -1], [len(points), count]) if is_labelled else None
-        clouds.append(Cloud(np.concatenate([points, ground]).astype(np.float32), labels))
-    left, ground_up, (finding,) = take_out_ground(clouds, NAMES[: len(clouds)])
+        clouds.append(Scan(np.concatenate([points, ground]).astype(np.float32), labels))
+    left, ground_up, (finding,) = take_out_ground(clouds)
     axis = TURNS[up] @ [0, 0, 1]
     assert np.dot(ground_up, axis) > np.cos(np.arctan(slope) + 0.05)
     assert "in 3 of 3 scans" in finding.sentence
@@ -74,8 +76,8 @@ def test_soil_is_taken_out_and_the_plant_stays(radius, count, roughness, slope, 
 
 def test_ground_is_kept_as_asked():
     rng = np.random.default_rng(2)
-    clouds = [Cloud(np.concatenate([plant(rng, 80), soil(rng, 50, 4000, 1)])) for _ in range(2)]
-    kept, up, (finding,) = take_out_ground(clouds, NAMES[:2], keep=True)
+    clouds = [Scan(np.concatenate([plant(rng, 80), soil(rng, 50, 4000, 1)])) for _ in range(2)]
+    kept, up, (finding,) = take_out_ground(clouds, keep=True)
     assert all(after is before for after, before in zip(kept, clouds, strict=True))
     assert up is not None
     assert "kept" in finding.sentence
@@ -83,18 +85,18 @@ def test_ground_is_kept_as_asked():
 
 def test_a_plant_without_ground_loses_nothing():
     rng = np.random.default_rng(3)
-    clouds = [Cloud(plant(rng, size)) for size in (60, 80, 100)]
-    left, ground_up, findings = take_out_ground(clouds, NAMES[: len(clouds)])
+    clouds = [Scan(plant(rng, size)) for size in (60, 80, 100)]
+    left, ground_up, findings = take_out_ground(clouds)
     assert (ground_up, findings) == (None, ())
     assert all(after is before for after, before in zip(left, clouds, strict=True))
 
 
 def test_one_scan_with_ground_among_many_is_named():
     rng = np.random.default_rng(3)
-    clouds = [Cloud(plant(rng)) for _ in range(5)]
+    clouds = [Scan(plant(rng), name=name) for name in NAMES]
     whole = clouds[1]
-    clouds[1] = Cloud(np.concatenate([whole.points, soil(rng, 50, 4000, 1)]))
-    left, _, (finding,) = take_out_ground(clouds, NAMES)
+    clouds[1] = replace(whole, points=np.concatenate([whole.points, soil(rng, 50, 4000, 1)]))
+    left, _, (finding,) = take_out_ground(clouds)
     assert [after is before for after, before in zip(left, clouds, strict=True)].count(True) == 4
     assert shares(left[1].points, whole.points) > 0.97
     assert "in 1 of 5 scans" in finding.sentence
@@ -121,10 +123,8 @@ def test_a_pot_is_taken_out_with_the_table_under_it(radius, rim, has_table, up):
         potted, table = pot(rng, radius, 3000, rim)
         plants.append((plant(rng, size) @ TURNS[up].T).astype(np.float32))
         ground = np.concatenate([potted, table]) if has_table else potted
-        clouds.append(
-            Cloud(np.concatenate([plants[-1], (ground @ TURNS[up].T).astype(np.float32)]))
-        )
-    left, ground_up, findings = take_out_ground(clouds, NAMES[:3])
+        clouds.append(Scan(np.concatenate([plants[-1], (ground @ TURNS[up].T).astype(np.float32)])))
+    left, ground_up, findings = take_out_ground(clouds)
     assert np.dot(ground_up, TURNS[up] @ [0, 0, 1]) > 0.99
     assert "a pot under the plant in 3 of 3 scans" in findings[-1].sentence
     for cloud, points in zip(left, plants, strict=True):

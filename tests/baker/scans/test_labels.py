@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from baker.errors import InputError
-from baker.scans.cloud import Cloud
 from baker.scans.labels import choose_labels, drop_labels, label_rank
+from baker.scans.scan import Scan
 
 PATHS = [Path("a.ply"), Path("b.ply"), Path("c.ply")]
 POINTS = np.arange(12.0).reshape(4, 3)
@@ -16,14 +16,14 @@ POINTS = np.arange(12.0).reshape(4, 3)
 
 def clouds(*scans):
     return [
-        Cloud(POINTS, fields={name: np.asarray(values) for name, values in scan.items()})
-        for scan in scans
+        Scan(POINTS, fields={n: np.asarray(values) for n, values in scan.items()}, path=path)
+        for scan, path in zip(scans, PATHS, strict=False)
     ]
 
 
 def chosen(*scans, is_asked=False):
     """The labels of each scan, what they were read from, and what was said."""
-    labelled, field, _, findings = choose_labels(clouds(*scans), PATHS, is_asked)
+    labelled, field, _, findings = choose_labels(clouds(*scans), is_asked)
     labels = [None if cloud.labels is None else cloud.labels.tolist() for cloud in labelled]
     return labels, field, " ".join(finding.sentence for finding in findings)
 
@@ -92,19 +92,19 @@ def test_intensities_are_no_labels():
     rng = np.random.default_rng(0)
     points, intensity = rng.random((5000, 3)), rng.integers(0, 256, 5000).astype(float)
     organs = np.floor(4 * points[:, 0])
-    scans = [Cloud(points, fields={"column 4": values}) for values in (intensity, organs)]
-    found = [choose_labels([scan, scan], PATHS[:2]) for scan in scans]
+    scans = [Scan(points, fields={"column 4": values}) for values in (intensity, organs)]
+    found = [choose_labels([scan, scan]) for scan in scans]
     assert found[0][0][0].labels is None
     assert "--label-field 'column 4'" in found[0][3][0].sentence
     assert found[1][0][0].labels.tolist() == organs.tolist()
-    named = Cloud(points, fields={"instance": intensity})
-    assert choose_labels([named, named], PATHS[:2])[1] == ""
-    assert choose_labels([named, named], PATHS[:2], is_asked=True)[1] == "instance"
+    named = Scan(points, fields={"instance": intensity})
+    assert choose_labels([named, named])[1] == ""
+    assert choose_labels([named, named], is_asked=True)[1] == "instance"
 
 
 @pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i4", "i8", ">i4", "f4", "f8", ">f8"])
 def test_labels_of_any_type(kind):
-    (cloud,), *_ = choose_labels(clouds({"label": np.array([0, 0, 100, 100], kind)}), PATHS)
+    (cloud,), *_ = choose_labels(clouds({"label": np.array([0, 0, 100, 100], kind)}))
     assert cloud.labels.dtype == np.int64
     assert cloud.labels.tolist() == [0, 0, 100, 100]
 
@@ -121,7 +121,7 @@ def test_words_get_the_same_number_in_all_scans():
     scans = clouds(
         {"label": ["stem", "leaf2", "leaf2", "leaf10"]}, {"label": ["Leaf2 ", "leaf2", "Stem", ""]}
     )
-    (first, second), field, words, _ = choose_labels(scans, PATHS)
+    (first, second), field, words, _ = choose_labels(scans)
     assert (field, words) == ("label", {0: "Leaf2", 1: "leaf10", 2: "Stem"})
     assert first.labels.tolist() == [2, 0, 0, 1]
     assert second.labels.tolist() == [0, 0, 2, -1]
@@ -134,32 +134,28 @@ def test_scans_without_labels_among_others_stay_so():
 
 
 def test_labels_are_dropped():
-    scans, _, words, _ = choose_labels(
-        clouds({"label": [0, 0, 1, 2]}, {"label": [1, 1, 1, 0]}), PATHS
-    )
-    left, (finding,) = drop_labels(scans, PATHS[: len(scans)], words, "0", False)
+    scans, _, words, _ = choose_labels(clouds({"label": [0, 0, 1, 2]}, {"label": [1, 1, 1, 0]}))
+    left, (finding,) = drop_labels(scans, words, "0", False)
     assert [cloud.labels.tolist() for cloud in left] == [[1, 2], [1, 1, 1]]
     assert finding.sentence == "labels: '0', 3 points, taken out."
-    assert drop_labels(scans, PATHS[: len(scans)], words, "", False) == (scans, ())
+    assert drop_labels(scans, words, "", False) == (scans, ())
     with pytest.raises(InputError, match=r"--drop-label 7: no scan has .* found: 0, 1, 2\."):
-        drop_labels(scans, PATHS[: len(scans)], words, "7", False)
+        drop_labels(scans, words, "7", False)
     with pytest.raises(InputError, match=r"'b\.ply': without the labels to drop"):
-        drop_labels(scans, PATHS[: len(scans)], words, "0,1", False)
+        drop_labels(scans, words, "0,1", False)
 
 
 def test_soil_by_name_is_dropped_unless_it_is_kept():
-    scans, _, words, _ = choose_labels(
-        clouds({"label": ["Soil", "pot_2", "leaf", "potato"]}), PATHS
-    )
-    (left,), _ = drop_labels(scans, PATHS[: len(scans)], words, "", False)
+    scans, _, words, _ = choose_labels(clouds({"label": ["Soil", "pot_2", "leaf", "potato"]}))
+    (left,), _ = drop_labels(scans, words, "", False)
     assert len(left) == 2
-    assert drop_labels(scans, PATHS[: len(scans)], words, "", True)[1] == ()
-    assert len(drop_labels(scans, PATHS[: len(scans)], words, "SOIL", True)[0][0]) == 3
-    instance = Cloud(
+    assert drop_labels(scans, words, "", True)[1] == ()
+    assert len(drop_labels(scans, words, "SOIL", True)[0][0]) == 3
+    instance = Scan(
         POINTS, fields={"semantic": np.array(["soil", *3 * ["plant"]]), "id": np.arange(4)}
     )
-    (scan,), *_ = choose_labels([instance], PATHS)
-    assert len(drop_labels([scan], PATHS[:1], {}, "", False)[0][0]) == 3
+    (scan,), *_ = choose_labels([instance])
+    assert len(drop_labels([scan], {}, "", False)[0][0]) == 3
 
 
 RNG = np.random.default_rng(0)
@@ -171,8 +167,8 @@ ORGANS = np.repeat([0, 1, 2, 3], [400, 200, 200, 200])
 
 def choice(**fields):
     """The field that is taken of two scans of a plant, and what was said."""
-    scans = [Cloud(PLANT, fields=fields)] * 2
-    _, field, _, findings = choose_labels(scans, PATHS[:2])
+    scans = [Scan(PLANT, fields=fields)] * 2
+    _, field, _, findings = choose_labels(scans)
     return field, " ".join(finding.sentence for finding in findings)
 
 
@@ -198,9 +194,9 @@ def test_a_few_points_do_not_tell_that_labels_are_kinds():
 
 def test_labels_that_are_needed_are_taken_at_their_word():
     kinds = {"organ": np.minimum(ORGANS, 1)}
-    scans = [Cloud(PLANT, fields=kinds)] * 2
-    assert choose_labels(scans, PATHS[:2])[1] == ""
-    assert choose_labels(scans, PATHS[:2], are_needed=True)[1] == "organ"
+    scans = [Scan(PLANT, fields=kinds)] * 2
+    assert choose_labels(scans)[1] == ""
+    assert choose_labels(scans, are_needed=True)[1] == "organ"
 
 
 def test_a_field_of_any_name_counts_where_its_values_lie_as_organs_do():

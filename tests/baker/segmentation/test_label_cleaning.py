@@ -11,7 +11,8 @@ from hypothesis.extra.numpy import arrays
 from baker.geometry.neighbors import nearest_neighbors
 from baker.options import Options
 from baker.pipeline import bake_recorded
-from baker.scans.cloud import Cloud, drop_duplicates
+from baker.scans.cleaning import drop_duplicates
+from baker.scans.scan import Scan
 from baker.segmentation.label_cleaning import clean_labels
 
 
@@ -126,7 +127,7 @@ clouds = st.integers(1, 60).flatmap(
 
 @given(clouds)
 def test_no_organ_vanishes_or_appears(cloud):
-    cloud = drop_duplicates(Cloud(*cloud))
+    cloud = drop_duplicates(Scan(*cloud))
     assert {*mended(cloud.points, cloud.labels)} - {-1, -2} == {*cloud.labels} - {-1, -2}
 
 

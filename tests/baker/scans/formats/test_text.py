@@ -17,7 +17,7 @@ def load(tmp_path):
         path = tmp_path / name
         path.write_bytes(content.encode() if isinstance(content, str) else content)
         cloud = choose_fields(read_columns(path, names), path, **options)
-        return choose_labels([cloud], [path], is_asked)[0][0]
+        return choose_labels([cloud], is_asked)[0][0]
 
     return load
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from baker.errors import InputError
-from baker.scans.cloud import (
-    Cloud,
+from baker.scans.cleaning import (
     _groups,
     downsample,
     drop_duplicates,
@@ -21,6 +20,7 @@ from baker.scans.cloud import (
     resampled,
     shared_origin,
 )
+from baker.scans.scan import Scan
 
 HERE = Path("scan.ply")
 lattice = arrays(np.float32, st.tuples(st.integers(1, 30), st.just(3)), elements=st.integers(-2, 2))
@@ -30,7 +30,7 @@ def numbered(points, labels=None):
     """A cloud whose colours number its points, to follow them."""
     points = np.asarray(points, np.float32)
     colors = np.repeat(np.arange(len(points), dtype=np.uint8)[:, None], 3, axis=1)
-    return Cloud(points, None if labels is None else np.asarray(labels, np.int64), colors)
+    return Scan(points, None if labels is None else np.asarray(labels, np.int64), colors, path=HERE)
 
 
 @given(lattice)
@@ -53,16 +53,16 @@ def test_minus_zero_is_zero():
 def test_non_finite_points_are_dropped_and_counted():
     nan, inf = np.nan, np.inf
     cloud = numbered([[0, 0, nan], [1, 2, 3], [inf, 0, 0], [4, 5, 6], [0, -inf, nan]])
-    kept = drop_non_finite(cloud, HERE)
+    kept = drop_non_finite(cloud)
     assert kept.colors[:, 0].tolist() == [1, 3]
     assert kept.notes == ("dropped 3 points with coordinates NaN, infinite or beyond 1e+12.",)
 
 
 def test_nothing_left_names_the_file():
     with pytest.raises(InputError, match=r"scan\.ply': none of its 2 points has finite"):
-        drop_non_finite(numbered([[np.nan] * 3] * 2), HERE)
+        drop_non_finite(numbered([[np.nan] * 3] * 2))
     with pytest.raises(InputError, match=r"scan\.ply' holds no points"):
-        drop_non_finite(numbered(np.empty((0, 3))), HERE)
+        drop_non_finite(numbered(np.empty((0, 3))))
 
 
 @given(lattice, st.sampled_from([0.5, 1.0, 1.7, 10.0]), st.booleans())
@@ -124,7 +124,7 @@ def test_groups_are_those_of_numpy(points):
 def test_origin_keeps_every_place_to_a_millionth_of_the_plant(size, place, seed):
     points = np.random.default_rng(seed).random((100, 3)) * size + place
     origin = shared_origin(points)
-    local = relative_to(origin, Cloud(points))
+    local = relative_to(origin, Scan(points))
     assert local.points.dtype == np.float32
     exact = 2e-6 * size + 1e-15 * np.abs(place).max()
     assert np.abs(local.points + origin - points).max() <= exact
@@ -152,7 +152,7 @@ def test_a_scan_far_from_the_first_has_its_own_origin():
 def test_resampling_comes_near_the_number_and_evens_the_density():
     rng = np.random.default_rng(0)
     dense, sparse = rng.random((9000, 3)) * [1, 1, 0], rng.random((1000, 3)) * [1, 1, 0] + [1, 0, 0]
-    kept = resampled(Cloud(np.concatenate([dense, sparse])), 800)
+    kept = resampled(Scan(np.concatenate([dense, sparse])), 800)
     assert len(kept) == pytest.approx(800, rel=0.05)
     share = (kept.points[:, 0] < 1).mean()
     assert 0.45 < share < 0.6
@@ -160,5 +160,5 @@ def test_resampling_comes_near_the_number_and_evens_the_density():
 
 
 def test_resampling_leaves_small_scans_alone():
-    cloud = Cloud(np.random.default_rng(0).random((50, 3)))
+    cloud = Scan(np.random.default_rng(0).random((50, 3)))
     assert resampled(cloud, 50) is cloud
