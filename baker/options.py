@@ -71,120 +71,141 @@ class Options:
 
     align: Align = option(
         "auto",
-        "Bring the scans into one frame: auto leaves those that share one, turn moves all scans, "
-        "icp does it as the paper, none moves no scan.",
+        "Bring the scans into one frame: auto leaves those that share one; turn turns each about "
+        "the vertical, onto the one before; icp aligns as the paper does; none moves no scan.",
     )
     labels: Labels = option(
         "auto",
-        "Labels are consistent where an organ has the same one in all scans, independent where "
-        "organs are numbered anew in each; ignore finds organs without them.",
+        "What the labels mean: consistent, an organ has the same one in all scans; independent, "
+        "organs are numbered anew in each scan; ignore finds organs without them.",
     )
     segment: Segment = option(
         "auto",
         "How organs are found: auto takes the labels where there are any; organs finds stem, "
-        "leaves and branches; thin cuts at forks, as the paper.",
+        "leaves and branches; thin cuts at forks, as the paper does.",
     )
     up: Up = option("auto", "The axis along which the plant grows up.")
     root: tuple[float, float, float] | Literal["virtual"] | None = option(
         None,
-        "Where the stem leaves the ground; or virtual, where no organ is a stem.",
+        "Where the stem leaves the ground, as coordinates; or virtual if no organ is a stem.",
         parser=parse_root,
         metavar="X,Y,Z",
     )
     times: Path | None = option(
-        None, "A text of the scans' days: on each line a name, and a day or date.", metavar="FILE"
+        None,
+        "A text file of the scans' days: on each line a scan's name and its day or date.",
+        metavar="FILE",
     )
     label_field: str | None = option(
-        None, "The column or field of the scans that tells organs apart.", metavar="NAME"
+        None, "The column or field of the scans that holds the labels of organs.", metavar="NAME"
     )
     drop_label: str = option(
-        "", "Leave out points of label L, a pot say; of several: L,M.", metavar="L"
+        "", "Leave out points with label L, a pot's for example; with several: L,M.", metavar="L"
     )
     columns: str = option(
-        "", "The columns of a text, such as x,y,z,r,g,b,-,label.", metavar="NAMES"
+        "",
+        "The columns of scans that are text, such as x,y,z,r,g,b,-,label; - skips one.",
+        metavar="NAMES",
     )
     fields: str = option(
         "",
-        "Numbers of the points to carry into the clip, such as ndvi,temperature.",
+        "Scalar fields of the scans to carry into the clip, such as ndvi,temperature.",
         metavar="NAMES",
     )
     corrections: tuple[Correction, ...] | None = option(
         None,
-        "What was put right about organs; by default OUT.corrections.toml where there is one, none "
-        "leaves it out.",
+        "A file of corrections to organs, which the window of `play` writes; by default "
+        "OUT.corrections.toml if there is one; none ignores it.",
         parser=parse_corrections,
         metavar="FILE",
     )
     scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
-    ground: Ground = option("auto", "Soil or table under the plant: auto takes it out.")
+    ground: Ground = option(
+        "auto", "Soil or a table under the plant: auto removes it, keep leaves it."
+    )
     voxel: float | None = option(
         None,
-        "Thin the scans: one point an organ in each cube of this size.",
+        "Thin the scans to one point of each organ in each cube of this edge length.",
         metavar="SIZE",
         positive=True,
     )
     outliers: float | None = option(
         None,
-        "Remove stray points, R standard deviations farther off than usual; try 2.",
+        "Remove stray points: those whose distance from their neighbours is R standard deviations "
+        "above the mean; try 2.",
         metavar="R",
         positive=True,
     )
     resample: int | None = option(
-        None, "Thin the scans: about N points each, evenly spread.", metavar="N", min=10
+        None, "Thin the scans to about N points each, evenly spread.", metavar="N", min=10
     )
     every: int = option(1, "Use every N-th scan only.", metavar="N", min=1)
     transport: Transport = option(
         "auto",
-        "How points are paired: exactly; by sinkhorn, nearly, as the paper; or exactly with the "
-        "plant as a whole, without organs.",
+        "How points are paired within organs: exact, at the least cost; sinkhorn, nearly so, as in "
+        "the paper; whole, exactly, but over the whole plant at once. auto is exact.",
     )
-    neighbors: int = option(15, "Points among which each finds its partner.", metavar="K", min=1)
+    neighbors: int = option(
+        15,
+        "For --transport sinkhorn: nearest points that each may be paired with.",
+        metavar="K",
+        min=1,
+    )
     gamma: float = option(
         0.3,
-        "Of --transport sinkhorn: its regularisation, in median costs.",
+        "For --transport sinkhorn: its regularisation, as a share of the median cost.",
         metavar="SHARE",
         positive=True,
     )
     tolerance: float = option(
         1e-3,
-        "Of --transport sinkhorn: the share of points that may miss.",
+        "For --transport sinkhorn: it stops below this share of misplaced mass.",
         metavar="ERROR",
         positive=True,
     )
     iterations: int = option(
-        2000, "Of --transport sinkhorn: it stops after these at the latest.", metavar="N", min=1
+        2000, "For --transport sinkhorn: the most iterations.", metavar="N", min=1
     )
     graph_neighbors: int = option(
-        15, "Of --segment thin: neighbours that a point is linked with.", metavar="K", min=1
+        15, "For --segment thin: the neighbours that each point is linked with.", metavar="K", min=1
     )
     bifurcation: int | None = option(
-        None, "Of --segment thin: a branch of more than N links is a fork.", metavar="N", min=0
+        None,
+        "For --segment thin: a branch longer than N links begins a new segment.",
+        metavar="N",
+        min=0,
     )
-    paper: bool = option(False, "Do all as Golla et al. (2020) do.")
+    paper: bool = option(False, "Use the methods of Golla et al. (2020) throughout.")
     holdout: int | None = option(
-        None, "Leave every N-th scan out, and say how far the film is from it.", metavar="N", min=2
+        None,
+        "Leave every N-th scan out, and measure how far the film is from it.",
+        metavar="N",
+        min=2,
     )
     bud: int | None = option(
         None,
-        "Points that a new organ unfolds from; usually 1 % of what it grows on.",
+        "Points of the parent that a new organ unfolds from; usually 1 % of them.",
         metavar="L",
         min=1,
     )
     even: float | None = option(
         None,
-        "Points to add where organs grow, at most this share of all; usually 1.",
+        "Add points where organs grow, so that none gets sparse: at most this share of the points, "
+        "usually 1.",
         metavar="SHARE",
         min=0,
         max=10,
     )
-    smooth: bool = option(False, "Calm organs that sway; the film then passes beside the scans.")
-    decay: Decay = option("fall", "What becomes of an organ that a later scan lacks.")
+    smooth: bool = option(
+        False, "Calm organs that sway; the film then passes near the scans, not through them."
+    )
+    decay: Decay = option("fall", "What an organ does that is not in the next scan.")
     paths: Paths = option("auto", "How points travel: straight, or curved as organs bend.")
     colors: Colors = option(
-        "scan", "Colours of the points: the scans' own, one for each organ of a scan, or none."
+        "scan", "Colours of the points: scan, the scans' own; segment, one for each organ; or none."
     )
     precision: Precision = option(
-        "auto", "auto stores coordinates in 16 bits where that is fine enough."
+        "auto", "How the clip stores coordinates: auto in 16 bits where that is fine enough."
     )
     unit: str = option("", "The scans' unit of length, such as mm.", metavar="UNIT")
     workers: int = option(0, "How many cores to use; 0 takes all.", metavar="N", min=0)

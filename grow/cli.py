@@ -89,14 +89,15 @@ def grow_command(
         bool, typer.Option(help="Turn and shift every scan but the first at random.")
     ] = False,
     per_day: Annotated[
-        int | None, typer.Option(metavar="N", help="Images a day of komatsuna; 6 unless told.")
+        int | None, typer.Option(metavar="N", help="Images a day of komatsuna; 6 by default.")
     ] = None,
     size: Annotated[
-        str | None, typer.Option(metavar="WxH", help="Pixels of its images; 480x360 unless told.")
+        str | None,
+        typer.Option(metavar="WxH", help="Size of its images in pixels; 480x360 by default."),
     ] = None,
     label_shift: Annotated[
         float | None,
-        typer.Option(metavar="PIXELS", help="How badly its labels are misplaced; 0."),
+        typer.Option(metavar="PIXELS", help="How far its labels are misplaced; 0 by default."),
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Overwrite the scans that OUTDIR holds.")

@@ -77,7 +77,9 @@ def play_command(
     ] = False,
     size: Annotated[
         str | None,
-        typer.Option(metavar="WxH", help="Pixels, of the picture or the window; 1280x720."),
+        typer.Option(
+            metavar="WxH", help="Size of the picture or window in pixels; 1280x720 by default."
+        ),
     ] = None,
     fps: Annotated[int, typer.Option(metavar="N", min=1, max=240, help="Frames a second.")] = 30,
     seconds: Annotated[
@@ -86,19 +88,19 @@ def play_command(
             metavar="S",
             min=0.0,
             max=36000.0,
-            help="Length of the film; usually 1.5 from scan to scan.",
+            help="Length of the film in seconds; 1.5 from scan to scan by default.",
         ),
     ] = None,
     every: Annotated[
         float | None,
-        typer.Option(metavar="T", help="A frame, or a row, each T days, instead of --seconds."),
+        typer.Option(metavar="T", help="A frame of a film, or rows of a table, every T days."),
     ] = None,
     day: Annotated[
         list[str] | None,
         typer.Option(
             metavar="DAY",
-            help="The moment of a picture: a number of the clip's days, or a date; usually the "
-            "last scan's. Several make frames/%04d.png.",
+            help="The day of a picture, as a number or a date; the last scan's by default. Given "
+            "several times it makes frames/%04d.png.",
         ),
     ] = None,
     camera: Annotated[
@@ -121,19 +123,24 @@ def play_command(
     ] = ColorMap.AUTO,
     field: Annotated[
         str,
-        typer.Option(metavar="NAME", help="Which field --color field shows; else the first."),
+        typer.Option(
+            metavar="NAME", help="The field that --color field shows; the first by default."
+        ),
     ] = "",
     ground: Annotated[
-        GroundChoice | None, typer.Option(help="The background; dark, or the window's last.")
+        GroundChoice | None,
+        typer.Option(help="The background: dark, or what the window showed last."),
     ] = None,
     point_size: Annotated[
         float,
-        typer.Option(metavar="FACTOR", min=0.05, max=20.0, help="Makes points larger or smaller."),
+        typer.Option(
+            metavar="FACTOR", min=0.05, max=20.0, help="Multiply the size of points by this."
+        ),
     ] = 1.0,
     shading: Annotated[
         float,
         typer.Option(
-            metavar="FACTOR", min=0.0, max=5.0, help="Makes shading by depth stronger or weaker."
+            metavar="FACTOR", min=0.0, max=5.0, help="Multiply the strength of shading by this."
         ),
     ] = 1.0,
     depth_cue: Annotated[
@@ -141,7 +148,7 @@ def play_command(
         typer.Option("--depth-cue/--no-depth-cue", help="Let far parts fade."),
     ] = True,
     floor: Annotated[
-        bool, typer.Option("--floor/--no-floor", help="A floor with the plant's shadow.")
+        bool, typer.Option("--floor/--no-floor", help="Draw a floor with the plant's shadow.")
     ] = True,
     title: Annotated[
         str, typer.Option(metavar="TEXT", help="A title in pictures, on pages and in tables.")
@@ -150,9 +157,7 @@ def play_command(
     scale_bar: Annotated[bool, typer.Option(help="Draw a scale bar into pictures.")] = False,
     legend: Annotated[bool, typer.Option(help="Explain the colours in pictures.")] = False,
     transparent: Annotated[bool, typer.Option(help="Leave the background out of PNGs.")] = False,
-    kiosk: Annotated[
-        bool, typer.Option(help="Full screen, over and over, nothing to press.")
-    ] = False,
+    kiosk: Annotated[bool, typer.Option(help="Full screen, looping, without controls.")] = False,
     profile: Annotated[
         bool, typer.Option(help="Say in the end how long pictures took to draw.")
     ] = False,

@@ -65,8 +65,9 @@ def frame_finding(
     offsets: Sequence[Points],
     names: Sequence[str],
     unit: str,
+    asked: bool,
 ) -> Finding:
-    """What was decided about a series' frame, and the scans for which it was close."""
+    """What was decided or asked about a series' frame, and the scans for which it was close."""
     size = max(float(np.ptp(pose.pool, axis=0).max()) for pose in poses)
     moved = [
         t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset
@@ -92,7 +93,8 @@ def frame_finding(
         ]
         option = "--align turn" if stays.all() else "--align none"
     else:
-        found = "the scans do not share a frame; each was turned and set on the one before"
+        found = "each scan was turned and set on the one before"
+        found += ", as asked" if asked else ", for they do not share a frame"
         turns = np.abs(wrapped(YAWS[fit.places]))
         if not doubts and turns.max() > LARGE_TURN:
             doubts = [f"{names[1 + int(turns.argmax())]} was turned by {turns.max():.0f} degrees"]

@@ -111,10 +111,9 @@ def align(
         bases = [pose.base for pose in poses]
         fit = fit_yaws(poses, labelled)
         stays = method == "auto" and share_frame(fit, in_place)
-        transforms = _brought_together(poses, fit, transforms, in_place & stays)
-        findings.append(
-            frame_finding(poses, fit, transforms, in_place & stays, offsets, names, unit)
-        )
+        left, asked = in_place & stays, method == "turn"
+        transforms = _brought_together(poses, fit, transforms, left)
+        findings.append(frame_finding(poses, fit, transforms, left, offsets, names, unit, asked))
     findings += strangers(samples, transforms, names)
     tell("aligning", total, total)
     aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]

@@ -139,7 +139,7 @@ ACTIONS: tuple[Action, ...] = (
         actions.switch_pixels,
     ),
     Action(
-        "ground", "Look", ("g",), "light or dark ground",
+        "ground", "Look", ("g",), "light or dark background",
         lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
     ),
     Action("floor", "Look", ("b",), "floor and shadow", actions.switch_style("show_ground")),
@@ -151,7 +151,7 @@ ACTIONS: tuple[Action, ...] = (
     Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
     Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
     Action("curve", "Organs", ("shift+l",), "plot another trait", actions.next_curve),
-    Action("alone", "Organs", ("z",), "the organ alone", actions.isolate_picked),
+    Action("alone", "Organs", ("z",), "show the organ alone", actions.isolate_picked),
     Action(
         "show all", "Organs", ("shift+x",), "show all organs",
         lambda s: s.with_style(hidden=frozenset(), alone=None),
@@ -175,10 +175,10 @@ ACTIONS: tuple[Action, ...] = (
     ),
     Action("picture", "Window", ("s",), "save a picture", actions.wish(Wish.PICTURE)),
     Action("export", "Window", ("e",), "export, or stop exporting", actions.wish(Wish.EXPORT)),
-    Action("format", "Window", ("shift+e",), "what to export", actions.next_format),
+    Action("format", "Window", ("shift+e",), "choose what to export", actions.next_format),
     Action("size", "Window", ("r",), "size of pictures", actions.next_size),
     Action(
-        "transparent", "Window", ("shift+s",), "pictures without ground",
+        "transparent", "Window", ("shift+s",), "pictures without background",
         actions.switch_transparent,
     ),
     Action("panel", "Window", ("tab",), "panel", actions.switch("panel")),

@@ -152,7 +152,7 @@ def _look(scene: Scene, pen: Pen) -> Scene:
     scene = _slider(scene, pen, "Shading", "eye_dome", (0.0, STRONGEST), "shading", text)
     switches = (
         ("pixels", "Sized in pixels", style.pixels is not None),
-        ("ground", "Light ground", style.ground == "light"),
+        ("ground", "Light background", style.ground == "light"),
         ("floor", "Floor and shadow", style.show_ground),
         ("depth", "Depth cue", style.depth_cue),
         ("guides", "Scale bar, axes", scene.guides),

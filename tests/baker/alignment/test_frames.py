@@ -59,6 +59,7 @@ def test_a_lone_turn_is_told_and_left(week, posed):
     )
     assert frame_finding(found).option == "--align turn"
     brought = aligned(turned, "turn")
+    assert "as asked" in frame_finding(brought).found
     assert farthest(brought.transforms[2], turned[2], week[2]) < 4.0
 
 
