@@ -162,15 +162,15 @@ def current_clip(job: PlantJob) -> Clip | None:
     except gclip.ClipError:
         return None
     listing = list_series([job.folder], job.options)
-    entries, series = listing.schedule.entries, listing.series((), job.options)
+    series = listing.series
     resolved = job.options.for_series(series.fixed, series.length, series.root)
-    moments = {entry.name: (entry.moment.time, entry.moment.date) for entry in entries}
+    moments = {scan.name: (scan.time, scan.date) for scan in series.scans}
     if any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans):
         return None
     expected = {
-        **software((entry.path for entry in entries), job.options.outliers),
+        **software((scan.path for scan in series.scans), job.options.outliers),
         "options": resolved.provenance(),
-        "inputs": [{"name": e.name, "sha256": digest(listing.files(e))} for e in entries],
+        "inputs": [{"name": s.name, "sha256": digest(listing.files(s))} for s in series.scans],
     }
     found = {key: clip.provenance.get(key) for key in expected}
     return clip if found == json.loads(json.dumps(expected)) else None  # tuples as lists

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from baker.errors import InputError, asking, excerpt
 from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
-from baker.scans.times.schedule import FoundScans, names_without_times, natural_key
+from baker.scans.times.schedule import names_without_times, natural_key
 
 # Stems of texts, and readers of files, that often lie beside point clouds.
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation", "traits"}
@@ -17,8 +17,8 @@ MAX_SEARCHED = 10_000  # entries below a folder without scans, for one to name
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
-def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundScans:
-    """Find the files of a series: those of one folder, or a list of files in order.
+def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[Path, ...]:
+    """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
     passed over; beside point clouds, so are meshes and arrays. Where a file lists the times of the
@@ -29,7 +29,7 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
     for path in inputs:
         require_there(path)
     if len(inputs) == 1 and inputs[0].is_dir():
-        return FoundScans(_in_folder(inputs[0], times_file), from_folder=True)
+        return _in_folder(inputs[0], times_file)
 
     seen: dict[Path, Path] = {}
     for path in inputs:
@@ -42,7 +42,7 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> FoundS
             raise InputError(f"'{earlier}' is given twice (again as '{path}').")
     if len(inputs) == 1:
         raise InputError(f"'{inputs[0]}' is only one scan; growth needs at least two.")
-    return FoundScans(tuple(inputs), from_folder=False)
+    return tuple(inputs)
 
 
 def require_there(path: Path) -> None:

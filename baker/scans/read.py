@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from baker.errors import InputError, asking, excerpt
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
@@ -29,8 +30,7 @@ from baker.scans.rgbd.camera import find_camera
 from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
-from baker.scans.times.schedule import Entry, Schedule, schedule_scans
-from gclip.terminal.text import printable
+from baker.scans.times.schedule import schedule_scans
 
 
 def read_series(
@@ -64,11 +64,11 @@ def read_series(
     """
     options = options or Options()
     listing = list_series(inputs, options, times)
-    entries = listing.schedule.entries
+    series = listing.series
     if report_progress:
-        map = reporting(map, report_progress, len(entries))
+        map = reporting(map, report_progress, len(series.scans))
     with ChildProcess() as child:
-        scans = list(map(partial(listing.read, options=options, child=child), entries))
+        scans = list(map(partial(listing.read, options=options, child=child), series.scans))
     shared = shared_origin(scans[0].points)
     scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
     keep, is_asked = options.ground == "keep", options.label_field is not None
@@ -78,10 +78,10 @@ def read_series(
     up = "z" if listing.images and options.up == "auto" else options.up
     scans, ground_up, ground = take_out_ground(scans, up, keep, map)
     scans = _with_colors_in_all(list(map(partial(_thinned, options=options), scans)))
-    series = listing.series(tuple(scans), options)
     size = require_one_unit(scans, options.unit or series.length)
     return replace(
         series,
+        scans=tuple(scans),
         label_field=field,
         label_words=words,
         findings=(*series.findings, *labels, *dropped, *ground, size),
@@ -110,14 +110,14 @@ def _with_colors_in_all(scans: list[Scan]) -> list[Scan]:
 class Listing:
     """The scans of one plant, found, timed and ordered; nothing of them is read yet."""
 
-    schedule: Schedule
+    series: Series
     images: ImageSeries | None
 
-    def files(self, entry: Entry) -> tuple[Path, ...]:
+    def files(self, scan: Scan) -> tuple[Path, ...]:
         """All files that one scan is made from."""
-        return (entry.path, *(self.images.beside(entry.path) if self.images else ()))
+        return (scan.path, *(self.images.beside(scan.path) if self.images else ()))
 
-    def read(self, entry: Entry, options: Options, child: ChildProcess | None = None) -> Scan:
+    def read(self, scan: Scan, options: Options, child: ChildProcess | None = None) -> Scan:
         """What a scan's files hold, but for points without a place."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names, carried = (
@@ -126,27 +126,14 @@ class Listing:
 
         def read() -> Scan:
             if self.images:
-                return self.images.read(entry.path, use_labels)
-            columns = read_columns(entry.path, names, child)
-            return choose_fields(columns, entry.path, options.label_field, use_labels, carried)
+                return self.images.read(scan.path, use_labels)
+            columns = read_columns(scan.path, names, child)
+            return choose_fields(columns, scan.path, options.label_field, use_labels, carried)
 
-        scan, moment = _read_unchanged(self.files(entry), read), entry.moment
-        points, name = scan.points * options.scale, printable(entry.name)
-        scan = replace(scan, points=points, name=name, time=moment.time, date=moment.date)
-        return drop_non_finite(scan)
-
-    def series(self, scans: tuple[Scan, ...], options: Options) -> Series:
-        """The series of these scans once they are read; without any, what is known of it before."""
-        images, schedule = self.images, self.schedule
-        has_virtual_root = images and images.has_labels and options.labels != "ignore"
-        return Series(
-            scans,
-            schedule.unit,
-            fixed=images is not None,
-            root="virtual" if has_virtual_root else None,
-            length="mm" if images else "",
-            findings=(schedule.finding,),
-        )
+        found = _read_unchanged(self.files(scan), read)
+        points = found.points * options.scale
+        timed = replace(found, points=points, name=scan.name, time=scan.time, date=scan.date)
+        return drop_non_finite(timed)
 
 
 def list_series(
@@ -160,17 +147,23 @@ def list_series(
             "--label-field."
         )
     file = options.times
-    images = ImageSeries(camera, file) if camera else None
-    schedule = images.schedule if images else schedule_scans(find_scans(inputs, file), file, times)
-    kept, count = schedule.entries[:: options.every], len(schedule.entries)
+    if camera:
+        images = ImageSeries(camera, file)
+        has_virtual_root = images.has_labels and options.labels != "ignore"
+        root: Literal["virtual"] | None = "virtual" if has_virtual_root else None
+        series = replace(images.series, fixed=True, root=root, length="mm")
+    else:
+        images, from_folder = None, len(inputs) == 1
+        series = schedule_scans(find_scans(inputs, file), file, times, from_folder)
+    kept, count = series.scans[:: options.every], len(series.scans)
     if len(kept) < 2:
         left = f"--every {options.every} leaves only the first one; growth needs at least two"
         raise InputError(f"of {count} scans, {left}.")
     if options.every > 1:
-        found = f"{schedule.finding.found}; of {count} scans {len(kept)}, one in {options.every}"
-        finding = replace(schedule.finding, found=found)
-        schedule = replace(schedule, entries=kept, finding=finding)
-    return Listing(schedule, images)
+        (finding,) = series.findings
+        found = f"{finding.found}; of {count} scans {len(kept)}, one in {options.every}"
+        series = replace(series, scans=kept, findings=(replace(finding, found=found),))
+    return Listing(series, images)
 
 
 def digest(paths: Sequence[Path]) -> str:

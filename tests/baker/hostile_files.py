@@ -204,10 +204,10 @@ def _child() -> Any:
 def _reading(kind: str, path: Path) -> Callable[[], None]:
     """What reads a file of this kind, with what belongs to it already in its folder."""
     if kind in ("times", "days"):
-        from baker.scans.times.schedule import FoundScans, schedule_scans
+        from baker.scans.times.schedule import schedule_scans
 
         scans = tuple(path.parent / name for name in ("a.xyz", "b.xyz"))
-        return lambda: schedule_scans(FoundScans(scans, False), path) and None
+        return lambda: schedule_scans(scans, path) and None
     if kind == "corrections":
         from gclip.corrections import read_corrections
 
@@ -262,7 +262,7 @@ def _reading_images(path: Path) -> Callable[[], None]:
 
     def read() -> None:
         series = ImageSeries(camera)
-        for entry in series.schedule.entries:
+        for entry in series.series.scans:
             assert np.isfinite(series.read(entry.path).points).all()
 
     return read

@@ -16,7 +16,7 @@ from baker.scans.child_process import ChildProcess
 from baker.scans.formats import read_columns
 from baker.scans.rgbd.camera import read_camera
 from baker.scans.rgbd.series import read_pixels
-from baker.scans.times.schedule import FoundScans, schedule_scans
+from baker.scans.times.schedule import schedule_scans
 from tests.baker.hostile_files import File, all_files, check_file
 from tests.baker.sound_files import CAMERA, SOUND
 
@@ -124,7 +124,7 @@ def test_a_times_file_of_blanks_is_read_at_once(tmp_path):
     path = tmp_path / "times.csv"
     path.write_text("a.xyz," + " " * 3_000_000 + "x\n")
     with pytest.raises(InputError, match=r"times\.csv' has no line for the scan 'a.xyz'"):
-        schedule_scans(FoundScans((tmp_path / "a.xyz", tmp_path / "b.xyz"), False), path)
+        schedule_scans((tmp_path / "a.xyz", tmp_path / "b.xyz"), path)
 
 
 def test_sizes_that_lie_end_no_bake(tmp_path):

@@ -16,15 +16,9 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
 from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
-from baker.scans.scan import Scan
+from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
-from baker.scans.times.schedule import (
-    FoundScans,
-    Schedule,
-    natural_key,
-    schedule_in_time,
-    schedule_scans,
-)
+from baker.scans.times.schedule import natural_key, schedule_in_time, schedule_scans
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
 MAX_PIXELS = 100_000_000
@@ -66,7 +60,7 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
 
 def schedule_frames(
     frames: Sequence[Frame], per_day: int, times_file: Path | None = None
-) -> Schedule:
+) -> Series:
     """Time and order the frames, by a times file, by day and number of the day, or as scans are.
 
     Names of two numbers are day and number of the image in that day (000_05), of three also the
@@ -75,10 +69,10 @@ def schedule_frames(
     Raises InputError: a number that is `per_day` or more, or two frames at one time.
     """
     slots = [_SLOT.fullmatch(frame.name) for frame in frames]
-    found = FoundScans(tuple(frame.color for frame in frames), from_folder=True)
+    paths = [frame.color for frame in frames]
     known = [slot for slot in slots if slot is not None]
     if times_file is not None or len(known) < len(frames):
-        return schedule_scans(found, times_file)
+        return schedule_scans(paths, times_file, from_folder=True)
 
     for frame, slot in zip(frames, known, strict=True):
         if int(slot["slot"]) >= per_day:
@@ -90,7 +84,7 @@ def schedule_frames(
     times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in known]
     moments = [Moment(time, f"day {time:.2f}") for time in times]
     rule = f"from day and number in the names, {per_day} images a day"
-    return schedule_in_time(found, [path.name for path in found.paths], moments, rule)
+    return schedule_in_time(paths, [path.name for path in paths], moments, rule)
 
 
 class ImageSeries:
@@ -103,7 +97,7 @@ class ImageSeries:
         self.camera_file = camera_file
         self.camera = read_camera(camera_file)
         frames = find_frames(camera_file.parent, self.camera.images)
-        self.schedule: Schedule = schedule_frames(frames, self.camera.per_day, times_file)
+        self.series = schedule_frames(frames, self.camera.per_day, times_file)
         self.frames = {frame.color: frame for frame in frames}
         self.has_labels = frames[0].label is not None
 
@@ -142,7 +136,7 @@ class ImageSeries:
         """Distance to the ground: as given, else the median of what is no plant at first."""
         if self.camera.ground is not None:
             return self.camera.ground
-        frame = self.frames[self.schedule.entries[0].path]
+        frame = self.frames[self.series.scans[0].path]
         _, depth, labels, _ = self._images(frame)
         ground = depth > 0
         if labels is not None:

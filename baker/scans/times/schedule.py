@@ -11,12 +11,14 @@ A rule counts only if it fits every scan. The first that does is used:
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
 
+import numpy as np
+
 from baker.errors import InputError
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Scan, Series
 from baker.scans.times.conventions import Moment
 from baker.scans.times.names import (
     Reading,
@@ -25,6 +27,7 @@ from baker.scans.times.names import (
     moments_from_list,
     read_times,
 )
+from gclip.terminal.text import printable
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans
@@ -32,60 +35,39 @@ FOLDER_LEVELS = 4  # folders above a scan whose names may hold its time
 MAX_LISTED_NAMES = 12  # of scans whose order is told by name
 
 
-@dataclass(frozen=True)
-class FoundScans:
-    """Two or more scan files: of a folder (in natural order), or a list (in the order given)."""
-
-    paths: tuple[Path, ...]
-    from_folder: bool
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A scan with its time; name: the file's name, with its folder where names are all alike."""
-
-    path: Path
-    name: str
-    moment: Moment
-
-
-@dataclass(frozen=True)
-class Schedule:
-    """Scans in the order of time, how that was found, and its unit as in `baker.scans.Series`."""
-
-    entries: tuple[Entry, ...]
-    finding: Finding
-    unit: str
-
-
 def schedule_scans(
-    found: FoundScans, times_file: Path | None = None, times: Sequence[object] | None = None
-) -> Schedule:
-    """Order and time the scans by the first rule that fits them all.
+    paths: Sequence[Path],
+    times_file: Path | None = None,
+    times: Sequence[object] | None = None,
+    from_folder: bool = False,
+) -> Series:
+    """Order and time the scans by the first rule that fits them all; none is read yet.
 
-    times: one for each scan, as given in Python; none are looked for then.
+    times: one for each scan, as given in Python; none are looked for then. from_folder: nobody gave
+    the scans in an order.
 
     Raises InputError: two scans at one time, a times file that can't be read or misses a scan,
     numbered names whose order can't be told.
     """
-    parts = [path.resolve().parts for path in found.paths]
-    names = [path.name for path in found.paths]
+    parts = [path.resolve().parts for path in paths]
+    names = [path.name for path in paths]
     for level in range(2, max(map(len, parts)) + 1):
         if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
             names = ["/".join(own[-level:]) for own in parts]
+    moments: Sequence[Moment]
+    doubt = ""
     if times is not None:
-        return schedule_in_time(found, names, moments_from_list(times, names), "as given")
-    if times_file is not None:
-        moments = moments_from_file(times_file, names)
-        return schedule_in_time(found, names, moments, f"from '{times_file.name}'")
-    reading, level = _times_in_names(found.paths)
-    if reading is None:
-        return _in_order(found, names)
-    where = "folders' names" if level else "names"
-    rule = f"from the {reading.convention.what} in the {where}"
-    schedule = schedule_in_time(found, names, reading.moments, rule)
-    finding = replace(schedule.finding, doubt=reading.doubt, option="--times FILE")
-    return replace(schedule, finding=finding)
+        moments, rule = moments_from_list(times, names), "as given"
+    elif times_file is not None:
+        moments, rule = moments_from_file(times_file, names), f"from '{times_file.name}'"
+    else:
+        reading, level = _times_in_names(paths)
+        if reading is None:
+            return _in_order(paths, names, from_folder)
+        where = "folders' names" if level else "names"
+        rule = f"from the {reading.convention.what} in the {where}"
+        moments, doubt = reading.moments, reading.doubt
+    return schedule_in_time(paths, names, moments, rule, doubt, from_folder)
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
@@ -129,57 +111,64 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
 
 
 def schedule_in_time(
-    found: FoundScans, names: Sequence[str], moments: Sequence[Moment], rule: str
-) -> Schedule:
-    """The scans at these moments. Raises InputError where two have the same.
+    paths: Sequence[Path],
+    names: Sequence[str],
+    moments: Sequence[Moment],
+    rule: str,
+    doubt: str = "",
+    from_folder: bool = True,
+) -> Series:
+    """The scans at these moments, unread. Raises InputError where two have the same.
 
     rule: how the moments were found; the first and the last are added.
     """
-    entries = list(map(Entry, found.paths, names, moments))
-    for entry in entries:
-        if not abs(entry.moment.time) <= MAX_ABS_TIME:
+    scans = list(map(_unread, paths, names, moments))
+    for scan in scans:
+        if not abs(scan.time) <= MAX_ABS_TIME:
             raise InputError(
-                f"'{entry.name}' has the time {entry.moment.date} ({rule}); days from "
+                f"'{scan.name}' has the time {scan.date} ({rule}); days from "
                 f"{-MAX_ABS_TIME:g} to {MAX_ABS_TIME:g} are possible."
             )
-    ordered = sorted(entries, key=lambda entry: entry.moment.time)
+    ordered = sorted(scans, key=lambda scan: scan.time)
     for before, after in pairwise(ordered):
-        step, both = after.moment.time - before.moment.time, f"'{before.name}' and '{after.name}'"
+        step, both = after.time - before.time, f"'{before.name}' and '{after.name}'"
         if step == 0:
             raise InputError(
-                f"{both} have the same time, {after.moment.date} ({rule}); give one scan for each "
+                f"{both} have the same time, {after.date} ({rule}); give one scan for each "
                 "moment, or say the times with --times FILE."
             )
         if step < MIN_TIME_STEP:
             least = f"{MIN_TIME_STEP:g} days have to lie between two scans"
             raise InputError(f"{both} have nearly the same time ({rule}); {least}.")
-    rule = f"{ordered[0].moment.date} to {ordered[-1].moment.date}, {rule}"
-    if ordered != entries and not found.from_folder:
+    rule = f"{ordered[0].date} to {ordered[-1].date}, {rule}"
+    if not from_folder and [scan.path for scan in ordered] != [*paths]:
         rule += "; in the order of time, not in the order given"
     if all(moment.dated for moment in moments):  # days since the first scan: the plant's age
-        first = ordered[0].moment.time
-        ages = [replace(entry.moment, time=entry.moment.time - first) for entry in ordered]
-        ordered = [replace(e, moment=age) for e, age in zip(ordered, ages, strict=True)]
-    return Schedule(tuple(ordered), Finding("days", rule), "days")
+        ordered = [replace(scan, time=scan.time - ordered[0].time) for scan in ordered]
+    return Series(tuple(ordered), findings=(Finding("days", rule, doubt, "--times FILE"),))
 
 
-def _in_order(found: FoundScans, names: Sequence[str]) -> Schedule:
+def _unread(path: Path, name: str, moment: Moment) -> Scan:
+    name, nothing = printable(name), np.empty((0, 3))
+    return Scan(nothing, path=path, name=name, time=moment.time, date=moment.date)
+
+
+def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) -> Series:
     natural = sorted(range(len(names)), key=lambda i: natural_key(names[i].rpartition(".")[0]))
     order: Sequence[int] = range(len(names))
     how = "the order given"
     # A shell's * lists scan10 before scan9: nobody means that order.
-    if found.from_folder or (list(names) == sorted(names) and natural != list(order)):
+    if from_folder or (list(names) == sorted(names) and natural != list(order)):
         _require_clear_order([names[i] for i in natural])
         order, how = natural, "the natural order of their names"
-    moments = [Moment(float(k), str(k)) for k in range(len(names))]
-    entries = [Entry(found.paths[i], names[i], moments[k]) for k, i in enumerate(order)]
+    scans = [_unread(paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)]
     untimed = [name for name in names if find_time(name.rpartition(".")[0]) is None]
     is_mixed = 0 < len(untimed) < len(names)
     why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     doubt = f"{why}, so growth rates will be per scan and not per day"
-    listed = [entry.name for entry in entries[:MAX_LISTED_NAMES]] + ["..."]
-    found_order = f"{how}: {', '.join(listed[: len(entries)])}"
-    return Schedule(tuple(entries), Finding("order", found_order, doubt, "--times FILE"), "scans")
+    listed = [scan.name for scan in scans[:MAX_LISTED_NAMES]] + ["..."]
+    found = f"{how}: {', '.join(listed[: len(scans)])}"
+    return Series(tuple(scans), "scans", findings=(Finding("order", found, doubt, "--times FILE"),))
 
 
 def _require_clear_order(names: Sequence[str]) -> None:

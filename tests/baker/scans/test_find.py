@@ -15,7 +15,7 @@ def test_links_to_files_that_are_not_there_are_named(make_folder):
         find_scans([folder])
     (folder / "day4.ply").unlink()
     (folder / ".#day4.ply").symlink_to("as an editor does")
-    assert len(find_scans([folder]).paths) == 3
+    assert len(find_scans([folder])) == 3
 
 
 def test_pipes_named_as_scans_are_named(make_folder):
@@ -27,15 +27,15 @@ def test_pipes_named_as_scans_are_named(make_folder):
 
 def test_gzipped_scans_are_one_series_with_plain_ones(make_folder):
     folder = make_folder({"day1.ply": "", "day2.ply.gz": "", "notes.gz": "", "day3.tar.gz": ""})
-    assert [path.name for path in find_scans([folder]).paths] == ["day1.ply", "day2.ply.gz"]
+    assert [path.name for path in find_scans([folder])] == ["day1.ply", "day2.ply.gz"]
 
 
 def test_meshes_and_arrays_beside_point_clouds_are_passed_over(make_folder):
     clouds = {"day1.ply": "", "day2.ply": ""}
     others = {"day1.obj": "", "day2.obj": "", "day2.npy": ""}
     found = find_scans([make_folder(clouds | others)])
-    assert [path.name for path in found.paths] == list(clouds)
+    assert [path.name for path in found] == list(clouds)
     with pytest.raises(InputError, match="more than one series"):
         find_scans([make_folder({"day1.ply": "", **others}, "mixed")])
     found = find_scans([make_folder({"day1.obj": "", "day2.obj": ""}, "meshes")])
-    assert [path.name for path in found.paths] == ["day1.obj", "day2.obj"]
+    assert [path.name for path in found] == ["day1.obj", "day2.obj"]

@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 
 from baker.errors import InputError
 from baker.scans.find import find_scans
-from baker.scans.times.schedule import FoundScans, natural_key, schedule_scans
+from baker.scans.times.schedule import natural_key, schedule_scans
 
 
 def schedule(*names, from_folder=True, times_file=None):
-    return schedule_scans(FoundScans(tuple(map(Path, names)), from_folder), times_file)
+    return schedule_scans(list(map(Path, names)), times_file, from_folder=from_folder)
 
 
 def times(*names, **options):
-    return [entry.moment.time for entry in schedule(*names, **options).entries]
+    return [scan.time for scan in schedule(*names, **options).scans]
 
 
 def gaps(*names, **options):
@@ -54,10 +54,10 @@ def gaps(*names, **options):
 )
 def test_times_from_names(names, expected, unit):
     found = schedule(*reversed(names))
-    assert [entry.path for entry in found.entries] == [Path(name) for name in names]
+    assert [scan.path for scan in found.scans] == [Path(name) for name in names]
     assert gaps(*reversed(names)) == pytest.approx(expected)
     assert found.unit == unit
-    assert found.finding.topic == ("days" if unit == "days" else "order")
+    assert found.findings[0].topic == ("days" if unit == "days" else "order")
 
 
 @given(st.sets(st.dates(date(1900, 1, 1), date(2199, 12, 31)), min_size=2, max_size=8))
@@ -71,24 +71,24 @@ def test_all_dates_are_ordered_with_their_true_gaps(dates):
 @given(st.sets(st.integers(0, 999), min_size=2, max_size=8), st.sampled_from(["day", "scan_"]))
 def test_ten_comes_after_nine(numbers, stem):
     names = [f"{stem}{number}.txt" for number in numbers]
-    order = [entry.name for entry in schedule(*names).entries]
+    order = [scan.name for scan in schedule(*names).scans]
     assert order == [f"{stem}{number}.txt" for number in sorted(numbers)]
 
 
 def test_dates_are_written_for_people():
-    dates = [e.moment.date for e in schedule("2020-03-08.ply", "2020-03-09T14-30.ply").entries]
+    dates = [scan.date for scan in schedule("2020-03-08.ply", "2020-03-09T14-30.ply").scans]
     assert dates == ["2020-03-08", "2020-03-09 14:30"]
-    assert [e.moment.date for e in schedule("day05.ply", "day7.5.ply").entries] == [
+    assert [scan.date for scan in schedule("day05.ply", "day7.5.ply").scans] == [
         "day 5",
         "day 7.5",
     ]
-    assert [e.moment.date for e in schedule("a.ply", "b.ply").entries] == ["0", "1"]
+    assert [scan.date for scan in schedule("a.ply", "b.ply").scans] == ["0", "1"]
 
 
 def test_a_rule_must_fit_every_scan():
     found = schedule("p_1.ply", "p_2020-03-08.ply")
     assert found.unit == "scans"
-    assert "no time in the name 'p_1.ply'" in found.finding.sentence
+    assert "no time in the name 'p_1.ply'" in found.findings[0].sentence
 
 
 def test_two_scans_at_one_time():
@@ -101,18 +101,18 @@ def test_two_scans_at_one_time():
 def test_files_in_order():
     given_order = ["seedling.ply", "young.ply", "adult.ply"]
     found = schedule(*given_order, from_folder=False)
-    assert [entry.name for entry in found.entries] == given_order
-    assert "the order given" in found.finding.sentence
+    assert [scan.name for scan in found.scans] == given_order
+    assert "the order given" in found.findings[0].sentence
 
     found = schedule("day2.ply", "day1.ply", from_folder=False)
-    assert [entry.name for entry in found.entries] == ["day1.ply", "day2.ply"]
-    assert "not in the order given" in found.finding.sentence
+    assert [scan.name for scan in found.scans] == ["day1.ply", "day2.ply"]
+    assert "not in the order given" in found.findings[0].sentence
 
 
 def test_order_of_a_shell_pattern_is_put_right():
     names = ["s1.ply", "s10.ply", "s9.ply"]
     found = schedule(*names, from_folder=False)
-    assert [entry.name for entry in found.entries] == sorted(names, key=natural_key)
+    assert [scan.name for scan in found.scans] == sorted(names, key=natural_key)
 
 
 def test_numbers_that_contradict_each_other():
@@ -135,9 +135,9 @@ def test_times_file(tmp_path, lines):
     path = tmp_path / "times.csv"
     path.write_text(lines)
     found = schedule("a.ply", "b.ply", times_file=path)
-    assert [entry.name for entry in found.entries] == ["b.ply", "a.ply"]
+    assert [scan.name for scan in found.scans] == ["b.ply", "a.ply"]
     assert gaps("a.ply", "b.ply", times_file=path) == [0, 1.5]
-    assert "'times.csv'" in found.finding.sentence
+    assert "'times.csv'" in found.findings[0].sentence
     assert found.unit == "days"
 
 
@@ -181,7 +181,7 @@ def test_times_file_not_there(tmp_path):
 
 
 def names_in(folder, times_file=None):
-    return [path.name for path in find_scans([folder], times_file).paths]
+    return [path.name for path in find_scans([folder], times_file)]
 
 
 def test_folder_passes_over_what_is_no_scan(make_folder):
