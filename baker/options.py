@@ -1,7 +1,6 @@
 """What a user may choose about a bake."""
 
-import os
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf
 from pathlib import Path
 from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
@@ -21,14 +20,6 @@ Paths = Literal["auto", "straight", "curved"]
 Colors = Literal["scan", "segment", "none"]
 Ground = Literal["auto", "keep"]
 Precision = Literal["auto", "float32"]
-
-
-def worker_count(requested: int) -> int:
-    """`requested` cores, or where that is 0 as many as this process may use."""
-    if requested:
-        return requested
-    # Not every system can tie a process to some of its cores.
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 MAX_COORDINATE = 1e12  # beyond is no place of a plant
@@ -261,12 +252,7 @@ class Options:
     ) -> Self:
         """The options, with what a series itself knows where they leave it open.
 
-        Parameters
-        ----------
-        fixed_frame : bool
-            The scans were taken by one camera: they share a frame, and z is up.
-        unit, root
-            The series' own length unit and plant base, where it has them.
+        fixed_frame: whether one camera took the scans, so that they share a frame, and z is up.
         """
         return replace(
             self,
@@ -294,9 +280,7 @@ class Options:
 
     def provenance(self) -> dict[str, Any]:
         """The options that shape the clip, as JSON; paths only by name."""
-        chosen = asdict(self)
+        own = replace(self, corrections=tuple(self.corrections or ()))
+        chosen: dict[str, Any] = to_builtins(own, enc_hook=lambda path: path.name)
         del chosen["workers"]
-        chosen["times"] = None if self.times is None else self.times.name
-        chosen["corrections"] = to_builtins(tuple(self.corrections or ()))
-        chosen["root"] = list(self.root) if isinstance(self.root, tuple) else self.root
         return chosen

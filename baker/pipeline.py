@@ -22,7 +22,7 @@ from baker.alignment.keyframes import (
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors, point_area
 from baker.geometry.normals import surface_normals
-from baker.geometry.parallel import MapLike, reporting, thread_map
+from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
 from baker.interpolation.fields import with_fields
@@ -48,7 +48,7 @@ from baker.matching.corrections import (
     relinked,
     with_corrected_organs,
 )
-from baker.options import Options, worker_count
+from baker.options import Options
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree

@@ -14,7 +14,8 @@ from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
-from baker.options import Options, worker_count
+from baker.geometry.parallel import worker_count
+from baker.options import Options
 from gclip.terminal.atomic import check_writable, writing
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.text import Lossy, printable

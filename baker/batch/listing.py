@@ -8,8 +8,8 @@ from shutil import get_terminal_size
 
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
-from baker.geometry.parallel import thread_map
-from baker.options import Options, worker_count
+from baker.geometry.parallel import thread_map, worker_count
+from baker.options import Options
 from baker.pipeline import survey_series
 from baker.scans import Finding, Scan
 from baker.scans.scan import TOPICS

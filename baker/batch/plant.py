@@ -14,9 +14,10 @@ from typing import Literal
 import gclip
 from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
+from baker.geometry.parallel import worker_count
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
-from baker.options import Options, parse_corrections, worker_count
+from baker.options import Options, parse_corrections
 from baker.pipeline import Progress, bake_recorded
 from baker.report import write_report
 from baker.report.verification import HoldoutError, verify

@@ -4,6 +4,7 @@ A stage takes ``map: MapLike = map`` as `scipy.optimize` takes ``workers``: the 
 items one after another; the ``map`` of a `concurrent.futures` executor shares them out.
 """
 
+import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -15,6 +16,14 @@ need a function and items that can be pickled."""
 
 ReportProgress = Callable[[int, int], None]
 """``report_progress(done, total)``"""
+
+
+def worker_count(requested: int) -> int:
+    """`requested` cores, or where that is 0 as many as this process may use."""
+    if requested:
+        return requested
+    # Not every system can tie a process to some of its cores.
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.options import worker_count
+from baker.geometry.parallel import worker_count
 from baker.verdict import Doubt
 from gclip import Clip, ClipError
 
