@@ -20,8 +20,12 @@ from baker.alignment.keyframes import (
     hold_out,
 )
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import nearest_neighbors, point_area
-from baker.geometry.normals import surface_normals
+from baker.geometry.neighbors import (
+    covariances,
+    nearest_neighbors,
+    point_area,
+    surface_normals,
+)
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.colors import painted
@@ -218,8 +222,9 @@ def _measure(
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
     workers = worker_count(options.workers)  # share each scan, as scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
-    normals = map(surface_normals, clouds, neighbors)
-    areas = map(point_area, clouds, neighbors) if options.even else [None] * len(clouds)
+    around = list(map(covariances, clouds, neighbors))
+    normals = map(surface_normals, around, neighbors)
+    areas = map(point_area, around, neighbors) if options.even else [None] * len(clouds)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
     by_itself = root is None and not options.paper

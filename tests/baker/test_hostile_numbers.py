@@ -8,7 +8,7 @@ import pytest
 
 from baker.alignment import align
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import nearest_neighbors, point_area
+from baker.geometry.neighbors import covariances, nearest_neighbors, point_area
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import OrganMovers, mid_area
@@ -114,7 +114,7 @@ def test_areas_and_spacings_are_finite(shape):
     for scale, count in itertools.product(SCALES, (1, 2, 3, 60)):
         points = cloud(shape, count, scale)
         neighbors = nearest_neighbors(points)
-        area = point_area(points, neighbors)
+        area = point_area(covariances(points, neighbors), neighbors)
         assert area.shape == (len(points),)
         assert np.isfinite(area).all()
         assert (area >= 0).all()
@@ -132,7 +132,8 @@ def test_even_density_of_organs_without_area(start, end, count):
     points = np.arange(min(len(here), len(there)))
     curve = (here[points].astype(np.float32), there[points].astype(np.float32))
     movers = Movers(Motion.MOVE, curve, np.zeros(len(points), int))
-    area = point_area(here, nearest_neighbors(here))
+    neighbors = nearest_neighbors(here)
+    area = point_area(covariances(here, neighbors), neighbors)
     shared = mid_area(area[points], points, np.zeros(len(points)), points)
     for known, growth in itertools.product((shared, np.zeros(len(points))), (0.0, 1.0, 10.0)):
         (filled,) = with_even_density([OrganMovers(movers, None, known, points, points)], growth)

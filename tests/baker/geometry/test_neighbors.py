@@ -12,6 +12,7 @@ from scipy.spatial.distance import cdist
 
 from baker.geometry.neighbors import (
     MAX_GAP,
+    covariances,
     nearest_neighbors,
     point_area,
     point_spacing,
@@ -44,7 +45,8 @@ def twig(count, radius):
 
 
 def area(points):
-    return point_area(points, nearest_neighbors(points))
+    neighbors = nearest_neighbors(points)
+    return point_area(covariances(points, neighbors), neighbors)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -95,9 +97,9 @@ def test_of_few_points_all_are_inliers(count):
     assert nearest_neighbors(np.eye(3)[:count]).inliers.all()
 
 
-def test_on_a_sheet_the_area_is_the_square_of_the_reach():
+def test_on_a_sheet_the_area_is_the_square_of_the_distance_to_the_last_neighbor():
     points = sheet(2000)
-    square = nearest_neighbors(points).reach.astype(float) ** 2
+    square = nearest_neighbors(points).distances[:, -1].astype(float) ** 2
     assert np.isclose(area(points), square).mean() > 0.6
     assert (area(points) <= square * (1 + 1e-9)).all()
 
@@ -106,7 +108,7 @@ def test_on_a_sheet_the_area_is_the_square_of_the_reach():
 def test_a_twig_thinner_than_its_spacing_has_less_area_the_thinner_it_is(radius):
     thin, half = (np.median(area(twig(100, r))) for r in (radius, radius / 2))
     assert half == pytest.approx(thin / 2, rel=0.2)
-    assert thin < 0.5 * np.median(nearest_neighbors(twig(100, radius)).reach) ** 2
+    assert thin < 0.5 * np.median(nearest_neighbors(twig(100, radius)).distances[:, -1]) ** 2
 
 
 def test_area_grows_with_the_square_of_the_unit_in_any_order():

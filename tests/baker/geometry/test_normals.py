@@ -1,8 +1,18 @@
 import numpy as np
 import pytest
 
-from baker.geometry.neighbors import Neighbors, nearest_neighbors
-from baker.geometry.normals import octahedral, surface_normals
+from baker.geometry.neighbors import (
+    Neighbors,
+    covariances,
+    nearest_neighbors,
+    octahedral,
+    surface_normals,
+)
+
+
+def codes_of(points: np.ndarray, neighbors: Neighbors | None = None) -> np.ndarray:
+    neighbors = neighbors or nearest_neighbors(points)
+    return surface_normals(covariances(points, neighbors), neighbors)
 
 
 def decoded(codes: np.ndarray) -> np.ndarray:
@@ -25,7 +35,7 @@ def test_normals_of_a_sphere_point_outwards() -> None:
     points = random.normal(size=(4000, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
     noisy = points + 0.003 * random.normal(size=points.shape)
-    codes = surface_normals(noisy, nearest_neighbors(noisy))
+    codes = codes_of(noisy)
     angle = np.degrees(np.arccos(np.abs((decoded(codes) * points).sum(axis=1)).clip(0, 1)))
     assert np.quantile(angle, 0.95) < 6.0
 
@@ -38,17 +48,17 @@ def test_normals_are_the_smallest_eigenvectors(flatness: tuple[float, float, flo
     everybody = np.array([[*range(k), *range(k + 1, 11)] for k in range(11)], np.int32)
     for cloud in clouds:
         eigenvectors = np.linalg.eigh(np.cov(cloud.T))[1]
-        codes = surface_normals(cloud, Neighbors(everybody, np.ones((11, 10), np.float32)))
+        codes = codes_of(cloud, Neighbors(everybody, np.ones((11, 10), np.float32)))
         np.testing.assert_array_equal(codes, np.tile(octahedral(eigenvectors[:, :1].T), (11, 1)))
 
 
 @pytest.mark.parametrize("axis", np.eye(3))
 def test_normals_of_a_line_are_across_it(axis: np.ndarray) -> None:
     line = np.random.default_rng(3).random((20, 1)) * axis
-    normals = decoded(surface_normals(line, nearest_neighbors(line)))
+    normals = decoded(codes_of(line))
     np.testing.assert_allclose(normals @ axis, 0, atol=0.01)
 
 
 def test_fewer_points_than_make_a_plane() -> None:
     two = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    assert surface_normals(two, nearest_neighbors(two)).shape == (2, 2)
+    assert codes_of(two).shape == (2, 2)

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from baker.geometry.neighbors import nearest_neighbors
-from baker.geometry.normals import surface_normals
+from baker.geometry.neighbors import covariances, nearest_neighbors, surface_normals
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.rendering.headless import Offscreen
@@ -25,7 +24,8 @@ def leaf(turn: float = 0.0) -> Clip:
     points = np.column_stack(
         [flat[:, 0] * np.cos(turn), flat[:, 0] * np.sin(turn), flat[:, 1]]
     ).astype(np.float32)
-    normals = np.tile(surface_normals(points, nearest_neighbors(points)), 2)
+    neighbors = nearest_neighbors(points)
+    normals = np.tile(surface_normals(covariances(points, neighbors), neighbors), 2)
     ids = np.zeros(len(points), np.uint16)
     movers = Movers(Motion.MOVE, (points, points), ids, normals=normals)
     return Clip(
