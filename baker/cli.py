@@ -1,5 +1,6 @@
 """The command `bake`: scans in, a growth clip out."""
 
+import gc
 import os
 from collections.abc import Callable
 from dataclasses import fields
@@ -93,4 +94,5 @@ def main(argv: list[str] | None = None) -> int:
     # bytes must not depend on the machine's cores, which have other work anyway.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
+    gc.set_threshold(10_000)  # little of what a bake makes is in cycles
     return run_app(app, "bake", argv)

@@ -109,13 +109,17 @@ def label_policy(
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
+    if requested != "auto":
+        consistent = requested == "consistent"
+        said = _said(field, counts, len(labels), consistent, is_asked=True)
+        return LabelUse(tuple(labels), consistent, (Finding("labels", said),))
     places = [clouds[k] for k in given], own, [root_points[k] for k in given]
     agreement = label_agreement(*places)
-    is_asked = requested != "auto"
-    consistent = requested == "consistent" if is_asked else agreement >= MIN_AGREEMENT
-    finding = Finding("labels", _said(field, counts, len(labels), consistent, is_asked))
+    consistent = agreement >= MIN_AGREEMENT
+    said = _said(field, counts, len(labels), consistent, is_asked=False)
+    finding = Finding("labels", said)
     low, high = DOUBTFUL_AGREEMENT
-    if not is_asked and low < agreement < high:
+    if low < agreement < high:
         doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
         option = f"--labels {'independent' if consistent else 'consistent'}"
         finding = replace(finding, doubt=doubt, option=option)
