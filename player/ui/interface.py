@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 from gclip import Clip
 from player.ui import actions
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
-from player.ui.curves import HEIGHT, draw_curve
+from player.ui.curves import draw_curve, strip_height
 from player.ui.gui import Gui
 from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
@@ -98,8 +98,8 @@ class Interface:
         self._gui.begin(size, scale, theme)
         area = (size[0] - panel_width(size[0], scene.panel and not scene.kiosk), size[1])
         back = imgui.get_background_draw_list()
-        margin, below = _margin(area), BOTTOM + (CAPTION if facts.panes else 0.0)
-        below += HEIGHT + 5 * GAP if facts.curves and scene.curve else 0.0
+        margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])
+        below += CAPTION if facts.panes else 0.0
         pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
         scene = self.mouse.move(scene, area)
         if shown.kiosk:
@@ -179,7 +179,7 @@ class Interface:
                     pen.write(right + SPEED / 2, line, text, 17.0, theme.text, True, 0.5)
             least = 8.0 if width >= NARROW else x
             ends = x - GAP + margin, right - margin
-            if facts.curves and height >= ANNOTATED[1]:
+            if facts.curves and strip_height(scene, height):
                 color = self.clip.track_table[facts.curves[0].track].color
                 scene = draw_curve(pen, scene, facts.curves, color, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends, least)
@@ -189,13 +189,14 @@ class Interface:
 
     def _draw_annotations(self, pen: Pen, scene: Scene, facts: Facts) -> None:
         clip, picked = self.clip, scene.style.picked
-        draw_captions(pen, facts.panes, BOTTOM)
+        bottom = BOTTOM + strip_height(scene, pen.size[1])
+        draw_captions(pen, facts.panes, bottom)
         if pen.size[0] >= ANNOTATED[0] and pen.size[1] >= ANNOTATED[1]:
             draw_guides(pen, scene, clip, facts.values)
         if picked is not None and pen.size[1] >= 320.0:
             draw_organ(pen, clip.track_table[picked], facts.organ)
         if facts.exporting is not None:
-            draw_progress(pen, facts.exporting, BOTTOM)
+            draw_progress(pen, facts.exporting, bottom)
 
     def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
         """The date, and nothing that could be pressed."""

@@ -16,6 +16,7 @@ from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
+from player.ui.curves import strip_height
 from player.ui.gui import Gui
 from player.ui.interface import Facts, Interface
 from player.ui.panel import panel_width
@@ -139,7 +140,7 @@ class Window:
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch([one.file for one in clips if one.file is not None])
         self._pair: Pair | None = None
-        self._fitted: tuple[float, float] | None = None
+        self._fitted: tuple[float, float, float] | None = None
         self._drawn = None
 
     @property
@@ -226,9 +227,11 @@ class Window:
         width, height = self._measures.units
         width -= self._aside
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
-        if self._measures.visible and self._fitted != (width, height):
-            self._fitted = (width, height)
-            self.scene, self._pair = fitted(self.scene, self._bare, self._fitted)
+        plot = strip_height(self.scene, height)
+        if self._measures.visible and self._fitted != (width, height, plot):
+            before = self._fitted[2] if self._fitted else plot
+            self._fitted = (width, height, plot)
+            self.scene, self._pair = fitted(self.scene, self._bare, (width, height), plot, before)
 
     @property
     def _aside(self) -> float:

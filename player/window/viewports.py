@@ -21,34 +21,39 @@ from player.window.dynamic_resolution import Detail
 ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
 
 
-def home_camera(clip: Clip, size: tuple[float, float]) -> Camera:
-    """The whole plant in the part of a window that title and timeline leave free.
+def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Camera:
+    """The whole plant in the part of a window that title, plot and timeline leave free.
 
-    size: (width, height) of the window in units.
+    size, plot: (width, height) of the window, and height of the plot, in units.
     """
-    width, height = size
-    free = max(height - ABOVE - BELOW, 0.3 * height)
+    (width, height), below = size, BELOW + plot
+    free = max(height - ABOVE - below, 0.3 * height)
     camera = Camera.home(clip, width / free).zoom(free / height)
-    return camera.pan(0.0, (BELOW - ABOVE) / 2 / height)
+    return camera.pan(0.0, (below - ABOVE) / 2 / height)
 
 
 def fitted(
-    scene: Scene, clips: Sequence[Clip], size: tuple[float, float]
+    scene: Scene,
+    clips: Sequence[Clip],
+    size: tuple[float, float],
+    plot: float = 0.0,
+    before: float = 0.0,
 ) -> tuple[Scene, Pair | None]:
     """The scene with the home camera of a window, and its camera as it stood beside the last one;
     and how two clips are seen alike.
 
     size: (width, height) in units of what a plant has of the window.
+    plot, before: the height of the plot above the timeline, now and with the last home camera.
     """
-    homes = [home_camera(clip, size) for clip in clips]
+    homes = [home_camera(clip, size, plot) for clip in clips]
     pair = Pair.of(clips[0], clips[1], (homes[0], homes[1])) if len(clips) > 1 else None
     home = homes[0] if pair is None else pair.homes[0]
     flat = scene.camera.orthographic
-    before, after = scene.home.with_orthographic(flat), home.with_orthographic(flat)
-    camera = replace(
-        scene.camera, distance=scene.camera.distance * after.distance / before.distance
-    )
-    return replace(scene, camera=after if scene.camera == before else camera, home=home), pair
+    last, now = scene.home.with_orthographic(flat), home.with_orthographic(flat)
+    lowered = scene.camera.pan(0.0, -before / 2 / size[1])
+    farther = replace(lowered, distance=lowered.distance * now.distance / last.distance)
+    camera = farther.pan(0.0, plot / 2 / size[1])
+    return replace(scene, camera=now if scene.camera == last else camera, home=home), pair
 
 
 class Viewports:

@@ -278,7 +278,7 @@ def test_the_picked_organ_s_curve_rises_over_the_timeline(context: moderngl.Cont
     curve = TraitCurve(
         1, "area", " mm²", tuple(clip.times), values, (0.5,) * count, (True,) * count
     )
-    scene = replace(scene_of(clip, 0.0, picked=1), guides=False)
+    scene = replace(scene_of(clip).with_style(picked=1), guides=False)
     with opened(context, clip, scene, facts=Facts(curves=(curve,))) as desk:
         plotted = replace(scene, curve="area")
         hidden, shown = drawn(desk, replace(scene, curve="")), drawn(desk, plotted)

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gclip import Clip
 from player.errors import PlayerError
+from player.view.camera import Camera
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
@@ -123,6 +125,26 @@ def test_side_by_side_and_back_keeps_what_is_seen_of_the_plant() -> None:
     assert beside.camera.yaw == first.camera.yaw
     back, _ = fitted(beside, [clip], (1000.0, 700.0))
     assert back.camera.distance == pytest.approx(first.camera.distance)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3], ids=["home", "turned"])
+def test_a_plot_over_the_timeline_hides_nothing_of_the_plant(turn: float) -> None:
+    clip, size, plot = small_clip(), (1000.0, 700.0), 96.0
+    home = home_camera(clip, size)
+    first = Scene(Timeline.of(clip.times), home.orbit(turn, 0.0), home, Style(), False)
+    raised, _ = fitted(first, [clip], size, plot, 0.0)
+    lower, higher = (_lowest(clip, scene.camera, size) for scene in (first, raised))
+    assert higher - lower == pytest.approx(plot, abs=15.0)
+    back, _ = fitted(raised, [clip], size, 0.0, plot)
+    assert back.camera.distance == pytest.approx(first.camera.distance)
+    assert back.camera.target == pytest.approx(first.camera.target)
+
+
+def _lowest(clip: Clip, camera: Camera, size: tuple[float, float]) -> float:
+    """Height of the lowest point in a window, in units from its lower edge."""
+    matrix = camera.projection(size[0] / size[1]) @ camera.view()
+    corners = np.c_[clip.at(clip.times[-1]).local, np.ones(200)] @ matrix.T
+    return float(((1 + corners[:, 1] / corners[:, 3]) / 2 * size[1]).min())
 
 
 @pytest.mark.parametrize("size", [(320, 240), (480, 360), (1280, 720), (500, 1400)])
