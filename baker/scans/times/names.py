@@ -139,50 +139,32 @@ def _across_new_year(moments: list[Moment]) -> list[Moment]:
 def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
     """The time of each of `names`, looked up by the name with or without folder and suffix."""
     rows = _rows(path)
-    times = _parse([time for _, _, time in rows])
-    listed: dict[str, Moment] = {}
-    for (number, name, text), time in zip(rows, times, strict=True):
-        if time is None:
-            raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time (days, or a date "
-                f"such as 2020-03-08), found the time '{text[:60]}'."
-            )
-        if listed.setdefault(name, time) is not time:
-            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
+    places = [f"'{path}', line {number}" for number, _ in rows.values()]
+    times = _parse([text for _, text in rows.values()], places, f"'{path}'")
+    listed = dict(zip(rows, times, strict=True))
     moments = []
     for name in names:
         plain = name.rpartition("/")[2]
         keys = (name, name.rpartition(".")[0], plain, plain.rpartition(".")[0])
-        moment = next((listed[key] for key in keys if key in listed), None)
-        if moment is None:
+        found = [listed[key] for key in keys if key in listed]
+        if not found:
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
-        moments.append(moment)
-    return _of_one_kind(moments, f"'{path}'")
+        moments.append(found[0])
+    return moments
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
     """The time of each of `names`: numbers of days, dates of `datetime`, or texts as in a file."""
     if len(times) != len(names):
         raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
-    found = []
-    for time, moment in zip(times, _parse([str(time) for time in times]), strict=True):
-        if moment is None:
-            raise InputError(f"times holds {time!r}; a number of days or a date is needed.")
-        found.append(moment)
-    return _of_one_kind(found, "times")
+    return _parse([str(time) for time in times], ["times"] * len(times), "times")
 
 
-def _of_one_kind(moments: list[Moment], source: str) -> list[Moment]:
-    if len({moment.dated for moment in moments}) > 1:
-        raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")
-    return moments
-
-
-def _rows(path: Path) -> list[tuple[int, str, str]]:
-    """Number of the line, name and time, of each line that is no comment and no header."""
+def _rows(path: Path) -> dict[str, tuple[int, str]]:
+    """By name the number of the line and the time, of lines that are no comments and no header."""
     with asking(path):
         text = read_text(path, MAX_FILE_BYTES)
-    rows: list[tuple[int, str, str]] = []
+    rows: dict[str, tuple[int, str]] = {}
     for number, line in enumerate(map(str.strip, text.splitlines()), 1):
         if not line or line.startswith(("#", "//")):
             continue
@@ -193,22 +175,34 @@ def _rows(path: Path) -> list[tuple[int, str, str]]:
             raise InputError(
                 f"'{path}', line {number}: expected a scan's name and a time, found '{line[:60]}'."
             )
-        rows.append((number, name, time))
-    return rows[1:] if rows and not re.search(r"\d", rows[0][2]) else rows
+        if rows.setdefault(name, (number, time))[0] != number:
+            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
+    header = [name for name, (_, time) in [*rows.items()][:1] if not re.search(r"\d", time)]
+    return {name: rows[name] for name in rows if name not in header}
 
 
-def _parse(texts: Sequence[str]) -> list[Moment | None]:
-    """Days and ISO dates as they stand; else the times as they are read from names."""
-    moments = [_parse_time(text) for text in texts]
-    if None in moments and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
+def _parse(texts: Sequence[str], places: Sequence[str], source: str) -> list[Moment]:
+    """Days and ISO dates as they stand; else the times as they are read from names.
+
+    Raises InputError with the place of a text that is no time, or where not all are of one kind.
+    """
+    found = [_parse_time(text) for text in texts]
+    if None in found and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
         return list(reading.moments)
+    moments = []
+    for text, place, moment in zip(texts, places, found, strict=True):
+        if moment is None:
+            needed = "a number of days, or a date such as 2020-03-08, is needed"
+            raise InputError(f"{place}: '{text[:60]}' is no time; {needed}.")
+        moments.append(moment)
+    if len({moment.dated for moment in moments}) > 1:
+        raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")
     return moments
 
 
 def _parse_time(text: str) -> Moment | None:
     if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
         return None
-    date = parse_date(text)
-    if date is None and re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text):
+    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text) and not parse_date(text):
         return Moment(float(text), f"day {float(text):.10g}")
-    return date
+    return parse_date(text)

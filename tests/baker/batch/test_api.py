@@ -76,7 +76,7 @@ def test_without_times_the_order_counts(arrays: list[np.ndarray]) -> None:
     ("change", "sentence"),
     [
         ({"times": [1]}, "times holds 1 times for 2 scans"),
-        ({"times": [1, None]}, "times holds None; a number of days or a date is needed"),
+        ({"times": [1, None]}, "times: 'None' is no time; a number of days"),
         ({"times": [1, "2024-05-01"]}, "times mixes dates and numbers of days"),
         ({"times": [3, 3]}, "have the same time"),
         ({"labels": [None]}, "labels holds 1 arrays for 2 scans"),
