@@ -193,11 +193,7 @@ def survey_series(
     options = options.for_series(raw.fixed, raw.length, raw.root)
     choices = options.resolved()
     root = _local_root(raw, options)
-    scans, first = raw.scans, raw.scans[0].origin
-    points, read = [scan.points for scan in scans], [scan.labels for scan in scans]
-    names, offsets = [scan.name for scan in scans], [scan.origin - first for scan in scans]
-    known = root, read, names, offsets, raw.ground_up, options.unit
-    alignment = align(points, choices.align, choices.up, *known, progress=progress, map=map)
+    alignment = align(raw, choices.align, choices.up, root, progress, map)
     keyframes = aligned_keyframes(raw, alignment)
     series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)

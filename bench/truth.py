@@ -31,6 +31,7 @@ from scipy.spatial.transform import Rotation
 
 from baker import Options, bake
 from baker.alignment import align
+from baker.scans import Scan, Series
 from bench.traits import clip_of, truth
 from bench.traits import errors as errors_of
 from grow import plant
@@ -133,15 +134,15 @@ def gaps(clip: Clip) -> float:
 def turns(subject: Plant, seed: int) -> Errors:
     """Yaw in degrees that alignment leaves between scans that were turned and shifted at random."""
     rng = np.random.default_rng(seed)
-    clouds, poses = [], []
+    scans, poses = [], []
     for day in subject.default_days:
         points = subject.cloud(float(day), colors=False).points
         pose = np.eye(4)
         pose[:3, :3] = Rotation.from_euler("z", rng.uniform(0, 360), degrees=True).as_matrix()
         pose[:3, 3] = rng.uniform(-SHIFT, SHIFT, 3) * np.ptp(points[:, 2])
-        clouds.append((points @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32))
+        scans.append(Scan((points @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32)))
         poses.append(pose)
-    found = align(clouds, up="z").transforms
+    found = align(Series(tuple(scans)), up="z").transforms
     placed = [(moved @ pose)[:3, :3] for moved, pose in zip(found, poses, strict=True)]
     steps = [before.T @ after for before, after in pairwise(placed)]
     return np.abs([Rotation.from_matrix(step).as_euler("zyx", degrees=True)[0] for step in steps])

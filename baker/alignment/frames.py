@@ -58,17 +58,17 @@ def share_frame(fit: YawFit, in_place: NDArray[np.bool_]) -> bool:
 
 
 def frame_finding(
+    samples: Sequence[EvenSample],
     poses: Sequence[Pose],
     fit: YawFit,
     transforms: Sequence[Points],
     stays: NDArray[np.bool_],
-    offsets: Sequence[Points],
-    names: Sequence[str],
     unit: str,
     asked: bool,
 ) -> Finding:
     """What was decided or asked about a series' frame, and the scans for which it was close."""
     size = max(float(np.ptp(pose.pool, axis=0).max()) for pose in poses)
+    names, offsets = [sample.name for sample in samples], [sample.offset for sample in samples]
     moved = [
         t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset
         for t, pose, offset in zip(transforms, poses, offsets, strict=True)

@@ -17,7 +17,7 @@ from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Series
 
 
 @dataclass(frozen=True)
@@ -42,23 +42,18 @@ class Alignment:
 
 
 def align(
-    clouds: Sequence[NDArray[np.float32]],
+    series: Series,
     method: str = "auto",
     up: str = "auto",
     root: NDArray[np.floating] | None = None,
-    labels: Sequence[NDArray[np.integer] | None] | None = None,
-    names: Sequence[str] | None = None,
-    offsets: Sequence[NDArray[np.float64]] | None = None,
-    ground_up: Sequence[float] | None = None,
-    unit: str = "",
     progress: Callable[[str, int, int], None] | None = None,
     map: MapLike = map,
 ) -> Alignment:
-    """Bring a series of clouds of one plant into the frame of the first.
+    """Bring the scans of a series into the frame of the first.
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float32
+    series : Series
     method : {"auto", "turn", "icp", "none"}
         "auto" leaves scans that share a frame there, else does as "turn", which keeps the vertical,
         puts the stems' bases on one another and looks for the yaw that leaves most organs in their
@@ -66,14 +61,6 @@ def align(
         a wrong yaw). "none" leaves everything where it is.
     up, root : str, (3,) float, optional
         The direction of growth, or "auto"; the base of the first scan's stem, where it is known.
-    labels : sequence of (N,) int, optional
-        The organ of each point; the same number may mean another organ in another scan.
-    names, unit : sequence of str, str, optional
-        The scans' names and the unit of lengths, for the findings.
-    offsets : sequence of (3,) float64, optional
-        Of each scan's coordinates from the first one's; by default they are the same.
-    ground_up : (3,) float, optional
-        Unit vector away from the ground, where one was found.
     progress, map : callable, MapLike, optional
         Called with the stage, the steps done and all; maps a function over scans.
 
@@ -82,39 +69,41 @@ def align(
     Section 3.1 of the paper.
     """
     tell = progress or (lambda stage, done, total: None)
-    total = 2 * len(clouds)  # samples, poses
+    scans = series.scans
+    total = 2 * len(scans)  # samples, poses
     map = reporting(map, lambda done, _: tell("aligning", done, total), total - 1)
-    names = names or [f"scan {at + 1}" for at in range(len(clouds))]
-    offsets = [np.zeros(3)] * len(clouds) if offsets is None else offsets
-    known = [own for own in labels or () if own is not None]
-    labelled = len(known) == len(clouds)
-    samples = list(map(even_sample, clouds, known if labelled else [None] * len(clouds)))
-    direction, findings = find_up(samples, names, up, ground_up)
+    labelled = all(scan.labels is not None for scan in scans)
+    sampled = [
+        (s.points, s.labels if labelled else None, s.name, s.origin - scans[0].origin)
+        for s in scans
+    ]
+    samples = list(map(even_sample, *zip(*sampled, strict=True)))
+    direction, findings = find_up(samples, up, series.ground_up)
     vertical = Vertical.named(direction)
-    stems = stem_labels(samples, vertical) if labelled else [None] * len(clouds)
-    places, in_place = common_base(samples, stems, offsets, vertical)
+    stems = stem_labels(samples, vertical) if labelled else [None] * len(scans)
+    places, in_place = common_base(samples, stems, vertical)
     if root is not None:
         places[0] = [np.asarray(root, float)]
-    transforms = [np.eye(4) for _ in offsets]
-    for transform, offset in zip(transforms, offsets, strict=True):
-        transform[:3, 3] = offset
+    transforms = [np.eye(4) for _ in samples]
+    for transform, sample in zip(transforms, samples, strict=True):
+        transform[:3, 3] = sample.offset
     bases = [place[0] for place in places]
     if method == "icp":
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
     elif method == "none":
-        far = ", ".join(name for name, by in zip(names, offsets, strict=True) if by.any())
+        far = ", ".join(sample.name for sample in samples if sample.offset.any())
         doubt = f"{far} lies so far from the first scan that positions are rounded" if far else ""
         findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
-    elif len(clouds) > 1:
+    elif len(scans) > 1:
         poses = best_poses(samples, places, vertical, stems, map)
         bases = [pose.base for pose in poses]
         fit = fit_yaws(poses, labelled)
         stays = method == "auto" and share_frame(fit, in_place)
         left, asked = in_place & stays, method == "turn"
         transforms = _brought_together(poses, fit, transforms, left)
-        findings.append(frame_finding(poses, fit, transforms, left, offsets, names, unit, asked))
-    findings += strangers(samples, transforms, names)
+        findings.append(frame_finding(samples, poses, fit, transforms, left, series.length, asked))
+    findings += strangers(samples, transforms)
     tell("aligning", total, total)
     aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]
     return Alignment(direction, tuple(transforms), tuple(aligned), tuple(findings))

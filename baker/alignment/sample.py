@@ -3,6 +3,7 @@
 Scanners see some organs densely and others hardly; an even sample weighs organs by area.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,10 +30,15 @@ class EvenSample:
     pool_labels: NDArray[np.integer]  # (M,) organ of each point; -1 where the scan has no labels
     labels: NDArray[np.integer]  # (n,) those of the sample
     gaps: Gaps  # between the labelled organs that touch
+    name: str  # of the scan
+    offset: NDArray[np.float64]  # (3,) of the scan's coordinates from those of the first one
 
 
 def even_sample(
-    cloud: NDArray[np.floating], labels: NDArray[np.integer] | None = None
+    cloud: NDArray[np.floating],
+    labels: NDArray[np.integer] | None = None,
+    name: str = "",
+    offset: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> EvenSample:
     """At most 1,500 points of an (N, 3) cloud with (N,) labels, by farthest-point sampling."""
     labels = np.full(len(cloud), -1) if labels is None else labels
@@ -44,7 +50,8 @@ def even_sample(
     gaps = segment_adjacency(labels, neighbors)
     pool, labels = pool[neighbors.inliers], labels[neighbors.inliers]
     indices = farthest_point_sample(pool, SAMPLE_SIZE)
-    return EvenSample(pool, pool[indices], labels, labels[indices], gaps)
+    points, sampled = pool[indices], labels[indices]
+    return EvenSample(pool, points, labels, sampled, gaps, name, np.asarray(offset, float))
 
 
 def surface_graph(points: NDArray[np.float64]) -> "csr_matrix":

@@ -60,15 +60,13 @@ def stem_base(points: Points, vertical: Vertical) -> Points:
 def common_base(
     samples: Sequence[EvenSample],
     stems: Sequence[int | None],
-    offsets: Sequence[Points],
     vertical: Vertical,
 ) -> tuple[list[list[Points]], NDArray[np.bool_]]:
     """Where each scan's stem leaves the ground, and which scans have it in one place.
 
     A place is a scan's base if the lowest points about the vertical through it are there: a leaf
     that hangs lower hangs elsewhere. Of the bases that single scans may have, the place on which
-    most scans agree is taken. Only the points of a labelled stem are looked at; `offsets` leads
-    from the first scan's coordinates to each one's.
+    most scans agree is taken. Only the points of a labelled stem are looked at.
 
     Returned are each scan's base in its own coordinates, or the candidates where it is not in
     place; and (S,) whether it is. None is where there is no place on which most scans agree.
@@ -83,11 +81,11 @@ def common_base(
     ]
     radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
     best: list[Points | None] = [None] * len(samples)
-    for candidates, offset in zip(own, offsets, strict=True):
+    for candidates, sample in zip(own, samples, strict=True):
         for place in candidates:
             found = [
-                _base_about(place + offset - other, tried, pool, radius, vertical)
-                for tried, pool, other in zip(own, pools, offsets, strict=True)
+                _base_about(place + sample.offset - s.offset, tried, pool, radius, vertical)
+                for tried, pool, s in zip(own, pools, samples, strict=True)
             ]
             if sum(f is None for f in found) < sum(b is None for b in best):
                 best = found

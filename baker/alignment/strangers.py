@@ -22,7 +22,7 @@ PART_RADIUS, MAX_PARTS = 0.16, 200  # of the plant's size, for slenderness
 
 
 def strangers(
-    samples: Sequence[EvenSample], transforms: Sequence[NDArray[np.float64]], names: Sequence[str]
+    samples: Sequence[EvenSample], transforms: Sequence[NDArray[np.float64]]
 ) -> list[Finding]:
     """A finding that names the scans that are unlike those around them, if there are any.
 
@@ -50,7 +50,7 @@ def strangers(
     least = MAX_EXCESS if count > 2 else MAX_UNLIKENESS
     # Those beside a stranger are unlike it too.
     most = [excess[k] == excess[max(k - 1, 0) : k + 2].max() for k in range(count)]
-    unlike = [names[k] for k in range(count) if most[k] and excess[k] > least]
+    unlike = [samples[k].name for k in range(count) if most[k] and excess[k] > least]
     if not unlike:
         return []
     named = ", ".join(unlike)

@@ -1,6 +1,7 @@
 """Which way is up: a plant stands on a stem and carries its mass above."""
 
 from collections.abc import Sequence
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ SAMPLE_SIZE = 800
 
 def find_up(
     samples: Sequence[EvenSample],
-    names: Sequence[str],
     requested: str = "auto",
     ground_up: Sequence[float] | None = None,
 ) -> tuple[str, list[Finding]]:
@@ -46,7 +46,7 @@ def find_up(
     down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
     over = costs[:, found] - costs[:, down] > TURNED_OVER
     if over.any() and 2 * over.sum() < len(samples):
-        named = ", ".join(name for name, is_over in zip(names, over, strict=True) if is_over)
+        named = ", ".join(sample.name for sample in compress(samples, over))
         doubts = [f"{named} seems to be upside down: turn it over"]
         total = costs[~over].mean(axis=0)
     lead = np.delete(total, found).min() - total[found]

@@ -78,10 +78,12 @@ def read_series(
     up = "z" if listing.images and options.up == "auto" else options.up
     scans, ground_up, ground = take_out_ground(scans, up, keep, map)
     scans = _with_colors_in_all(list(map(partial(_thinned, options=options), scans)))
-    size = require_one_unit(scans, options.unit or series.length)
+    unit = options.unit or series.length
+    size = require_one_unit(scans, unit)
     return replace(
         series,
         scans=tuple(scans),
+        length=unit,
         label_field=field,
         label_words=words,
         findings=(*series.findings, *labels, *dropped, *ground, size),

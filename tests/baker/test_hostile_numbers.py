@@ -32,6 +32,7 @@ from baker.transport.solve import solve, wasserstein
 from gclip import Motion
 from gclip.pack import Movers
 from tests.baker.hostile_series import ROUGH, SHAPES, Scan
+from tests.baker.series import series_of
 
 SOUND = [name for name in SHAPES if name not in ROUGH]
 SCALES = [1.0, 2.0**-29, 2.0**39]
@@ -100,7 +101,7 @@ def test_alignment_of_any_shapes_is_rigid(shape):
     plant = cloud("plant", 64).astype(np.float32)
     for method, count in (("auto", 1), ("auto", 3), ("auto", 40), ("icp", 2), ("icp", 40)):
         other = cloud(shape, count).astype(np.float32)
-        found = align([plant, other, plant], method)
+        found = align(series_of([plant, other, plant]), method)
         for transform in found.transforms:
             turn = transform[:3, :3]
             assert np.isfinite(transform).all()

@@ -13,6 +13,7 @@ from baker.alignment.sample import even_sample
 from baker.alignment.up_axis_search import find_up, upright
 from baker.geometry.up_axis import Vertical
 from baker.scans import read_series
+from tests.baker.series import series_of
 from tests.real.series import EXAMPLE, GROWN, SHARED, present
 
 ALIGNED = (
@@ -62,10 +63,10 @@ def test_it_does_not_matter_how_each_scan_stands(series, up):
         pose[:3, 3] = random.uniform(-50.0, 50.0, 3)
         pose[:3] = upright(Vertical.named(up)).T @ pose[:3]
         poses.append(pose)
-    found = align([moved(cloud, pose) for cloud, pose in zip(clouds, poses, strict=True)])
+    found = align(series_of(list(map(moved, clouds, poses))))
     truth = [
         transform @ np.linalg.inv(pose)
-        for transform, pose in zip(align(clouds).transforms, poses, strict=True)
+        for transform, pose in zip(align(series_of(clouds)).transforms, poses, strict=True)
     ]
     assert found.up == up
     assert_steps_agree(found.transforms, truth, up)
@@ -89,7 +90,7 @@ def test_every_pair_is_turned_rightly(series, name, up):
     scans = table if name == GROWN else clouds_of(SHARED / "unaligned" / name)
     # The copies have their points in the same order: so the true move is known exactly.
     truth = [fit_rigid(scan.astype(float), there) for scan, there in zip(scans, table, strict=True)]
-    found = align(scans)
+    found = align(series_of(scans))
     assert found.up == up
     assert_steps_agree(found.transforms, truth, up)
 
@@ -101,7 +102,7 @@ def test_series_in_one_frame_stay(series, name, labelled, few):
     tables = tables_of(series(name))
     tables = [tables[0], tables[len(tables) // 2], tables[-1]] if few else tables
     labels = [table[:, 3].astype(int) for table in tables] if labelled else None
-    found = align([table[:, :3].astype(np.float32) for table in tables], labels=labels)
+    found = align(series_of([table[:, :3] for table in tables], labels))
     assert found.up == "z"
     assert all(np.array_equal(transform, np.eye(4)) for transform in found.transforms)
 
@@ -116,7 +117,7 @@ def test_labelled_scans_turned_at_random_come_back(series, name):
         move[:2, 3] = random.normal(size=2) * 30.0 * bool(clouds)
         clouds.append(moved(table[:, :3], move))
         truth.append(move)
-    found = align(clouds, labels=[table[:, 3].astype(int) for table in tables]).transforms
+    found = align(series_of(clouds, [table[:, 3].astype(int) for table in tables])).transforms
     placed = [transform @ move for transform, move in zip(found, truth, strict=True)]
     steps = [np.linalg.inv(a) @ b for a, b in pairwise(placed)]
     yaws = np.array([abs(np.degrees(np.arctan2(step[1, 0], step[0, 0]))) for step in steps])
@@ -127,17 +128,16 @@ def test_labelled_scans_turned_at_random_come_back(series, name):
 @pytest.mark.parametrize("name", ["the example", *present(*ALIGNED)])
 def test_z_or_y_is_found_and_any_other_axis_is_found_or_named(series, name):
     clouds = example_clouds() if name == "the example" else clouds_of(series(name))
-    names = [str(number) for number in range(len(clouds))]
     samples = [even_sample(cloud) for cloud in clouds]
     for up in ("x", "y", "z", "-x", "-y", "-z"):
         turn = upright(Vertical.named(up))
         turned = [replace(s, pool=s.pool @ turn, points=s.points @ turn) for s in samples]
-        found, (finding, *_) = find_up(turned, names)
+        found, (finding, *_) = find_up(turned)
         assert found == up or (up not in "yz" and finding.option == f"--up {up}")
 
 
 @pytest.mark.parametrize("folder", [EXAMPLE, *(SHARED / n for n in present("tomato_fullres"))])
 def test_the_tomato_stays_as_its_makers_turned_it(folder):
-    found = align([scan.points for scan in read_series([folder]).scans])
+    found = align(read_series([folder]))
     assert found.up == "z"
     assert np.array_equal(found.transforms[1], np.eye(4))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from baker.alignment import Alignment, align
+from tests.baker.series import series_of
 
 
 @pytest.fixture(scope="module")
@@ -12,7 +13,7 @@ def week(plant) -> list[np.ndarray]:
 
 
 def aligned(clouds: list[np.ndarray], method: str = "auto", **known) -> Alignment:
-    return align([cloud.astype(np.float32) for cloud in clouds], method, "z", **known)
+    return align(series_of(clouds, **known), method, "z")
 
 
 def stays(found: Alignment) -> list[bool]:
@@ -79,7 +80,7 @@ def test_turned_scans_of_which_none_says_so_are_brought_together(week, posed):
 
 def test_a_scan_in_another_coordinate_system_comes_back_exactly(week):
     far = np.array([5.4e5, 5.6e6, 300.0])
-    found = aligned(week, offsets=[np.zeros(3), far, far, far, far])
+    found = aligned(week, origins=[np.zeros(3), far, far, far, far])
     (first, *others) = found.transforms
     assert np.array_equal(first, np.eye(4))
     for transform, cloud in zip(others, week[1:], strict=True):

@@ -6,6 +6,7 @@ import pytest
 from baker.alignment import align
 from baker.alignment.up_axis_search import upright
 from baker.geometry.up_axis import Vertical
+from tests.baker.series import series_of
 
 
 def moved(transform: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -16,12 +17,8 @@ def yaw(transform: np.ndarray) -> float:
     return float(np.degrees(np.arctan2(transform[1, 0], transform[0, 0])))
 
 
-def float32(clouds: list[np.ndarray]) -> list[np.ndarray]:
-    return [cloud.astype(np.float32) for cloud in clouds]
-
-
 def test_scattered_scans_come_back(days, scattered):
-    found = align(float32(scattered))
+    found = align(series_of(scattered))
     assert found.up == "z"
     for transform, cloud, there in zip(found.transforms, scattered, days, strict=True):
         size = np.ptp(there[:, 2])
@@ -32,18 +29,19 @@ def test_scattered_scans_come_back(days, scattered):
 @pytest.mark.parametrize("up", ["x", "y", "-x", "-y", "-z"])
 def test_in_any_orientation(days, scattered, up):
     turn = upright(Vertical.named(up)).T
-    clouds = float32([cloud @ turn.T for cloud in scattered])
-    found = align(clouds, ground_up=Vertical.named(up).sign * np.eye(3)[Vertical.named(up).axis])
+    clouds = [cloud @ turn.T for cloud in scattered]
+    away = Vertical.named(up).sign * np.eye(3)[Vertical.named(up).axis]
+    found = align(series_of(clouds, ground_up=away))
     assert found.up == up
     for transform, cloud, there in zip(found.transforms, scattered, days, strict=True):
         error = np.linalg.norm(moved(transform, cloud @ turn.T) - there @ turn.T, axis=1)
         assert error.max() < 0.03 * np.ptp(there[:, 2])
-    guessed = align(clouds)
+    guessed = align(series_of(clouds))
     assert guessed.up == up or guessed.findings[0].option == f"--up {up}"
 
 
 def test_what_is_told_of_the_moves(scattered):
-    found = align(float32(scattered))
+    found = align(series_of(scattered))
     assert np.array_equal(found.transforms[0], np.eye(4))
     up, frame = found.findings
     assert (up.topic, up.doubt) == ("up", "")
@@ -52,27 +50,27 @@ def test_what_is_told_of_the_moves(scattered):
 
 
 def test_transforms_are_rigid_and_keep_the_vertical(scattered):
-    for transform in align(float32(scattered)).transforms:
+    for transform in align(series_of(scattered)).transforms:
         assert np.allclose(transform[:3, :3] @ transform[:3, :3].T, np.eye(3))
         assert np.linalg.det(transform[:3, :3]) == pytest.approx(1.0)
         assert np.allclose(transform[2, :3], [0.0, 0.0, 1.0])
 
 
 def test_aligned_scans_stay_exactly(days):
-    found = align(float32(days))
+    found = align(series_of(days))
     assert all(np.array_equal(transform, np.eye(4)) for transform in found.transforms)
     assert not any(finding.doubt for finding in found.findings)
 
 
 def test_a_turntable_is_not_taken_for_one_frame(days, posed):
     turned = [posed(cloud, yaw, (0, 0, 0)) for cloud, yaw in zip(days, (0, 60, 170), strict=True)]
-    found = align(float32(turned))
+    found = align(series_of(turned))
     assert abs(yaw(found.transforms[1]) + 60.0) < 2.0
 
 
 def test_a_leaf_that_turns_does_not_turn_the_plant(plant, posed):
     before, after = plant(0), plant(1, turned={2: -50.0})
-    found = align(float32([before, posed(after, 90.0, (20, 0, 0))]))
+    found = align(series_of([before, posed(after, 90.0, (20, 0, 0))]))
     assert abs(yaw(found.transforms[1]) + 90.0) < 3.0
 
 
@@ -86,38 +84,38 @@ def test_a_tip_that_hangs_lower_is_not_the_base(days, posed):
         ]
     )
     later = np.concatenate([days[1], bow + rng.normal(0.0, 0.3, bow.shape)])
-    found = align(float32([days[0], posed(later, 45.0, (7, 8, 9))]))
+    found = align(series_of([days[0], posed(later, 45.0, (7, 8, 9))]))
     assert np.linalg.norm(moved(found.transforms[1], np.array([7.0, 8.0, 9.0]))) < 2.0
 
 
 def test_a_known_root_is_used(scattered):
-    found = align(float32(scattered), root=np.array([10.0, 0.0, 0.0]))
-    free = align(float32(scattered))
+    found = align(series_of(scattered), root=np.array([10.0, 0.0, 0.0]))
+    free = align(series_of(scattered))
     offset = found.transforms[1][:3, 3] - free.transforms[1][:3, 3]
     assert np.linalg.norm(offset) > 5.0
 
 
 def test_none_moves_nothing(scattered):
-    found = align(float32(scattered), method="none", up="-y")
+    found = align(series_of(scattered), method="none", up="-y")
     assert found.up == "-y"
     assert all(np.array_equal(transform, np.eye(4)) for transform in found.transforms)
 
 
 def test_icp_undoes_a_small_motion(days, posed):
     later = posed(days[0], 4.0, (0.5, -0.5, 0.3))
-    found = align(float32([days[0], later]), method="icp")
+    found = align(series_of([days[0], later]), method="icp")
     assert np.linalg.norm(moved(found.transforms[1], later) - days[0], axis=1).max() < 0.2
 
 
 def test_same_scans_same_transforms(scattered):
-    first, second = align(float32(scattered)), align(float32(scattered))
+    first, second = align(series_of(scattered)), align(series_of(scattered))
     assert [t.tobytes() for t in first.transforms] == [t.tobytes() for t in second.transforms]
     assert first.findings == second.findings
 
 
 def test_progress_counts_up_to_the_end(days):
     seen: list[tuple[int, int]] = []
-    align(float32(days), progress=lambda stage, done, total: seen.append((done, total)))
+    align(series_of(days), progress=lambda stage, done, total: seen.append((done, total)))
     assert [done for done, _ in seen] == sorted({done for done, _ in seen})
     assert seen[-1][0] == seen[-1][1]
 
@@ -139,7 +137,7 @@ DEGENERATE = {
 def test_degenerate_clouds_pass(kind, method, days):
     cloud = DEGENERATE[kind]
     for series in ([cloud, cloud + 3.0], [cloud, days[0][::9], cloud]):
-        found = align(float32(series), method=method)
+        found = align(series_of(series), method=method)
         for transform in found.transforms:
             assert np.isfinite(transform).all()
             assert np.allclose(transform[:3, :3] @ transform[:3, :3].T, np.eye(3))

@@ -9,6 +9,7 @@ from baker.alignment import align
 from baker.alignment.sample import even_sample
 from baker.alignment.stem_base import base_point, stem_labels
 from baker.geometry.up_axis import Vertical
+from tests.baker.series import series_of
 
 SIZE = 100.0
 FOOT = np.array([3.0, -2.0, 0.0])
@@ -37,7 +38,7 @@ def test_a_leaf_that_hangs_below_the_foot_is_no_foot(up: str, labelled: bool) ->
     clouds = [vertical.sign * np.roll(cloud, vertical.axis - 2, axis=1) for cloud in clouds]
     assert base_point(clouds[3], vertical) >= 400
     labels = [labels_of(cloud) for cloud in clouds] if labelled else None
-    found = align(clouds, "none", up, labels=labels)
+    found = align(series_of(clouds, labels), "none", up)
     for cloud, base in zip(clouds, found.bases, strict=True):
         point = base_point(cloud, vertical, near=base)
         assert point < 400
