@@ -63,4 +63,4 @@ def display() -> Iterator[dict[str, str]]:
     number = server.stdout.readline().strip()
     yield {"DISPLAY": f":{number}", "WAYLAND_DISPLAY": "", "XDG_SESSION_TYPE": "x11"}
     server.terminate()
-    server.wait(timeout=20)
+    server.wait(timeout=120)

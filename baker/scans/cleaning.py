@@ -87,7 +87,8 @@ def drop_non_finite(scan: Scan) -> Scan:
 def drop_duplicates(scan: Scan) -> Scan:
     """One point for each position, the first of its kind, whatever labels the others have."""
     # Few points share a place, if any: only those that share a hash are compared.
-    hashes = np.ascontiguousarray(scan.points).view(np.uint32).astype(np.uint64) @ HASH_FACTORS
+    words = np.ascontiguousarray(scan.points).view(np.uint32)
+    hashes = (words.astype(np.uint64) @ HASH_FACTORS).view(np.int64)  # isin of NumPy 2.0 needs it
     ordered = np.sort(hashes)
     alike = np.flatnonzero(np.isin(hashes, ordered[1:][ordered[1:] == ordered[:-1]]))
     repeated = np.delete(alike, _groups(scan.points[alike])[0])

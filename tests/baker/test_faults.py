@@ -195,7 +195,7 @@ def test_stopping_is_one_sentence_and_leaves_nothing(write_scans, output, number
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     first = process.stderr.readline()
     process.send_signal(number)
-    said = process.communicate(timeout=60)[1]
+    said = process.communicate(timeout=120)[1]
     assert first.startswith("reading")
     assert process.returncode == 128 + number
     assert said.splitlines()[-1] == "bake: stopped; nothing half-written is left behind."

@@ -42,7 +42,7 @@ PAGES = (
     "docs/corrections.md",
 )
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-SMALL_PLANT = ["--points", "700", "--scans", "4"]
+SMALL_PLANT = ["--points", "400", "--scans", "4"]
 SMALL_IMAGES = ["--size", "96x72", "--days", "2"]
 SMALL_PICTURE = ["--size", "96x64", "--fps", "2"]
 PICTURES = (".mp4", ".gif", ".webm", ".png")
@@ -140,7 +140,7 @@ def in_window(words: list[str], display: dict[str, str]) -> None:
         env={**os.environ, **display}, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
-        deadline = time.monotonic() + 40.0
+        deadline = time.monotonic() + 120.0
         while player.poll() is None and time.monotonic() < deadline:
             subprocess.run(["xdotool", "key", "q"], env={**os.environ, **display}, check=False)
             time.sleep(0.2)

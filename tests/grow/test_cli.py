@@ -1,6 +1,7 @@
 """The command `grow`: what it writes, and what it refuses."""
 
 import csv
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from baker.scans import read_series
 from grow import formats, plant
 from grow.cli import main
+from grow.model import Cloud
 from grow.series import day_names
 
 
@@ -42,6 +44,11 @@ def test_the_same_command_writes_the_same_bytes(tmp_path: Path) -> None:
     ]
 
 
+@cache
+def tree_on(day: float) -> Cloud:
+    return plant("tree1", 2).cloud(day, seed=2)
+
+
 @pytest.mark.parametrize("suffix", sorted(formats.WRITERS))
 @pytest.mark.parametrize("unlabelled", [False, True])
 def test_the_reader_reads_what_was_written(tmp_path: Path, suffix: str, unlabelled: bool) -> None:
@@ -49,10 +56,9 @@ def test_the_reader_reads_what_was_written(tmp_path: Path, suffix: str, unlabell
     command = ["tree1", str(tmp_path / "t"), "--format", suffix, "--scans", "5", "--seed", "2"]
     assert main([*command, "-q", *flags]) == 0
     series = read_series([tmp_path / "t"])
-    subject = plant("tree1", 2)
     assert [scan.time for scan in series.scans] == [0.0, 7.5, 15.0, 22.5, 30.0]
     for scan in series.scans:
-        cloud = subject.cloud(scan.time, seed=2)
+        cloud = tree_on(scan.time)
         np.testing.assert_allclose(scan.points + scan.origin, cloud.points, atol=2e-3)
         if unlabelled:
             assert scan.labels is None

@@ -113,7 +113,7 @@ class Shown:
         )  # fmt: skip
         return done.stdout.strip()
 
-    def until(self, met: Callable[[State], bool], seconds: float = 20.0) -> State:
+    def until(self, met: Callable[[State], bool], seconds: float = 120.0) -> State:
         """The newest state, as soon as it is as wished."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
@@ -125,7 +125,7 @@ class Shown:
         errors = self.process.stderr.read() if self.process.poll() is not None else ""  # type: ignore[union-attr]
         raise AssertionError(f"not so within {seconds} s: {self.states[-1:]} {errors}")
 
-    def settled(self, quiet: float = 0.3, seconds: float = 20.0) -> State:
+    def settled(self, quiet: float = 0.3, seconds: float = 120.0) -> State:
         """The state once no picture has come for so long."""
         deadline, seen = time.monotonic() + seconds, -1
         while seen != len(self.states):

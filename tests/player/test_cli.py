@@ -121,7 +121,7 @@ def test_no_display_names_the_way_out(saved: Path) -> None:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
     )
     assert done.returncode == 2
     assert "--export" in done.stderr

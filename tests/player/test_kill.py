@@ -63,7 +63,7 @@ def test_a_stopped_export_says_so_and_leaves_nothing(
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(number)
-    said = process.communicate(timeout=60)[1]
+    said = process.communicate(timeout=120)[1]
     assert process.returncode == 128 + number
     assert said == "play: stopped; nothing half-written is left behind.\n"
     assert intact(folder)

@@ -20,7 +20,7 @@ SERIES = (
 
 @pytest.mark.parametrize("name", labelled(*SERIES))
 def test_organs_overlap_with_those_marked(series, name):
-    tables = [np.loadtxt(path) for path in sorted(series(name).glob("*.txt"))]
+    tables = [np.loadtxt(path) for path in sorted(series(name).glob("*.txt"))[::2]]
     clouds = [table[:, :3] - tables[0][:, :3].mean(axis=0) for table in tables]
     found = segment_organs(clouds, [base_point(c, Vertical.named("z")) for c in clouds])
     overlap = [

@@ -26,7 +26,7 @@ def test_motion_matters_between_its_scans_and_identity_from_the_first_one_on():
 @pytest.fixture(scope="module")
 def grown(tmp_path_factory: pytest.TempPathFactory) -> Clip:
     folder = tmp_path_factory.mktemp("maize") / "scans"
-    write_series(Plan("maize", seed=0, scans=3, days=14, points=(2000, 4000)), folder)
+    write_series(Plan("maize", seed=0, scans=3, days=14, points=(500, 1000)), folder)
     return bake([folder], Options(align="none", workers=1))
 
 

@@ -57,8 +57,8 @@ def cluster(tmp_path_factory) -> Iterator[Cluster]:
     common = ("--nthreads", "1", "--no-nanny", "--local-directory", str(folder))
     workers = [start("worker", address, *common) for _ in range(2)]
     try:
-        with distributed.Client(address, timeout=60, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=60)
+        with distributed.Client(address, timeout=120, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=120)
         yield Cluster(address, scheduler, workers)
     finally:
         for process in (*workers, scheduler):
@@ -135,7 +135,7 @@ def test_ctrl_c_stops_the_cluster_too(cluster, house, tmp_path):
     process.stderr.readline()  # the first plant is done
     process.send_signal(signal.SIGINT)
     rest = process.stderr.read()
-    assert process.wait(timeout=30) == 130
+    assert process.wait(timeout=120) == 130
     assert rest.strip().splitlines()[-1].startswith("bake: stopped")
     assert "Traceback" not in rest
     with distributed.Client(cluster.address, set_as_default=False) as client:

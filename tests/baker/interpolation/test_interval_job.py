@@ -30,7 +30,7 @@ def on_threads(workers):
 )
 def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
     """Whether threads have an interval each, or share its organs."""
-    folder = write_scans(days=(0, 1, 2, 3))
+    folder = write_scans(days=(0, 1, 2))
     solvers = {"here": None, "few": on_threads(2), "many": on_threads(5), "away": sent_away}
     for name, solve in solvers.items():
         bake_recorded([folder], options, solve=solve)[0].save(tmp_path / f"{name}.gclip")

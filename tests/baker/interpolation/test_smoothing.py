@@ -10,6 +10,7 @@ from baker import Options, bake
 from baker.interpolation.smoothing import local_regression
 from grow import plant
 
+OPTIONS = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
 DAYS = np.array([4.0, 5, 6, 8, 9, 10, 11, 12])
 
 
@@ -26,10 +27,10 @@ def test_an_outlier_does_not_bend_the_course():
     )
 
 
-@pytest.fixture
-def swaying(tmp_path):
+@pytest.fixture(scope="module")
+def swaying(tmp_path_factory):
     """A maize whose leaves are turned about their bases at random in every scan."""
-    maize = plant("maize", 1)
+    folder, maize = tmp_path_factory.mktemp("swaying"), plant("maize", 1)
     rng = np.random.default_rng(0)
     for day in DAYS:
         cloud = maize.cloud(day, points=3000)
@@ -38,8 +39,13 @@ def swaying(tmp_path):
             turn = Rotation.from_rotvec(rng.normal(0, np.radians(6), 3))
             own, base = cloud.labels == organ.label, np.array(organ.base)
             points[own] = turn.apply(points[own] - base) + base
-        np.savetxt(tmp_path / f"day{day:02.0f}.txt", np.c_[points, cloud.labels], fmt="%.4f")
-    return maize, tmp_path
+        np.savetxt(folder / f"day{day:02.0f}.txt", np.c_[points, cloud.labels], fmt="%.4f")
+    return maize, folder
+
+
+@pytest.fixture(scope="module")
+def steady(swaying):
+    return bake([swaying[1]], Options(smooth=True, **OPTIONS))
 
 
 def middles(clip):
@@ -48,12 +54,9 @@ def middles(clip):
     return np.array([[f.local[f.tracks == n].mean(axis=0) for n in (1, 2, 3)] for f in frames])
 
 
-def test_steadied_leaves_sway_less_and_are_nearer_to_the_truth(swaying):
+def test_steadied_leaves_sway_less_and_are_nearer_to_the_truth(swaying, steady):
     maize, folder = swaying
-    options = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
-    plain, steady = (
-        middles(bake([folder], Options(smooth=smooth, **options))) for smooth in (False, True)
-    )
+    before, after = middles(bake([folder], Options(**OPTIONS))), middles(steady)
     clouds = [maize.cloud(day, points=6000, noise=0.0) for day in DAYS]
     truth = np.array([[c.points[c.labels == n].mean(axis=0) for n in (1, 2, 3)] for c in clouds])
 
@@ -63,16 +66,14 @@ def test_steadied_leaves_sway_less_and_are_nearer_to_the_truth(swaying):
     def error(middle):
         return np.linalg.norm(middle - truth, axis=2).mean()
 
-    assert sway(steady) < 0.6 * sway(plain)
-    assert error(steady) < 0.9 * error(plain)
+    assert sway(after) < 0.6 * sway(before)
+    assert error(after) < 0.9 * error(before)
 
 
-def test_leaves_stay_attached(swaying):
-    _, folder = swaying
-    clip = bake([folder], Options(align="none", up="z", labels="consistent", smooth=True))
-    for time in clip.times:
-        frame = clip.at(time)
+def test_leaves_stay_attached(steady):
+    for time in steady.times:
+        frame = steady.at(time)
         stem = frame.local[frame.tracks == 0]
         for label in (1, 2, 3):
             leaf = frame.local[frame.tracks == label]
-            assert np.sqrt(((leaf[:, None] - stem[None]) ** 2).sum(2)).min() < 3 * clip.spacing
+            assert np.sqrt(((leaf[:, None] - stem[None]) ** 2).sum(2)).min() < 3 * steady.spacing

@@ -197,7 +197,7 @@ def test_a_browser_without_a_network_shows_all_of_it(chromium, report, tmp_path,
         [*command, *offline, f"--window-size={width},900", looked.as_uri()],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
     )
     title = re.search(r"<title>(.*?)</title>", shown.stdout)
     assert title, shown.stderr

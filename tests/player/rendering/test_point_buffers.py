@@ -112,7 +112,7 @@ def test_without_time_the_beginning_is_there_and_the_rest_follows(
 def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, make_clip) -> None:
     clip = series(make_clip(), 3)
     store = ChunkStore(context, clip, 1 << 30)
-    ends = time.monotonic() + 10.0
+    ends = time.monotonic() + 120.0
     (following,), (last,) = whole(clip, 1.5), whole(clip, 2.5)
     while store.resident(following) < following.count and time.monotonic() < ends:
         store.load(whole(clip, 0.5), 0.1)
@@ -153,7 +153,7 @@ def test_an_interval_is_read_before_it_is_needed(make_clip) -> None:
     prefetch = Prefetch()
     prefetch.start(0, clip.intervals[0])
     prefetch.start(1, clip.intervals[1])
-    ends = time.monotonic() + 10.0
+    ends = time.monotonic() + 120.0
     while not prefetch.done(1) and time.monotonic() < ends:
         time.sleep(0.001)
     assert prefetch.done(1)

@@ -22,7 +22,7 @@ def saved(make_clip: ClipMaker, tmp_path: Path) -> Path:
 
 
 def ended(export: ExportJob) -> str:
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 120.0
     while not export.look().ended:
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -30,7 +30,7 @@ def ended(export: ExportJob) -> str:
 
 
 def begun(folder: Path) -> None:
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 120.0
     while not list(folder.glob(".out.*/out.mp4")) and not list(folder.glob(".*mp4*/*")):
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -72,7 +72,7 @@ if __name__ == "__main__":
     begun(saved.parent)
     window.kill()
     window.wait()
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 120.0
     while [path.name for path in saved.parent.iterdir()] != ["plant.gclip"]:
         assert time.monotonic() < deadline
         time.sleep(0.1)
