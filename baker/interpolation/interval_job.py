@@ -229,7 +229,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), parts)
         moved = moving(task, plan, job.start, job.end, job.timings.get(task.organ))
-        return moved, paths.deviation(moved, motion) if paths else None
+        return moved, paths.deviation(task.organ, motion, start, plan.rows) if paths else None
 
     # The largest first, so that none is left to a single thread in the end.
     order = np.argsort(sizes, kind="stable")[::-1]

@@ -6,11 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import nearest_neighbors
 from baker.interpolation.organ_attachments import Attachments
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
-    NEIGHBORS,
     Points,
     Spine,
     fit_spine,
@@ -70,7 +68,7 @@ def organ_shapes(
             gaps, touched = KDTree(above.points).query(sample[seeds])
             offsets = above.lengths[touched] + gaps
             above.nodes[organ] = int(touched[np.argmin(offsets)])
-        lengths = path_lengths(sample, seeds, offsets, nearest_neighbors(sample, NEIGHBORS))
+        lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)
         shapes[organ] = OrganShape(sample, spine, attachment, offsets.min() + lengths)

@@ -29,17 +29,16 @@ class OrganPaths:
         self._end, self._scan = end, scan
         self._segments = {organ: segment for segment, organ in enumerate(scan.organs)}
 
-    def deviation(self, moved: OrganMovers, motion: OrganMotion | None) -> Deviation | None:
-        """How one task's movers deviate; None where they go straight."""
+    def deviation(
+        self, organ: int, motion: OrganMotion | None, start: Points, rows: NDArray[np.integer]
+    ) -> Deviation | None:
+        """How movers from these rows of an organ deviate; None where they go straight."""
         from scipy.spatial import cKDTree
 
-        segment = self._segments.get(_track(moved), NO_PARENT)
+        segment = self._segments.get(organ, NO_PARENT)
         if motion is None or segment == self._scan.root:
             return None
-        assert moved.start_points is not None
-        starts = np.zeros((int(moved.start_points.max()) + 1, 3), np.float32)
-        starts[moved.start_points] = moved.movers.curve[0]
-        shift = motion.deviation(starts)[moved.start_points]
+        shift = motion.deviation(start).take(rows, axis=0)
         tree, touched = cKDTree(motion.deformed), dict[int, int]()
         for child, members in enumerate(self._scan.segments):
             if self._scan.parents[child] == segment and len(members):

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
-from baker.geometry.neighbors import Neighbors
 
 Points = NDArray[np.float64]
 
@@ -36,16 +35,10 @@ def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def path_lengths(
-    points: Points,
-    seeds: NDArray[np.intp],
-    offsets: NDArray[np.float64],
-    neighbors: Neighbors | None = None,
+    points: Points, seeds: NDArray[np.intp], offsets: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(n,) geodesic distances from the seeds, above the smallest of their offsets.
-
-    offsets: distances at the seeds; neighbors: the NEIGHBORS nearest ones, where these are known.
-    """
-    graph, _, _ = connected_knn_graph(points, NEIGHBORS, neighbors)
+    """(n,) geodesic distances from the seeds, above the smallest of their offsets."""
+    graph, _, _ = connected_knn_graph(points, NEIGHBORS)
     return geodesic_distances(graph, seeds, offsets - offsets.min())
 
 

@@ -111,22 +111,26 @@ def _improve(
     last: bool,
 ) -> tuple[Edges, Masses]:
     """Improve a feasible plan in one sweep; on the last level until a sweep gains too little."""
+    from baker.transport.network_simplex import improve_cells
+
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
     few = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
     exhaustive = few or (last and n * m <= MAX_PAIRS_PRICED)
-    one_cell = n + m <= MAX_POINTS_OF_ONE_CELL
+    nothing = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
+    other = options.seed + MAX_SWEEPS
+    near = nothing if few else (_neighbors(start, other), _neighbors(end, other))
+    if n + m <= MAX_POINTS_OF_ONE_CELL:
+        whole = np.array([0, len(mass)])
+        return improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
 
     def cost() -> float:
         return float(mass @ costs(start, end, edges, options.power))
 
     now = cost()
-    nothing = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
-    other = options.seed + MAX_SWEEPS
-    near = nothing if few else (_neighbors(start, other), _neighbors(end, other))
     for sweep in range(MAX_SWEEPS if last else 1):
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
-        cells = 1 if one_cell else round((n + m) / size)
+        cells = round((n + m) / size)
         cell = _cells(start, cells, options.seed, sweep)
         edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, options)
         before, now = now, cost()

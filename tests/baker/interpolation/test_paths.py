@@ -55,7 +55,9 @@ def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMover
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
         tasks.append(OrganMovers(movers, None, None, a, members, organ == 3))
     paths = paths_of(clouds, match)
-    deviations = list(map(paths.deviation, tasks, motions_of(clouds, match)))
+    starts = [task.movers.curve[0] for task in tasks]
+    rows = [np.arange(len(start)) for start in starts]
+    deviations = list(map(paths.deviation, range(4), motions_of(clouds, match), starts, rows))
     assert deviations[0] is None
     assert deviations[1] is not None
     return clouds, match, tasks, paths.curved(tasks, deviations)
