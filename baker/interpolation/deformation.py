@@ -23,7 +23,7 @@ MIN_NODE_DISTANCE = 0.02  # along a spine, between landmarks and from its ends
 MAX_WIDENING = 3.0  # factor by which cross-sections may widen or narrow
 
 CENTERS = 60  # of local affine maps
-KERNEL_WIDTHS = 0.8, 0.6, 0.45, 0.35, 0.28, 0.22, 0.18, 0.15  # root mean square radii of the cloud
+KERNEL_WIDTHS = 0.8, 0.5, 0.33, 0.22, 0.15  # root mean square radii of the cloud
 STIFFNESS = 0.1  # of the maps against stretching, as a share of the kernel's width squared
 OUTLIER_SCALE = 3.0  # median distances at which a pair of closest points counts half
 LANDMARK_SHARE = 0.1  # of all points' weight, that a landmark has where the kernel is as wide as 1
