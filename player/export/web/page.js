@@ -9,6 +9,7 @@ const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, i
 const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
 const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
 const COVERED = 130;  // pixels of the page's foot, that the plant is kept clear of
+const PLOTTED = 70;  // as many more where the trait of an organ is plotted
 
 const byId = (id) => document.getElementById(id);
 
@@ -24,9 +25,14 @@ function start(about, shaders) {
     };
     const move = () => { state.fitted = false; state.moved = performance.now(); };
 
+    // Share of the picture's height that the plant has.
+    function free() {
+        const covered = COVERED + (byId("curve").hidden ? 0 : PLOTTED);
+        return Math.max(1 - covered / canvas.clientHeight, 0.4);
+    }
+
     function fit() {
-        const { clientWidth: width, clientHeight: height } = canvas;
-        camera.fit(width / height, Math.max(1 - COVERED / height, 0.4));
+        camera.fit(canvas.clientWidth / canvas.clientHeight, free());
         state.fitted = true;
         state.dirty = true;
     }
@@ -83,7 +89,9 @@ function start(about, shaders) {
     // A trait or mean field of the chosen organ over the timeline, whose days it shares.
     function plot() {
         const [label, curve] = clip.curves[`${look.chosen} ${look.trait}`] || [];
+        const before = free();
         byId("curve").hidden = !curve;
+        if (free() !== before) camera.reframe(before, free());
         if (!curve) return;
         const [place, , name] = byId("curve").children;
         place.innerHTML = curve;

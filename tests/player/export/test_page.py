@@ -184,6 +184,23 @@ def test_the_chosen_organ_s_curves_share_the_timeline(opened: Any, make_clip: An
     assert tab.evaluate("viewer.look.trait") == "length"
 
 
+def test_the_plot_of_an_organ_leaves_the_plant_free(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    tab, track = opened(clip), trait_curves(clip)[0].track
+    tab.set_viewport_size({"width": 900, "height": 700})
+    tab.evaluate("viewer.act('fit')")
+    seen = """() => { const {camera} = viewer, slope = Math.tan(camera.field_of_view / 2);
+        const at = camera.pose().inverse().transformPoint(new DOMPoint(...camera.home.target));
+        return [at.y / (-at.z * slope), camera.distance]; }"""
+    before = tab.evaluate(seen)
+    tab.evaluate(f"viewer.act('choose', {track})")
+    height, distance = tab.evaluate(seen)
+    assert height > before[0] + 0.08, "higher in the picture"
+    assert distance > 1.1 * before[1]
+    tab.evaluate(f"viewer.act('choose', {track})")
+    assert tab.evaluate(seen) == pytest.approx(before), "as it was"
+
+
 def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
     assert not tab.is_visible("#scale"), "these colours mean nothing"
