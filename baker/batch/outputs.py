@@ -1,5 +1,6 @@
 """What a bake writes, and whether it can be written."""
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +66,7 @@ def check_cache(outputs: Outputs) -> None:
     """Raise InputError where the cache's folder would stand where a file is to be written."""
     if outputs.cache is None:
         return
-    folder = outputs.cache.resolve()
+    folder = Path(os.path.realpath(outputs.cache))  # resolve() fails where links form a loop
     for path in filter(None, (outputs.clip, outputs.report, outputs.traits)):
-        if path.resolve() in (folder, *folder.parents):
+        if Path(os.path.realpath(path)) in (folder, *folder.parents):
             raise InputError(f"--cache {outputs.cache}: {path} is to be a file; name a folder.")

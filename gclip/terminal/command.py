@@ -67,6 +67,8 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, f"{name}: {error.strerror or error}."
     if isinstance(error, OSError) and error.errno in LIMITS:
         return BAD_INPUT, f"{error.strerror or error}."
+    if isinstance(error, (ImportError, OSError)) and "shared object" in str(error):  # as ld.so says
+        return BAD_INPUT, f"a library of the system can't be loaded: {error}."
     if isinstance(error, MemoryError):
         return BAD_INPUT, "out of memory; try fewer points, for example with `bake --voxel SIZE`."
     what = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
@@ -79,7 +81,7 @@ def _complaint(error: Any) -> str:
         return str(getattr(error, "format_message", error.__str__)()).rstrip(".")
     wrong, option = error.__cause__.errors()[0], error.param.get_error_hint().replace("'", "")
     if wrong["type"] not in NEEDED:
-        return f"{option}: {wrong['ctx']['error']}".rstrip(".")
+        return f"{option}: {wrong.get('ctx', {}).get('error', wrong['msg'])}".rstrip(".")
     needed = NEEDED[wrong["type"]].format(**wrong.get("ctx", {}))
     return f"{option} is {wrong['input'] or repr('')}; {needed}"
 

@@ -175,6 +175,10 @@ def test_the_first_bake_says_that_it_compiles_and_later_ones_do_not(write_scans,
         (["--even", "many"], "--even is many; a number is needed"),
         (["--up=Q"], "--up: 'Q' is not one of 'auto', 'x', 'y', 'z', '-x', '-y', '-z'"),
         (["--every", ""], "--every is ''; a whole number is needed"),
+        (
+            ["--workers", "9" * 5000],
+            "--workers: Unable to parse input string as an integer, exceeded maximum size",
+        ),
         (["--unit"], "Option '--unit' requires an argument"),
     ],
 )

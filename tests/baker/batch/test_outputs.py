@@ -42,3 +42,11 @@ def test_a_cache_where_a_file_goes_is_refused_before_the_work(write_scans, tmp_p
     assert main([str(word) for word in words]) == 2
     assert re.fullmatch(r"bake: --cache .* name a folder\.\n", capsys.readouterr().err)
     assert [path.name for path in tmp_path.iterdir()] == ["scans"]
+
+
+def test_a_cache_that_links_to_itself_is_said(write_scans, tmp_path, capsys):
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    words = [write_scans(), "-o", tmp_path / "p.gclip", "--cache", loop, "-q"]
+    assert main([str(word) for word in words]) == 2
+    assert capsys.readouterr().err == f"bake: {loop} can't be a cache: File exists.\n"

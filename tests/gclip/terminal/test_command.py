@@ -36,6 +36,17 @@ def raising(error: BaseException) -> Callable[[], None]:
         (FileNotFoundError(2, "No such file", b"x\xff"), 2, "bake: x\ufffd: No such file.\n"),
         (OSError(28, "No space left"), 2, "bake: No space left.\n"),
         (OSError(22, "Invalid argument"), 1, "internal error (OSError: [Errno 22]"),
+        (
+            OSError("libusb-1.0.so.0: cannot open shared object file: No such file or directory"),
+            2,
+            "bake: a library of the system can't be loaded: libusb-1.0.so.0: cannot open",
+        ),
+        (
+            ImportError("libgfortran.so.5: failed to map segment from shared object"),
+            2,
+            "bake: a library of the system can't be loaded: libgfortran.so.5: failed to map",
+        ),
+        (ImportError("cannot import name 'x'"), 1, "internal error (ImportError: "),
         (KeyboardInterrupt(), 130, "stopped; nothing half-written"),
         (ZeroDivisionError("one\ntwo"), 1, "internal error (ZeroDivisionError: one two)"),
     ],
