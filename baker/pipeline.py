@@ -28,8 +28,7 @@ from baker.geometry.neighbors import (
 )
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.colors import painted
-from baker.interpolation.fields import with_fields
+from baker.interpolation.attributes import painted, with_fields
 from baker.interpolation.interval_job import (
     IntervalSolver,
     interval_jobs,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.interpolation.colors import organ_colors
+from baker.interpolation.attributes import organ_colors
 from grow import komatsuna
 from grow.faults import Faults, misplace_labels, spoil_depth
 from grow.model import Plant

@@ -10,9 +10,13 @@ from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.movers import OrganMovers, leaving, moving
-from baker.interpolation.organ_attachments import Attachments, organ_attachments
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
-from baker.interpolation.organ_shapes import OrganShape, organ_shapes
+from baker.interpolation.organ_shapes import (
+    Attachments,
+    OrganShape,
+    organ_attachments,
+    organ_shapes,
+)
 from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs

@@ -7,7 +7,7 @@ from typing import Any
 
 from baker.alignment import Alignment
 from baker.errors import InputError
-from baker.interpolation.colors import organ_colors
+from baker.interpolation.attributes import organ_colors
 from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.interpolation.organ_attachments import organ_attachments
+from baker.interpolation.organ_shapes import organ_attachments
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.interpolation.colors import organ_colors
+from baker.interpolation.attributes import organ_colors
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 700])
