@@ -21,7 +21,7 @@ Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry 
 # Of the masses that both clouds have.
 NEIGHBORS = 10  # points, within whose distance the other cloud's are counted
 MIN_SHARE = 0.02  # of a uniform mass: every point is moved
-MAX_SAMPLE = 500  # points of a cloud, each for those after it along the Morton curve
+MAX_SAMPLE = 250  # points of a cloud, each for those after it along the Morton curve
 TOTAL_MASS = 10**9  # whole units
 
 
