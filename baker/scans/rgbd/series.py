@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from msgspec.structs import astuple
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from baker.errors import InputError
@@ -43,16 +43,21 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
 
     Raises InputError: fewer than two, one without depth, or labels for some frames only.
     """
-    colors, depths, labels, masks = (_by_name(folder, pattern) for pattern in astuple(patterns))
+    found: dict[str, dict[str, Path]] = {}
+    for kind, pattern in asdict(patterns).items():
+        before, _, after = Path(pattern).name.partition("*")
+        files = (path for path in folder.glob(pattern) if path.is_file())
+        found[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
+    colors = found["color"]
     if len(colors) < 2:
         images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
         raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
     names = sorted(colors, key=natural_key)
-    for kind, found in (("depth", depths), ("label", labels or colors)):
-        for name in names:
-            if name not in found:
-                missing = getattr(patterns, kind).replace("*", name)
-                raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
+    for kind in ("depth", "label")[: 1 + bool(found["label"])]:
+        for name in (name for name in names if name not in found[kind]):
+            missing = getattr(patterns, kind).replace("*", name)
+            raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
+    depths, labels, masks = found["depth"], found["label"], found["mask"]
     return tuple(
         Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
     )
@@ -238,13 +243,6 @@ def _numbers(pixels: NDArray) -> NDArray[np.int64]:
     return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
 
 
-def _by_name(folder: Path, pattern: str) -> dict[str, Path]:
-    """The files of a pattern, by what its star stands for."""
-    before, _, after = Path(pattern).name.partition("*")
-    found = (path for path in folder.glob(pattern) if path.is_file())
-    return {path.name.removeprefix(before).removesuffix(after): path for path in found}
-
-
 def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
     """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`.
 
@@ -252,7 +250,6 @@ def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
     """
     from PIL import Image, UnidentifiedImageError
 
-    unreadable = (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error)
     # From memory, where a part that says it is a gigabyte makes no room for one.
     content = path.read_bytes()
     try:
@@ -268,7 +265,7 @@ def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
             mode = image.mode if re.fullmatch(kept, image.mode) else other
             if mode is not None:
                 return np.array(image.convert(mode))
-    except unreadable as error:
+    except (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error) as error:
         reason = " ".join(str(error).split()).rstrip(".")
         if isinstance(error, UnidentifiedImageError):
             reason = f"it is none of {', '.join(FORMATS)}, or damaged"
