@@ -26,7 +26,7 @@ def test_what_one_cloud_lacks_hardly_counts():
     new = np.concatenate([rng.random((500, 3)), rng.random((300, 3)) + np.array([3, 0, 0])])
     supply, demand = shared_masses(old, new)
     assert demand[500:].max() <= 1.1 * MIN_SHARE * demand[:500].max()
-    assert np.median(supply) == pytest.approx(TOTAL_MASS / 500, rel=0.1)
+    assert np.median(supply) == pytest.approx(TOTAL_MASS / 500, rel=0.15)
 
 
 def test_the_plan_keeps_to_them_and_is_optimal():
