@@ -1,8 +1,9 @@
 """Organs on a plant's skeleton: blades told from stem and petioles, and bare branches.
 
 A ball of the stem's diameter sees a round rod where there is stem or petiole, and a flat sheet
-where there is a blade. On every path from the base to a tip the stem ends once, where the blade
-begins; where that is best for all paths together is found exactly, from the tips down.
+where there is a blade; and sections of blades are wider than the stem. On every path from the base
+to a tip the stem ends once, where the blade begins; where that is best for all paths together is
+found exactly, from the tips down.
 """
 
 import numpy as np
@@ -13,15 +14,18 @@ from baker.segmentation.reeb_graph import PlantSample, ReebTree
 BALL_RADIUS = 1.0  # radius of the ball, in stem diameters
 MIN_ROD_FLATNESS = 0.55  # from this ratio of the ball's least two axes on, what it sees is round
 FLATNESS_RANGE = 0.3  # further from it than this, nothing gets clearer
+WIDTH_WEIGHT = 0.6  # of the logarithm of a section's width over the stem's diameter
 MIN_BLADE_AREA = 0.7  # a blade is larger than this, in squares of the stem's diameter
 MIN_SLENDERNESS = 2.0  # a branch of a blade this many times as long as wide is a blade of its own
-MIN_BARE_LENGTH = 3.0  # a branch without blades is an organ from this length on, in stem diameters
+MIN_BARE_LENGTH = 2.0  # a branch without blades is an organ from this length on, in stem diameters
 STEM = 0
 
 
-def blade_scores(sample: PlantSample) -> NDArray[np.float64]:
+def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
     """(n,) how surely each point lies on a blade: from -1, on stem or petiole, to 1."""
-    return np.clip((MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE, -1.0, 1.0)
+    flat = (MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE
+    wide = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
+    return np.clip(flat + WIDTH_WEIGHT * wide[tree.node], -1.0, 1.0)
 
 
 def organs_of_nodes(

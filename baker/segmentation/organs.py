@@ -75,7 +75,8 @@ def _plant(cloud: NDArray[np.floating], base: int) -> _Plant:
     sample = sample_plant(cloud, base, NEIGHBORS)
     if sample.diameter == 0.0 or len(sample.points) < MIN_POINTS:
         return _Plant(sample, None, np.zeros(len(sample.points)))
-    return _Plant(sample, reeb_tree(sample), blade_scores(sample))
+    tree = reeb_tree(sample)
+    return _Plant(sample, tree, blade_scores(sample, tree))
 
 
 def _scores_from(

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # points at most: to measure the stem, and to segment with
 VOXEL_SIZE = 0.2  # in stem diameters
-LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.5, 3.0  # in stem diameters, in point spacings at least
+LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters, in point spacings at least
 STEM_LENGTH = 6.0  # that the stem is measured over, in its diameters
 MIN_POINTS_OF_SECTION = 6
 MAX_ROUNDS = 15
-MAX_HOLE = 3.0  # length of a loop that is but a hole, in stem diameters
+MAX_HOLE = 2.0  # length of a loop that is but a hole, in stem diameters
 
 
 @dataclass(frozen=True)

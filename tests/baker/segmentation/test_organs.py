@@ -100,13 +100,18 @@ def test_points_all_in_one_place():
 
 
 def test_the_next_scan_tells_of_a_leaf_that_is_not_plain_yet():
-    """A leaf half unrolled, too short to be a branch: seen only because it unfolds later."""
+    """A short and crumpled leaf, seen only because it unfolds later."""
     rng = np.random.default_rng(0)
     plant, _ = seedling(2)
-    rolled = tube([0, 0, 7.5], [0, 0, 9.4], 1.0, 60, rng) * [1.0, 0.4, 1.0]
-    flat = np.column_stack([rng.uniform(-1.5, 1.5, 800), np.zeros(800), rng.uniform(7.5, 13, 800)])
-    unrolled = flat + rng.normal(0, 0.02, flat.shape)
-    early, late = np.vstack([plant, rolled]), np.vstack([plant, unrolled])
+
+    def leaf(length: float, width: float, noise: float) -> np.ndarray:
+        count = int(300 * length * width)
+        across, along = rng.uniform(-0.5, 0.5, count) * width, rng.uniform(0, length, count)
+        points = np.column_stack([np.zeros(count), across, 7.4 + along])
+        return points + rng.normal(0, noise, points.shape)
+
+    young, unfolded = leaf(1.4, 1.2, 0.2), leaf(5.0, 3.0, 0.02)
+    early, late = np.vstack([plant, young]), np.vstack([plant, unfolded])
     alone, told = organs(early)[0], organs(early, late)[0]
-    assert (alone[-len(rolled) :] == 0).mean() > 0.9
-    assert (told[-len(rolled) :] != 0).mean() > 0.5
+    assert (alone[-len(young) :] == 0).mean() > 0.9
+    assert (told[-len(young) :] != 0).mean() > 0.5

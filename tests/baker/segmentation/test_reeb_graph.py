@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from baker.segmentation.organ_classification import flatness
+from baker.segmentation.organ_classification import blade_scores, flatness
 from baker.segmentation.organs import merge_strips
 from baker.segmentation.reeb_graph import reeb_tree, sample_plant
 from tests.baker.segmentation.seedling import seedling, tube
@@ -50,22 +50,25 @@ def test_a_hole_in_the_stem_makes_no_branches():
     rng = np.random.default_rng(0)
     stem = tube([0, 0, 0], [0, 0, 20], 1.0, 60, rng)
     hole = (abs(stem[:, 2] - 10) < 0.5) & (stem[:, 0] > 0)
-    tree = reeb_tree(sample_of(stem[~hole]))
-    assert max(map(len, tree.children)) == 1
+    sample = sample_of(stem[~hole])
+    tree = reeb_tree(sample)
+    beside = [sorted(tree.reach[children])[:-1] for children in tree.children if children]
+    assert max(map(max, filter(None, beside)), default=0.0) < 1.5 * sample.diameter
 
 
 def test_leaves_that_touch_stay_two():
     """Two arms that meet at their tips: a loop too long for a hole is cut where they meet."""
     rng = np.random.default_rng(0)
     stem = tube([0, 0, 0], [0, 0, 8], 1.0, 60, rng)
-    arms = [tube([0.2 * side, 0, 8], [4 * side, 0, 12], 0.6, 60, rng) for side in (-1, 1)] + [
-        tube([4 * side, 0, 12], [0.05 * side, 0, 16], 0.6, 60, rng) for side in (-1, 1)
+    arms = [tube([0.2 * side, 0, 8], [4 * side, 0, 12], 0.8, 60, rng) for side in (-1, 1)] + [
+        tube([4 * side, 0, 12], [0.05 * side, 0, 16], 0.8, 60, rng) for side in (-1, 1)
     ]
     sample = sample_of(np.vstack([stem, *arms]))
     tree = reeb_tree(sample)
     branch = np.zeros(len(tree.parent), int)
     for node, parent in enumerate(tree.parent):
-        above = tree.reach[node] > 4 and parent >= 0 and len(tree.children[parent]) > 1
+        beside = tree.children[parent] if parent >= 0 else []
+        above = node in beside and all(tree.reach[beside] > 4) and len(beside) > 1
         branch[node] = node if above else branch[max(parent, 0)]
     high = (sample.points[:, 2] > 10) & (sample.points[:, 2] < 15)
     left, right = (branch[tree.node][high & (s * sample.points[:, 0] > 0)] for s in (-1, 1))
@@ -81,6 +84,17 @@ def test_flatness_tells_rod_from_sheet():
     ratio = flatness(sample)
     assert np.median(ratio[label == 0]) > 0.6
     assert np.median(ratio[label > 0]) < 0.3
+
+
+def test_a_blade_too_crumpled_to_be_flat_is_still_wide():
+    points, truth = seedling(2, density=60)
+    crumpled = 0.4 * np.random.default_rng(1).normal(size=points.shape)
+    points = points + np.where(truth[:, None] > 0, crumpled, 0.0)
+    sample = sample_of(points)
+    is_blade = truth[cKDTree(points).query(sample.points)[1]] > 0
+    ratio, scores = flatness(sample), blade_scores(sample, reeb_tree(sample))
+    assert ratio[is_blade].mean() > ratio[~is_blade].mean()
+    assert scores[is_blade].mean() > scores[~is_blade].mean()
 
 
 def test_strips_of_a_sheet_are_joined_and_leaves_are_not():
