@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import OrganMovers, leaving, moving
+from baker.interpolation.movers import (
+    Deviation,
+    OrganMovers,
+    OrganPaths,
+    leaving,
+    moving,
+)
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -17,7 +23,6 @@ from baker.interpolation.organ_shapes import (
     organ_attachments,
     organ_shapes,
 )
-from baker.interpolation.paths import Deviation, OrganPaths
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.interpolation.movers import OrganMovers
+from baker.interpolation.movers import OrganMovers, OrganPaths
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
-from baker.interpolation.paths import OrganPaths
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip import Motion
