@@ -23,7 +23,7 @@ SAMPLE_SIZE = 800
 def find_up(
     samples: Sequence[EvenSample],
     requested: str = "auto",
-    ground_up: Sequence[float] | None = None,
+    ground_up: str = "",
 ) -> tuple[str, list[Finding]]:
     """The axis direction along which a series grows: "x", "y", "z", "-x", "-y" or "-z".
 
@@ -36,9 +36,8 @@ def find_up(
     directions = list(NEEDED_LEADS)
     costs = np.array([_costs(sample) for sample in samples])
     total = costs.mean(axis=0)
-    if ground_up is not None:
-        along = [Vertical.named(name).height(np.asarray(ground_up)[None])[0] for name in directions]
-        found, why = int(np.argmax(along)), "away from the ground that the scans show"
+    if ground_up:
+        found, why = directions.index(ground_up), "away from the ground that the scans show"
     else:
         found = int(np.argmin(total + list(NEEDED_LEADS.values())))
         why = "as scans usually have it" if found == 0 else "along it the plants stand on stems"
@@ -50,7 +49,7 @@ def find_up(
         doubts = [f"{named} seems to be upside down: turn it over"]
         total = costs[~over].mean(axis=0)
     lead = np.delete(total, found).min() - total[found]
-    if ground_up is None and lead < CLOSE:
+    if not ground_up and lead < CLOSE:
         other = directions[int(np.argmin(np.where(np.arange(len(total)) == found, np.inf, total)))]
         option = f"--up {other}"
         if lead < 0:

@@ -28,26 +28,23 @@ def take_out_ground(
     up: str = "auto",
     keep: bool = False,
     map: MapLike = map,
-) -> tuple[list[Scan], tuple[float, float, float] | None, tuple[Finding, ...]]:
+) -> tuple[list[Scan], str, tuple[Finding, ...]]:
     """The scans of a series without the ground that they stand on, where they have one.
 
     Of scans with labels those go of which most points lie in the ground. `up` is the direction of
-    growth, "auto" where it is not known; `keep` only finds the ground. Also returned: the unit
-    vector away from the ground, and what was found, if there is one.
+    growth, "auto" where it is not known; `keep` only finds the ground. Also returned: which of
+    `DIRECTIONS` leads away from the ground, "" where there is none, and what was found.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
-    left, normal, findings = list(scans), None, []
+    left, ground_up, findings = list(scans), "", []
     for _ in range(MAX_LAYERS):
         grounds = _grounds(left, directions, map)
         found = [ground for ground in grounds if ground]
         if not found:
             break
-        mean = np.mean([ground.frame[2] for ground in found], axis=0)
-        if normal is None:
-            x, y, z = (mean / np.linalg.norm(mean)).tolist()
-            normal = (x, y, z)
-            along = [Vertical.named(name).height(mean[None])[0] for name in directions]
-            directions = (directions[int(np.argmax(along))],)
+        normals = np.array([ground.frame[2] for ground in found])
+        ground_up = max(directions, key=lambda up: Vertical.named(up).height(normals).sum())
+        directions = (ground_up,)
         said, doubt = _said(grounds, [scan.name for scan in left])
         if keep:
             findings.append(Finding("ground", f"{said}, kept as asked"))
@@ -59,7 +56,7 @@ def take_out_ground(
         left = [*map(_without, left, grounds, [own or usual for own in labels])]
         said += f"; its {count - sum(map(len, left)):,} points are taken out"
         findings.append(Finding("ground", said, doubt, "--ground keep"))
-    return left, normal, tuple(findings)
+    return left, ground_up, tuple(findings)
 
 
 def _said(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, str]:

@@ -101,7 +101,7 @@ class Series:
     label_field: the field that labels were read from, "" where there are none.
     label_words: what the scans call the labels, where it is by words.
     findings: what reading decided by itself for the whole series.
-    ground_up: unit vector away from the ground in the scans' coordinates, where one was found.
+    ground_up: the direction away from the ground, such as "z", "" where none was found.
     """
 
     scans: tuple[Scan, ...]
@@ -112,4 +112,4 @@ class Series:
     label_field: str = ""
     label_words: dict[int, str] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
-    ground_up: tuple[float, float, float] | None = None
+    ground_up: str = ""
