@@ -199,10 +199,12 @@ def survey_series(
     read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
     where = (aligned.clouds, aligned.bases)
     labels = label_policy(read, names, *where, choices.labels, raw.label_field)
-    corrections = options.corrections or ()
-    labels = replace(labels, findings=(*labels.findings, *corrections_finding(corrections)))
+    survey = Survey(raw, series, options, alignment, aligned, held_out, labels)
+    if not (corrections := options.corrections):
+        return survey
+    labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
     located = locate_corrections(corrections, raw, series, aligned, options.scale)
-    return Survey(raw, series, options, alignment, aligned, held_out, labels, located)
+    return replace(survey, labels=labels, corrections=located)
 
 
 def _measure(
@@ -252,7 +254,8 @@ def _segment(
             organs if given is None else given
             for given, organs in zip(labels.labels, segmented, strict=True)
         ]
-    own = with_corrected_organs(own, aligned, corrections)
+    if corrections:
+        own = with_corrected_organs(own, aligned, corrections)
     labels = labels.with_given(own)
     if not is_complete or not (labels.consistent or options.paper):
         hierarchies = coarse_hierarchies(clouds, own, bases)

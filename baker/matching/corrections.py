@@ -103,11 +103,11 @@ def locate_corrections(
     return tuple(located)
 
 
-def corrections_finding(corrections: Sequence[Correction]) -> tuple[Finding, ...]:
-    """How much was put right by hand, if anything was."""
+def corrections_finding(corrections: Sequence[Correction]) -> Finding:
+    """How much was put right by hand."""
     counts = Counter(one.kind for one in corrections)
     kinds = ", ".join(f"{count} {kind}" for kind, count in counts.items())
-    return (Finding("organs", f"put right by hand: {kinds}"),) if corrections else ()
+    return Finding("organs", f"put right by hand: {kinds}")
 
 
 def with_corrected_organs(
