@@ -152,9 +152,7 @@ def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
         with warnings.catch_warnings(action="ignore"):
             columns: Columns = import_module(f"{__name__}.{reader}").read(path, *names)
             return columns
-    except (FormatError, InputError, OSError, ImportError, MemoryError):
-        raise
-    except (KeyboardInterrupt, SystemExit):
+    except (FormatError, OSError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # a panic of the LAZ decoder is no Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
@@ -164,10 +162,9 @@ def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
 def _read_in(child: ChildProcess, memory: int, *arguments: Any) -> Columns:
     try:
         columns: Columns = child.call(memory, _read, *arguments)
-    except ChildEnded as error:
-        raise FormatError(_unsound(arguments[1], str(error))) from error
-    except MemoryError as error:
-        reason = f"reading it takes more than {memory >> 30} GiB of memory"
+    except (ChildEnded, MemoryError) as error:
+        too_much = f"reading it takes more than {memory >> 30} GiB of memory"
+        reason = str(error) if isinstance(error, ChildEnded) else too_much
         raise FormatError(_unsound(arguments[1], reason)) from error
     return columns
 
