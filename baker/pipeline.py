@@ -20,12 +20,7 @@ from baker.alignment.keyframes import (
     hold_out,
 )
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import (
-    covariances,
-    nearest_neighbors,
-    point_area,
-    surface_normals,
-)
+from baker.geometry.neighbors import nearest_neighbors, normals_and_areas
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import painted, with_fields
@@ -219,16 +214,16 @@ def _measure(
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
     workers = worker_count(options.workers)  # share each scan, as scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
-    around = list(map(covariances, clouds, neighbors))
-    normals = map(surface_normals, around, neighbors)
-    areas = map(point_area, around, neighbors) if options.even else [None] * len(clouds)
+    surfaces = map(normals_and_areas, clouds, neighbors)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
     by_itself = root is None and not options.paper
     places = [frame.base if by_itself else root for frame in keyframes]
     bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, places))
-    measured = zip(keyframes, normals, areas, strict=True)
-    frames = tuple(replace(frame, normals=n, area=a) for frame, n, a in measured)
+    frames = tuple(
+        replace(frame, normals=normals, area=area if options.even else None)
+        for frame, (normals, area) in zip(keyframes, surfaces, strict=True)
+    )
     times = tuple(scan.time for scan in series.scans)
     return series, AlignedSeries(times, frames, tuple(neighbors), bases, vertical)
 

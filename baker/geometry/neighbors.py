@@ -97,6 +97,14 @@ def point_spacing(points: NDArray[np.floating]) -> float:
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
 
 
+def normals_and_areas(
+    points: NDArray[np.floating], neighbors: Neighbors
+) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    """The surface around each of (N, 3) points: as of `surface_normals` and `point_area`."""
+    covariance = covariances(points, neighbors)
+    return surface_normals(covariance, neighbors), point_area(covariance, neighbors)
+
+
 def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
     """Covariance of the positions of each point and its neighbors.
 
