@@ -18,11 +18,7 @@ from gclip.terminal.interrupts import STOPS
 
 
 class ChildEnded(Exception):
-    """The child process ended instead of returning something."""
-
-    def __init__(self, code: int) -> None:
-        how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-        super().__init__(f"its reader was ended {how}")
+    """The child process ended, or ran out of memory, instead of returning something."""
 
 
 class ChildProcess:
@@ -47,8 +43,8 @@ class ChildProcess:
     def call(self, memory: int, function: Callable[..., Any], *arguments: Any) -> Any:
         """What the function returns, or raises; both, and the arguments, have to be picklable.
 
-        memory: bytes that it may take; more is a MemoryError, or ends the process (on Linux).
-        Raises ChildEnded where the process ends.
+        memory: bytes that it may take (on Linux). Raises ChildEnded where that is too little, or
+        the process ends.
         """
         with self._lock:
             if self._process is None or self._process.poll() is not None:
@@ -62,7 +58,11 @@ class ChildProcess:
                 result, error = pickle.load(results)
             except (EOFError, OSError, pickle.UnpicklingError):
                 self._process.communicate()
-                raise ChildEnded(self._process.returncode) from None
+                code = self._process.returncode
+                how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
+                raise ChildEnded(f"its reader was ended {how}") from None
+        if isinstance(error, MemoryError):
+            raise ChildEnded(f"reading it takes more than {memory >> 30} GiB of memory")
         if error is not None:
             raise error
         return result

@@ -134,11 +134,14 @@ def read_columns(
                     raise FormatError("is an empty file.")
             with _unpacked(path) as plain:
                 arguments: tuple[Any, ...] = (reader, plain, *([names] if names else []))
-                if child and reader in NATIVE:
-                    memory = NATIVE_BYTES + BYTES_A_BYTE * plain.stat().st_size
-                    columns: Columns = _read_in(child, memory, *arguments)
-                else:
-                    columns = _read(*arguments)
+                memory = NATIVE_BYTES + BYTES_A_BYTE * plain.stat().st_size
+                apart = child if reader in NATIVE else None
+                try:
+                    columns: Columns = (
+                        apart.call(memory, _read, *arguments) if apart else _read(*arguments)
+                    )
+                except ChildEnded as error:
+                    raise FormatError(_unsound(plain, str(error))) from error
             if not any(map(len, columns.values.values())):
                 raise FormatError("holds no points.")
     except FormatError as fault:
@@ -157,16 +160,6 @@ def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
     except BaseException as error:  # a panic of the LAZ decoder is no Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
         raise FormatError(_unsound(path, reason)) from error
-
-
-def _read_in(child: ChildProcess, memory: int, *arguments: Any) -> Columns:
-    try:
-        columns: Columns = child.call(memory, _read, *arguments)
-    except (ChildEnded, MemoryError) as error:
-        too_much = f"reading it takes more than {memory >> 30} GiB of memory"
-        reason = str(error) if isinstance(error, ChildEnded) else too_much
-        raise FormatError(_unsound(arguments[1], reason)) from error
-    return columns
 
 
 def _unsound(path: Path, reason: str) -> str:
