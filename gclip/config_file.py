@@ -30,20 +30,9 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_config(path: Path, kind: type[T], most: int) -> T:
-    """Read a file of TOML or, if its suffix says so, JSON.
+    """A file of TOML or, if its suffix says so, JSON, of `most` bytes, as msgspec checks `kind`.
 
-    Parameters
-    ----------
-    path : Path
-    kind : type
-        What the file holds, as msgspec checks it.
-    most : int
-        Bytes that it may have: parsers of nested text take many times as much memory.
-
-    Raises
-    ------
-    UserError
-        With one sentence: the file, the field, what was found and what is needed.
+    Raises UserError with one sentence: the file, the field, what was found and what is needed.
     """
     content: Any = None
     try:
