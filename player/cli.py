@@ -77,9 +77,7 @@ def play_command(
     ] = False,
     size: Annotated[
         str | None,
-        typer.Option(
-            metavar="WxH", help="Size of the picture or window in pixels; 1280x720 by default."
-        ),
+        typer.Option(metavar="WxH", help="Size in pixels; 1280x720 by default."),
     ] = None,
     fps: Annotated[int, typer.Option(metavar="N", min=1, max=240, help="Frames a second.")] = 30,
     seconds: Annotated[
@@ -123,24 +121,21 @@ def play_command(
     ] = ColorMap.AUTO,
     field: Annotated[
         str,
-        typer.Option(
-            metavar="NAME", help="The field that --color field shows; the first by default."
-        ),
+        typer.Option(metavar="NAME", help="The field that --color field shows; or the first."),
     ] = "",
     ground: Annotated[
-        GroundChoice | None,
-        typer.Option(help="The background: dark, or what the window showed last."),
+        GroundChoice | None, typer.Option(help="The background: dark, or the window's last.")
     ] = None,
     point_size: Annotated[
         float,
         typer.Option(
-            metavar="FACTOR", min=0.05, max=20.0, help="Multiply the size of points by this."
+            metavar="FACTOR", min=0.05, max=20.0, help="Multiply the points' size by this."
         ),
     ] = 1.0,
     shading: Annotated[
         float,
         typer.Option(
-            metavar="FACTOR", min=0.0, max=5.0, help="Multiply the strength of shading by this."
+            metavar="FACTOR", min=0.0, max=5.0, help="Multiply the shading's strength by this."
         ),
     ] = 1.0,
     depth_cue: Annotated[
