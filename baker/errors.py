@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from gclip.errors import UserError
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 
 class InputError(UserError):

@@ -7,7 +7,7 @@ import typer
 
 from gclip.errors import ClipError
 from gclip.terminal.command import run_app
-from gclip.terminal.text import printable
+from gclip.text import printable
 from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from msgspec import ValidationError, convert
 
 from gclip.errors import UserError
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 T = TypeVar("T")
 

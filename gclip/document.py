@@ -14,7 +14,7 @@ from msgspec import Meta, Struct, ValidationError, convert, to_builtins
 
 from gclip.errors import ClipError
 from gclip.schema import Document
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 MAJOR, MINOR = 1, 2  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that the values may take up beyond twice the file's size

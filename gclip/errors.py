@@ -1,6 +1,6 @@
 """Errors whose message is one clear sentence for the person who typed the command."""
 
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 LONGEST = 1000  # characters of a sentence
 

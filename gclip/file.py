@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gclip.errors import ClipError
 from gclip.terminal.atomic import atomic_file
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}

@@ -14,7 +14,7 @@ import player.export
 import player.view
 import player.window
 from gclip.terminal.command import in_panels, run_app
-from gclip.terminal.text import Lossy, printable
+from gclip.text import Lossy, printable
 from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.info import print_info

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gclip.errors import ClipError
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
 from gclip.errors import UserError
-from gclip.terminal.text import printable
+from gclip.text import printable
 from gclip.version import __version__
 from traits.dates import date_at
 from traits.doubts import Doubt, doubts_of

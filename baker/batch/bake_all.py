@@ -18,7 +18,7 @@ from baker.geometry.parallel import worker_count
 from baker.options import Options
 from gclip.terminal.atomic import check_writable, writing
 from gclip.terminal.command import DONE, OUR_FAULT
-from gclip.terminal.text import Lossy, printable
+from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
 
 ATTEMPTS = 2  # at a plant whose worker is killed

@@ -13,7 +13,7 @@ from baker.options import Options
 from baker.pipeline import survey_series
 from baker.scans import Finding, Scan
 from baker.scans.scan import TOPICS
-from gclip.terminal.text import Lossy, printable
+from gclip.text import Lossy, printable
 
 UNWRAPPED = 10**6  # columns of what is no terminal
 

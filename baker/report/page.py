@@ -21,7 +21,7 @@ from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, writing
-from gclip.terminal.text import printable
+from gclip.text import printable
 from traits.curves import TraitCurve, plotted, trait_curves
 
 MAX_TICKS = 5  # of the growth curves' axis, above 0

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from gclip.errors import UserError
 from gclip.terminal.interrupts import until_interrupted
-from gclip.terminal.text import Lossy, printable
+from gclip.text import Lossy, printable
 
 if TYPE_CHECKING:
     from typer import Typer

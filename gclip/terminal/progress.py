@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, Self
 
-from gclip.terminal.text import Lossy, printable
+from gclip.text import Lossy, printable
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn

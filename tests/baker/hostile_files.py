@@ -269,7 +269,7 @@ def _reading_images(path: Path) -> Callable[[], None]:
 
 
 def _check_sentence(sentence: str, path: Path) -> None:
-    from gclip.terminal.text import printable
+    from gclip.text import printable
 
     assert sentence == printable(sentence), f"more than a line, or not for a terminal: {sentence!r}"
     assert len(sentence) < 600, f"a long sentence: {sentence!r}"

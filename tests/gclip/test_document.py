@@ -8,7 +8,7 @@ import pytest
 
 import gclip
 from gclip.document import SPARE_MEMORY, footprint, read_document
-from gclip.terminal.text import printable
+from gclip.text import printable
 from tests.gclip.hostile import INJECTIONS, good_clips
 
 

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import gclip
 from gclip.check import check
-from gclip.terminal.text import printable
+from gclip.text import printable
 from tests.gclip.hostile import BOMBS, hostile
 
 UNTIMED = settings(

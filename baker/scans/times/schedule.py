@@ -27,7 +27,7 @@ from baker.scans.times.names import (
     moments_from_list,
     read_times,
 )
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans

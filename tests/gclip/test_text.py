@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gclip.terminal.text import printable
+from gclip.text import printable
 
 
 def test_printable_shows_what_people_write_and_nothing_else() -> None:
@@ -22,7 +22,7 @@ def test_printable_shows_what_people_write_and_nothing_else() -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 def test_a_full_disk_loses_text_and_nothing_else() -> None:
     code = (
-        "import sys; from gclip.terminal.text import Lossy\n"
+        "import sys; from gclip.text import Lossy\n"
         "for _ in range(3): Lossy(sys.stderr).write('lost\\n')\n"
         "print('lost too', file=sys.stderr); print('done')"
     )
