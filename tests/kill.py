@@ -253,6 +253,7 @@ def _run(module: str, arguments: list[str], folder: Path, begun: Event) -> None:
     os.chdir(folder)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     main = import_module(module).main
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell's &
     begun.set()
     code = main(arguments)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # what follows is not the command's
