@@ -42,7 +42,7 @@ PAGES = (
     "docs/corrections.md",
 )
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-SMALL_PLANT = ["--points", "400", "--scans", "4"]
+SMALL_PLANT = ["--points", "700", "--scans", "4"]
 SMALL_IMAGES = ["--size", "96x72", "--days", "2"]
 SMALL_PICTURE = ["--size", "96x64", "--fps", "2"]
 PICTURES = (".mp4", ".gif", ".webm", ".png")
