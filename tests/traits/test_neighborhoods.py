@@ -1,0 +1,83 @@
+"""The compiled loops do what plain NumPy does, point by point."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from traits.neighborhoods import (
+    CELL_FRAME_NEIGHBORS,
+    FRAME_NEIGHBORS,
+    RIDGE,
+    fit_paraboloids,
+    measure_cells,
+)
+
+SIZES = np.array([12, 20, 40])
+
+
+def bent_sheet(count: int = 400) -> np.ndarray:
+    """Noisy points of a sheet that is bent more one way than the other."""
+    rng = np.random.default_rng(0)
+    x, y = rng.uniform(-1, 1, (2, count)) * [[2.0], [1.0]]
+    return np.stack([x, y, 0.3 * x**2 - 0.1 * x * y + rng.normal(0, 0.02, count)], axis=1)
+
+
+def tangent_frame(near: np.ndarray) -> np.ndarray:
+    """(3, 3) principal axes of the neighbours, the columns, the normal first."""
+    return np.linalg.eigh(np.cov(near.T, bias=True))[1]
+
+
+def paraboloid(point: np.ndarray, near: np.ndarray, size: int) -> tuple[float, float, float]:
+    """Height over the point, mean squared residual, share of the noise variance that is left."""
+    distance = np.linalg.norm(near - point, axis=1)
+    widest, radius = distance[-1], distance[size - 1]
+    z, x, y = ((near - point) @ tangent_frame(near[:FRAME_NEIGHBORS]) / widest).T
+    terms = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)[:size]
+    weight = np.exp(-((distance[:size] / radius) ** 2))
+    ridge = np.diag(RIDGE * (radius / widest) ** [0, 2, 2, 4, 4, 4])
+    inverse = np.linalg.inv((terms.T * weight) @ terms + ridge)
+    height = inverse @ (terms.T * weight) @ z[:size]
+    misfit = (weight * (z[:size] - terms @ height) ** 2).sum()
+    twice = (terms.T * weight**2) @ terms
+    free = weight.sum() - (inverse * twice).sum()
+    left = inverse[0] @ twice @ inverse[0]
+    return height[0] * widest, misfit / free * widest**2, left
+
+
+def test_paraboloids_are_weighted_least_squares():
+    cloud = bent_sheet()
+    points = cloud[::40]
+    distance, neighbors = cKDTree(cloud).query(points, k=SIZES[-1])
+    normals, fits = np.zeros((len(points), 3)), np.zeros((3, len(SIZES), len(points)))
+    fit_paraboloids(points, cloud, neighbors, distance, SIZES, normals, fits)
+    for i, point in enumerate(points):
+        near = cloud[neighbors[i]]
+        normal = tangent_frame(near[:FRAME_NEIGHBORS])[:, 0]
+        side = np.sign(normal @ normals[i])
+        assert normals[i] == pytest.approx(side * normal, abs=1e-6)
+        expected = np.array([paraboloid(point, near, size) for size in SIZES]).T
+        expected[0] *= side
+        assert fits[:, :, i] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_cells_end_half_way_to_the_neighbours():
+    cloud, far, variance = bent_sheet(), 5.0, 1e-4
+    distance, neighbors = (found[:, 1:] for found in cKDTree(cloud).query(cloud, k=19))
+    turns = np.arange(8) * np.pi / 4
+    directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    cells = np.zeros((len(cloud), 8))
+    measure_cells(cloud, neighbors, distance, variance, directions, far, cells)
+    for i in range(0, len(cloud), 40):
+        near = cloud[neighbors[i]]
+        axes = tangent_frame(near[:CELL_FRAME_NEIGHBORS])[:, 1:]
+        flat = (near - cloud[i]) @ axes
+        length = np.linalg.norm(flat, axis=1)
+        is_beside = length > 0.5 * distance[i]
+        reach = np.sqrt(np.maximum(distance[i] ** 2 - variance, length**2))
+        places = (flat * (reach / length)[:, None])[is_beside]
+        bounds = 2.0 * places @ directions.T / (places**2).sum(axis=1, keepdims=True)
+        expected = 1.0 / np.maximum(bounds.max(axis=0), 1.0 / far)
+        # The axes of the plane may point the other way, or change places.
+        turned = [np.roll(expected, k) for k in (0, 2, 4, 6)]
+        turned += [np.roll(expected[::-1], k) for k in (1, 3, 5, 7)]
+        assert min(np.abs(cells[i] - each).max() for each in turned) < 1e-6
