@@ -189,7 +189,9 @@ def test_the_plot_of_an_organ_leaves_the_plant_free(opened: Any, make_clip: Any)
     tab, track = opened(clip), trait_curves(clip)[0].track
     tab.set_viewport_size({"width": 900, "height": 700})
     tab.evaluate("viewer.act('fit')")
-    seen = """() => { const {camera} = viewer, slope = Math.tan(camera.field_of_view / 2);
+    seen = """async () => {
+        for (const _ of [1, 2]) await new Promise(requestAnimationFrame);  // until it is laid out
+        const {camera} = viewer, slope = Math.tan(camera.field_of_view / 2);
         const at = camera.pose().inverse().transformPoint(new DOMPoint(...camera.home.target));
         return [at.y / (-at.z * slope), camera.distance]; }"""
     before = tab.evaluate(seen)
