@@ -27,6 +27,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing.context import ForkServerProcess
@@ -109,23 +110,28 @@ def ways_out(series: Path, clip: Path) -> list[WayOut]:
 
 def stopped(
     way: WayOut, folder: Path, duration: float, chance: random.Random, stop: signal.Signals
-) -> int | None:
-    """Start the way out and stop it; its exit code."""
-    before = set(folder.iterdir())
+) -> tuple[int | None, float]:
+    """Start the way out and stop it; its exit code, and how many seconds it ran."""
+    before = _drafts(folder)
     at_draft, due = chance.random() < 0.5, chance.uniform(BEGUN, max(BEGUN, duration))
     process = _started(way.module, way.new, folder)
     began = time.monotonic()
     while process.is_alive():
         late = time.monotonic() - began
-        if at_draft and any(DRAFT.fullmatch(path.name) for path in {*folder.iterdir()} - before):
+        if at_draft and _drafts(folder) - before:
             at_draft, due = False, late + chance.uniform(0, SOON)
         if not at_draft and late >= due:
+            with suppress(ProcessLookupError):  # it has just ended
+                os.kill(process.pid, stop)
             break
         time.sleep(0.001)
-    if process.is_alive():
-        os.kill(process.pid, stop)
     process.join(PATIENCE)
-    return process.exitcode
+    return process.exitcode, time.monotonic() - began
+
+
+def _drafts(folder: Path) -> set[str]:
+    names = (name for _, folders, files in os.walk(folder) for name in (*folders, *files))
+    return {name for name in names if DRAFT.fullmatch(name)}
 
 
 def contents(folder: Path, output: str) -> Files:
@@ -173,7 +179,8 @@ def try_out(way: WayOut, count: int, seed: int, signals: Sequence[str]) -> Count
         for stop in signals:
             while left[stop] < count:
                 before = _strange(way, folder)
-                code = stopped(way, folder, duration, chance, signal.Signals[stop])
+                code, seconds = stopped(way, folder, duration, chance, signal.Signals[stop])
+                duration = duration if code else seconds  # as the machine is busy now
                 hit = code == (INTERRUPTED if stop == "SIGINT" else -signal.SIGKILL)
                 left[stop if hit else "wrong exit" if code else "too late"] += 1
                 if code and not hit:
@@ -223,8 +230,9 @@ def _counted(way: WayOut, strange: set[str]) -> int:
 
 def _strange(way: WayOut, folder: Path) -> set[str]:
     """What lies there and is no output."""
-    strange = {path.name for path in folder.iterdir() if path.name not in way.outputs}
-    return strange | {path.name for path in folder.rglob("*") if DRAFT.fullmatch(path.name)}
+    return {path.name for path in folder.iterdir() if path.name not in way.outputs} | _drafts(
+        folder
+    )
 
 
 def _restore(folder: Path, olds: Path, output: str) -> None:
