@@ -20,8 +20,9 @@ from baker.alignment.keyframes import (
     hold_out,
 )
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import nearest_neighbors, normals_and_areas
+from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
+from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import painted, with_fields
 from baker.interpolation.interval_job import (

@@ -8,7 +8,8 @@ import pytest
 
 from baker.alignment import align
 from baker.alignment.stem_base import base_point
-from baker.geometry.neighbors import covariances, nearest_neighbors, point_area
+from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.surface import covariances, point_area
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import OrganMovers, mid_area

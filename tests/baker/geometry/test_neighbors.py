@@ -12,12 +12,11 @@ from scipy.spatial.distance import cdist
 
 from baker.geometry.neighbors import (
     MAX_GAP,
-    covariances,
     nearest_neighbors,
-    point_area,
     point_spacing,
     segment_adjacency,
 )
+from baker.geometry.surface import covariances, point_area
 
 RNG = np.random.default_rng(3)
 SHEET = RNG.random((900, 3)) * [10.0, 10.0, 0.01]

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from baker.geometry.neighbors import covariances, nearest_neighbors, surface_normals
+from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.surface import covariances, surface_normals
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.rendering.headless import Offscreen

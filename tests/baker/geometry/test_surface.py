@@ -1,13 +1,8 @@
 import numpy as np
 import pytest
 
-from baker.geometry.neighbors import (
-    Neighbors,
-    covariances,
-    nearest_neighbors,
-    octahedral,
-    surface_normals,
-)
+from baker.geometry.neighbors import Neighbors, nearest_neighbors
+from baker.geometry.surface import covariances, octahedral, surface_normals
 
 
 def codes_of(points: np.ndarray, neighbors: Neighbors | None = None) -> np.ndarray:
