@@ -61,13 +61,16 @@ def test_paraboloids_are_weighted_least_squares():
 
 
 def test_cells_end_half_way_to_the_neighbours():
-    cloud, far, variance = bent_sheet(), 5.0, 1e-4
+    sheet, far, variance = bent_sheet(), 5.0, 1e-4
+    cloud = np.vstack(
+        [sheet, sheet[::40] + np.array([0.01, 0.0, 0.1])]
+    )  # some points of another sheet
     distance, neighbors = (found[:, 1:] for found in cKDTree(cloud).query(cloud, k=19))
     turns = np.arange(8) * np.pi / 4
     directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
     cells = np.zeros((len(cloud), 8))
     measure_cells(cloud, neighbors, distance, variance, directions, far, cells)
-    for i in range(0, len(cloud), 40):
+    for i in range(0, len(sheet), 40):
         near = cloud[neighbors[i]]
         axes = tangent_frame(near[:CELL_FRAME_NEIGHBORS])[:, 1:]
         flat = (near - cloud[i]) @ axes

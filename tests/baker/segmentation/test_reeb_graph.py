@@ -75,6 +75,9 @@ def test_leaves_that_touch_stay_two():
     values = np.unique(left)
     assert len(values) == 1
     assert values[0] not in right
+    tips = (sample.points[:, 2] > 15) & (abs(sample.points[:, 0]) > 0.1)
+    sides = [tree.node[tips & (side * sample.points[:, 0] > 0)] for side in (-1, 1)]
+    assert not np.intersect1d(*sides).size
 
 
 def test_flatness_tells_rod_from_sheet():
