@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
-from gclip.corrections import Place
+from gclip.corrections import Correction, Place
 from player.view.choices import SIZES, Compare, Wish
+from player.view.edits import sentence
+from player.view.playback import AtEnd
 from player.view.style import NO_HOLDOUT, ColorMap, ColorMode
 
 if TYPE_CHECKING:
-    from player.view.camera import Camera
     from player.view.state import Scene
 
 Move = Callable[["Scene"], "Scene"]
-Choice = TypeVar("Choice")
 
 STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
@@ -25,6 +25,8 @@ FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
+NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
+NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
 QUIT_NEXT = "Press Esc again to quit."
 
 
@@ -38,6 +40,76 @@ def switch_style(name: str) -> Move:
     return lambda scene: scene.with_style("", **{name: not getattr(scene.style, name)})
 
 
+@dataclass(frozen=True)
+class Choice:
+    """One of several values: a key goes on to the next one, and the panel lists them all."""
+
+    now: Callable[[Scene], Any]
+    values: Callable[[Scene], Sequence[Any]]
+    name: Callable[[Any], str]  #: of a value, as the panel lists it
+    choose: Callable[[Scene, Any], Scene]
+
+    def next(self, scene: Scene) -> Scene:
+        """Choose the next value, after the last one the first."""
+        values = self.values(scene)
+        return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
+
+
+def _color_by(scene: Scene, mode: ColorMode) -> Scene:
+    if mode is ColorMode.ERROR and not scene.has_errors:
+        return scene.with_notice(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
+    return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
+
+
+def _end_by(scene: Scene, at_end: AtEnd) -> Scene:
+    timeline = replace(scene.timeline, at_end=at_end, backwards=False)
+    return replace(scene, timeline=timeline, notice=f"At the end: {at_end}")
+
+
+def _plot(scene: Scene, curve: str) -> Scene:
+    told = f"Plots the {curve} of the picked organ" if curve else "Plots nothing"
+    return replace(scene, curve=curve, notice=told)
+
+
+def _size_name(size: tuple[int, int] | None) -> str:
+    return f"{size[0]} × {size[1]}" if size else "as the window"
+
+
+COLOR = Choice(lambda s: s.color_mode, lambda s: s.color_modes, lambda mode: mode.label, _color_by)
+FIELD = Choice(
+    lambda s: s.style.field or s.fields[0],
+    lambda s: s.fields,
+    str,
+    lambda s, name: s.with_style(f"Coloured by {name}", field=name),
+)
+COLOR_MAP = Choice(
+    lambda s: s.style.color_map,
+    lambda s: list(ColorMap),
+    str,
+    lambda s, map: s.with_style(f"Colour map: {map}", color_map=map),
+)
+CURVE = Choice(lambda s: s.curve, lambda s: (*s.curves, ""), str, _plot)
+COMPARE = Choice(
+    lambda s: s.compare,
+    lambda s: list(Compare),
+    str,
+    lambda s, how: replace(s, compare=how, notice=f"Compare: {how}"),
+)
+FORMAT = Choice(
+    lambda s: s.output.example,
+    lambda s: s.formats,
+    str,
+    lambda s, name: s.with_output(f"Export: {name}", example=name),
+)
+SIZE = Choice(
+    lambda s: s.output.size,
+    lambda s: SIZES,
+    _size_name,
+    lambda s, size: s.with_output(f"Pictures: {_size_name(size)}", size=size),
+)
+AT_END = Choice(lambda s: s.timeline.at_end, lambda s: list(AtEnd), str, _end_by)
+
+
 def move_time(move: str, *given: float, notice: str = "") -> Move:
     """A move of the timeline, by its name."""
 
@@ -46,11 +118,6 @@ def move_time(move: str, *given: float, notice: str = "") -> Move:
         return scene.with_notice(notice) if notice else scene
 
     return do
-
-
-def next_end(scene: Scene) -> Scene:
-    scene = scene.with_timeline(lambda timeline: timeline.with_next_end())
-    return scene.with_notice(f"At the end: {scene.timeline.at_end.value}")
 
 
 def go_home(scene: Scene) -> Scene:
@@ -65,20 +132,15 @@ def look_from(yaw: float, pitch: float = 0.0) -> Move:
         home = scene.home.with_orthographic(scene.camera.orthographic)
         turned = scene.home.yaw + math.radians(yaw)
         scene = scene.with_camera(lambda c: c.looking(turned, math.radians(pitch)))
-        near, far = home.distance, _roomy(home)
+        # The home view is fitted to one side: a crown seen from above may reach farther.
+        above = home.radius / (FREE * math.tan(home.field_of_view / 2))
+        near, far = home.distance, max(home.distance, above)
         if any(math.isclose(scene.camera.distance, whole) for whole in (near, far)):
             distance = far if pitch else near
             scene = scene.with_camera(lambda c: replace(c, distance=distance))
         return replace(scene, turning=False)
 
     return look
-
-
-def _roomy(home: Camera) -> float:
-    """From how far away a plant seen whole from its side is whole from above too: the home view is
-    fitted to one side, and a crown may reach farther.
-    """
-    return max(home.distance, home.radius / (FREE * math.tan(home.field_of_view / 2)))
 
 
 def switch_projection(scene: Scene) -> Scene:
@@ -103,41 +165,6 @@ def follow_path(scene: Scene) -> Scene:
     if not scene.path:
         return scene.with_notice(NO_KEYS)
     return replace(scene, following=not scene.following, turning=False)
-
-
-def next_color(scene: Scene) -> Scene:
-    return color_by(_after(scene.color_mode, scene.color_modes))(scene)
-
-
-def color_by(mode: ColorMode) -> Move:
-    """Colour by a mode."""
-
-    def color(scene: Scene) -> Scene:
-        if mode is ColorMode.ERROR and not scene.has_errors:
-            return scene.with_notice(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
-        return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
-
-    return color
-
-
-def color_field(name: str) -> Move:
-    """Colour by one of the clip's fields."""
-    return lambda scene: scene.with_style(f"Coloured by {name}", field=name)
-
-
-def color_map(map: ColorMap) -> Move:
-    """Show values in the colours of a map."""
-    return lambda scene: scene.with_style(f"Colour map: {map}", color_map=map)
-
-
-def next_color_map(scene: Scene) -> Scene:
-    return color_map(_after(ColorMap(scene.style.color_map), list(ColorMap)))(scene)
-
-
-def next_curve(scene: Scene) -> Scene:
-    curve = _after(scene.curve, (*scene.curves, ""))
-    told = f"Plots the {curve} of the picked organ" if curve else "Plots nothing"
-    return replace(scene, curve=curve, notice=told)
 
 
 def resize_points(factor: float) -> Move:
@@ -214,12 +241,9 @@ def isolate_picked(scene: Scene) -> Scene:
     return scene.with_style(alone=picked if scene.style.alone is None else None)
 
 
-def next_compare(scene: Scene) -> Scene:
-    return compare_by(_after(scene.compare, list(Compare)))(scene)
-
-
-def compare_by(how: Compare) -> Move:
-    return lambda scene: replace(scene, compare=how).with_notice(f"Compare: {how.value}")
+def switch_transparent(scene: Scene) -> Scene:
+    text = "opaque" if scene.output.transparent else "transparent"
+    return scene.with_output(f"Pictures: {text}", transparent=not scene.output.transparent)
 
 
 def wipe_to(share: float) -> Move:
@@ -233,35 +257,29 @@ def wish(what: Wish) -> Move:
     return lambda scene: replace(scene, wish=what)
 
 
-def output(notice: str = "", **changes: object) -> Move:
-    """Change what the next picture or export is to be."""
+def correct(kind: str, name: str = "") -> Move:
+    """Say of the chosen organs that they are the same, or not; of one, its name, or cut it."""
 
-    def change(scene: Scene) -> Scene:
-        changed = replace(scene.output, **changes)  # type: ignore[arg-type]
-        return replace(scene, output=changed, notice=notice or scene.notice)
+    def put_right(scene: Scene) -> Scene:
+        needed = 2 if kind in ("same", "different") else 1
+        if len(scene.chosen) < needed:
+            return scene.with_notice(NO_PAIR if needed == 2 else NO_ORGAN)
+        if scene.edits is None:
+            return scene.with_notice(NO_EDITS)
+        correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
+        told = sentence(correction) + ("" if name else ": bake again to see it")
+        edits = scene.edits.changed((*scene.edits.now, correction))
+        return replace(scene, edits=edits, notice=told)
 
-    return change
-
-
-def next_format(scene: Scene) -> Scene:
-    chosen = _after(scene.output.example, scene.formats)
-    return output(f"Export: {chosen}", example=chosen)(scene)
-
-
-def next_size(scene: Scene) -> Scene:
-    size = _after(scene.output.size, SIZES)
-    text = f"{size[0]} × {size[1]} pixels" if size else "as large as the window"
-    return output(f"Pictures: {text}", size=size)(scene)
+    return put_right
 
 
-def switch_transparent(scene: Scene) -> Scene:
-    text = "opaque" if scene.output.transparent else "transparent"
-    return output(f"Pictures: {text}", transparent=not scene.output.transparent)(scene)
+def undo(scene: Scene) -> Scene:
+    return replace(scene, edits=scene.edits and scene.edits.undone())
 
 
-def _after(now: Choice, choices: Sequence[Choice]) -> Choice:
-    """The next choice, after the last one the first."""
-    return choices[(choices.index(now) + 1) % len(choices)]
+def redo(scene: Scene) -> Scene:
+    return replace(scene, edits=scene.edits and scene.edits.redone())
 
 
 def escape(scene: Scene) -> Scene:

@@ -1,11 +1,12 @@
 """The panel's part about corrections: the chosen organs, what to say of them, what was said."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Track
-from player.ui import editing
+from player.ui import actions
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR
 from player.ui.widgets import button
@@ -38,7 +39,7 @@ def draw_corrections(scene: Scene, pen: Pen) -> Scene:
             imgui.push_style_color(imgui.Col_.button, CLEAR)
             if imgui.button(REMOVE) and edits:
                 kept = (*edits.now[:row], *edits.now[row + 1 :])
-                scene = editing.edit(edits.changed(kept))(scene)
+                scene = replace(scene, edits=edits.changed(kept))
             imgui.pop_style_color()
             imgui.same_line()
             imgui.align_text_to_frame_padding()
@@ -66,5 +67,5 @@ def draw_name(scene: Scene, tracks: Sequence[Track]) -> Scene:
         if entered and name not in ("", now):
             if any(track.name == name for track in tracks):
                 return scene.with_notice(f"Another organ is called {name}; choose another name.")
-            scene = editing.correct("name", name)(scene)
+            scene = actions.correct("name", name)(scene)
     return scene

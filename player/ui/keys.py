@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from player.ui import actions, editing
+from player.ui import actions
 from player.ui.actions import STEP
 from player.view.choices import Wish
 
@@ -100,7 +100,7 @@ ACTIONS: tuple[Action, ...] = (
     Action("last", "Time", ("end",), "last scan", _time("at", math.inf), "first, last scan"),
     Action("slower", "Time", ("[", "down"), "slower", _time("slower"), "slower, faster"),
     Action("faster", "Time", ("]", "up"), "faster", _time("faster"), "slower, faster"),
-    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.next_end),
+    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.AT_END.next),
     Action(
         "begin", "Time", ("i",), "play from here",
         _time("begun_here", notice="Plays from here"), BOUNDS,
@@ -130,8 +130,8 @@ ACTIONS: tuple[Action, ...] = (
         "save path", "View", ("shift+j",), "save the camera's path",
         actions.wish(Wish.SAVE_PATH),
     ),
-    Action("color", "Look", ("c",), "colour by something else", actions.next_color),
-    Action("colormap", "Look", ("shift+m",), "other colours of values", actions.next_color_map),
+    Action("color", "Look", ("c",), "colour by something else", actions.COLOR.next),
+    Action("colormap", "Look", ("shift+m",), "other colours of values", actions.COLOR_MAP.next),
     Action("smaller", "Look", ("-",), "smaller points", _resize(1 / STEP), SIZED, True),
     Action("larger", "Look", ("+", "="), "larger points", _resize(STEP), SIZED, True),
     Action(
@@ -150,21 +150,21 @@ ACTIONS: tuple[Action, ...] = (
     Action("next organ", "Organs", ("n",), "next organ", actions.pick_next(1), ORGANS),
     Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
     Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
-    Action("curve", "Organs", ("shift+l",), "plot another trait", actions.next_curve),
+    Action("curve", "Organs", ("shift+l",), "plot another trait", actions.CURVE.next),
     Action("alone", "Organs", ("z",), "show the organ alone", actions.isolate_picked),
     Action(
         "show all", "Organs", ("shift+x",), "show all organs",
         lambda s: s.with_style(hidden=frozenset(), alone=None),
     ),
-    Action("same", "Organs", ("w",), "two organs are the same", editing.correct("same")),
+    Action("same", "Organs", ("w",), "two organs are the same", actions.correct("same")),
     Action(
         "different", "Organs", ("shift+w",), "two organs are not the same",
-        editing.correct("different"),
+        actions.correct("different"),
     ),
-    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", editing.correct("cut")),
-    Action("undo", "Organs", ("ctrl+z",), "undo a correction", editing.undo, UNDONE),
-    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", editing.redo, UNDONE),
-    Action("compare", "Compare", ("v",), "with the nearest scan", actions.next_compare),
+    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", actions.correct("cut")),
+    Action("undo", "Organs", ("ctrl+z",), "undo a correction", actions.undo, UNDONE),
+    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", actions.redo, UNDONE),
+    Action("compare", "Compare", ("v",), "with the nearest scan", actions.COMPARE.next),
     Action(
         "wipe left", "Compare", ("<",), "wipe to the left",
         lambda s: actions.wipe_to(s.wipe - 0.05)(s), WIPED, True,
@@ -175,8 +175,8 @@ ACTIONS: tuple[Action, ...] = (
     ),
     Action("picture", "Window", ("s",), "save a picture", actions.wish(Wish.PICTURE)),
     Action("export", "Window", ("e",), "export, or stop exporting", actions.wish(Wish.EXPORT)),
-    Action("format", "Window", ("shift+e",), "choose what to export", actions.next_format),
-    Action("size", "Window", ("r",), "size of pictures", actions.next_size),
+    Action("format", "Window", ("shift+e",), "choose what to export", actions.FORMAT.next),
+    Action("size", "Window", ("r",), "size of pictures", actions.SIZE.next),
     Action(
         "transparent", "Window", ("shift+s",), "pictures without background",
         actions.switch_transparent,

@@ -1,22 +1,22 @@
 """The panel at the window's right: every choice in sight, and each of them has a key as well."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
 from player.export.formats import FORMATS
 from player.ui import actions, keys
-from player.ui.actions import Move
+from player.ui.actions import Choice
 from player.ui.corrections import draw_corrections, draw_name
 from player.ui.gui import Gui
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR, PADDING, Theme, faint, packed, rgb
 from player.ui.widgets import button, key_labels, tip
-from player.view.choices import SIZES, Compare
 from player.view.organ_place import organ_place
 from player.view.state import Exporting, Scene
-from player.view.style import ColorMap, ColorMode
+from player.view.style import ColorMode
 
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
@@ -131,17 +131,13 @@ class Panel:
 
 
 def _look(scene: Scene, pen: Pen) -> Scene:
-    modes = scene.color_modes
-    modes += () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
-    colors = {mode.label: actions.color_by(mode) for mode in modes}
-    scene = _choice(scene, pen, "Colour", colors, scene.color_mode.label, "color")
-    style = scene.style
+    absent = () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
+    scene = _choice(scene, pen, "Colour", actions.COLOR, "color", absent)
     if scene.color_mode is ColorMode.FIELD and len(scene.fields) > 1:
-        fields = {name: actions.color_field(name) for name in scene.fields}
-        scene = _choice(scene, pen, "Field", fields, style.field or scene.fields[0], "color")
+        scene = _choice(scene, pen, "Field", actions.FIELD, "color")
     if scene.color_mode.colormap:
-        maps = {str(map): actions.color_map(map) for map in ColorMap}
-        scene = _choice(scene, pen, "Colours", maps, style.color_map, "colormap")
+        scene = _choice(scene, pen, "Colours", actions.COLOR_MAP, "colormap")
+    style = scene.style
     if style.pixels is None:
         limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
         scene = _slider(scene, pen, "Points", "point_size", limits, "larger", text)
@@ -178,18 +174,13 @@ def _view(scene: Scene, pen: Pen) -> Scene:
 
 def _compare(scene: Scene, pen: Pen) -> Scene:
     label = "Other clip" if scene.clips > 1 else "With scan"
-    choices = {how.value: actions.compare_by(how) for how in Compare}
-    return _choice(scene, pen, label, choices, scene.compare.value, "compare")
+    return _choice(scene, pen, label, actions.COMPARE, "compare")
 
 
 def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:
-    examples = {one.example: actions.output(example=one.example) for one in FORMATS}
-    scene = _choice(scene, pen, "What", examples, scene.output.example, "format")
+    scene = _choice(scene, pen, "What", actions.FORMAT, "format")
     if next(one for one in FORMATS if one.example == scene.output.example).picture:
-        names = {s: f"{s[0]} × {s[1]}" if s else "as the window" for s in SIZES}
-        sizes = {name: actions.output(size=size) for size, name in names.items()}
-        now = names.get(scene.output.size, names[None])
-        scene = _choice(scene, pen, "Pixels", sizes, now, "size")
+        scene = _choice(scene, pen, "Pixels", actions.SIZE, "size")
     if scene.output.example.endswith(".png"):
         switch = ("transparent", "Transparent", scene.output.transparent)
         scene = _switches(scene, pen, [switch])
@@ -198,15 +189,16 @@ def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:
 
 
 def _choice(
-    scene: Scene, pen: Pen, label: str, choices: Mapping[str, Move], now: str, action: str
+    scene: Scene, pen: Pen, label: str, choice: Choice, action: str, more: Sequence[Any] = ()
 ) -> Scene:
-    """One of several, by its name, and what choosing it does."""
+    """A list to choose from, with `more` than the values that the key goes through."""
     _label(pen, label)
     imgui.set_next_item_width(_room(pen, action))
-    if imgui.begin_combo(f"##{label}", now):
-        for name, choose in choices.items():
-            if imgui.selectable(name, name == now)[0]:
-                scene = choose(scene)
+    now = choice.now(scene)
+    if imgui.begin_combo(f"##{label}", choice.name(now)):
+        for value in (*choice.values(scene), *more):
+            if imgui.selectable(choice.name(value), value == now)[0]:
+                scene = choice.choose(scene, value)
         if imgui.is_key_pressed(imgui.Key.escape):
             imgui.close_current_popup()
         imgui.end_combo()

@@ -143,9 +143,3 @@ class Timeline:
 
     def slower(self) -> Self:
         return replace(self, speed=max((s for s in SPEEDS if s < self.speed), default=SPEEDS[0]))
-
-    def with_next_end(self) -> Self:
-        """Change what happens at the end: loop, back and forth, stop."""
-        choices = list(AtEnd)
-        chosen = choices[(choices.index(self.at_end) + 1) % len(choices)]
-        return replace(self, at_end=chosen, backwards=False)

@@ -73,6 +73,10 @@ class Scene:
     def with_style(self, notice: str = "", **changes: object) -> Self:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
 
+    def with_output(self, notice: str, **changes: object) -> Self:
+        """Change what the next picture or export is to be."""
+        return replace(self, output=replace(self.output, **changes), notice=notice)  # type: ignore[arg-type]
+
     def with_notice(self, notice: str) -> Self:
         return replace(self, notice=notice)
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 from gclip.corrections import Place
-from player.ui import actions, editing, keys
+from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.edits import Edits
-from player.view.playback import Timeline
+from player.view.playback import AtEnd, Timeline
 from player.view.state import Scene
 from player.view.style import Style
 
@@ -35,7 +35,7 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
     """From a state in which each of them does something."""
     scene = pressed(scene, "right", "k", "n", "end")
     scene = replace(scene, compare=Compare.WIPE, formats=("film.mp4", "plant.glb"), notice="told")
-    scene = replace(scene, timeline=scene.timeline.at(1.5).with_next_end())
+    scene = replace(scene, timeline=replace(scene.timeline.at(1.5), at_end=AtEnd.STOP))
     if action.name in ("first", "front"):
         scene = scene.with_camera(lambda camera: camera.orbit(0.3, 0.3))
     if action.name in ("whole", "fit", "show all"):
@@ -44,9 +44,9 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
     places = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
     scene = replace(scene, chosen=places, edits=Edits())
     if action.name in ("undo", "redo"):
-        scene = editing.correct("same")(scene)
+        scene = actions.correct("same")(scene)
     if action.name == "redo":
-        scene = editing.undo(scene)
+        scene = actions.undo(scene)
     wanted = action.do(scene)
     assert wanted != scene
     for key in action.keys:
@@ -130,13 +130,13 @@ def test_from_above_the_whole_plant_is_seen_unless_someone_came_nearer(scene: Sc
 def test_corrections_are_undone_and_made_again(scene: Scene) -> None:
     one, two = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
     scene = replace(scene, edits=Edits())
-    assert "first" in editing.correct("cut")(scene).notice
+    assert "first" in actions.correct("cut")(scene).notice
     scene = actions.pick(0, one)(scene)
-    assert "another" in editing.correct("same")(scene).notice
+    assert "another" in actions.correct("same")(scene).notice
     scene = actions.pick(1, two, more=True)(scene)
     assert (scene.style.picked, scene.style.second, scene.chosen) == (0, 1, (one, two))
     scene = pressed(scene, "shift+w", "shift+c")
-    scene = editing.correct("name", "flag leaf")(scene)
+    scene = actions.correct("name", "flag leaf")(scene)
     assert scene.edits is not None
     different, cut, name = scene.edits.now
     assert (different.kind, different.places) == ("different", (one, two))

@@ -16,7 +16,7 @@ from gclip import Clip, HeldOutScan
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
-from player.ui.actions import color_by
+from player.ui import actions
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.colors import Colors
@@ -169,7 +169,7 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     with pytest.raises(PlayerError, match="left out"):
         Colors(clip).color_scale(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), has_colors=False)
-    told = color_by(ColorMode.ERROR)(scene)
+    told = actions.COLOR.choose(scene, ColorMode.ERROR)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
     assert "error" not in scene.color_modes

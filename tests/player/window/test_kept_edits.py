@@ -8,7 +8,7 @@ import pytest
 
 import gclip
 from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
-from player.ui import actions, editing
+from player.ui import actions
 from player.view.camera import Camera
 from player.view.organ_place import organ_place
 from player.view.playback import Timeline
@@ -29,7 +29,7 @@ def called(kept: KeptEdits, scene: Scene, track: int, name: str) -> Scene:
     if scene.style.picked != track:
         place = organ_place(kept.clip, track, scene.timeline.day)
         scene = actions.pick(track, place)(scene)
-    return kept.written(editing.correct("name", name)(scene))
+    return kept.written(actions.correct("name", name)(scene))
 
 
 def names(kept: KeptEdits) -> list[str]:
@@ -53,7 +53,7 @@ def test_names_are_seen_written_and_taken_back(opened: OpenClip) -> None:
     assert names(kept)[:2] == [stem, "tip"]
     assert [one.name for one in read_corrections(file)] == ["flag", "tip"]
     for expected in ("flag", leaf):
-        scene = kept.written(editing.undo(scene))
+        scene = kept.written(actions.undo(scene))
         assert names(kept)[:2] == [stem, expected]
     assert read_corrections(file) == ()
 
