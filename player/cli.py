@@ -56,6 +56,15 @@ def _list(wanted: bool) -> None:
 EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\n\n"
 
 
+def _option(metavar: str, help: str, **settings: Any) -> Any:
+    """An option that takes a value, which the help calls `metavar`."""
+    return typer.Option(metavar=metavar, help=help, **settings)
+
+
+def _flag(help: str, *names: str) -> Any:
+    return typer.Option(*names, help=help)
+
+
 @app.command(epilog=EPILOG + help_text())
 @in_panels(PANELS)
 def play_command(
@@ -66,98 +75,76 @@ def play_command(
     ] = None,
     export: Annotated[
         str | None,
-        typer.Option(
-            metavar="PATH", help="Write film.mp4, still.png, plant.html, ...; see --list-exports."
-        ),
+        _option("PATH", "Write film.mp4, still.png, plant.html, ...; see --list-exports."),
     ] = None,
-    info: Annotated[bool, typer.Option(help="Print what the clip holds.")] = False,
+    info: Annotated[bool, _flag("Print what the clip holds.")] = False,
     list_exports: Annotated[
-        bool,
-        typer.Option(help="List what can be exported.", is_eager=True, callback=_list),
+        bool, typer.Option(help="List what can be exported.", is_eager=True, callback=_list)
     ] = False,
-    size: Annotated[
-        str | None,
-        typer.Option(metavar="WxH", help="Size in pixels; 1280x720 by default."),
-    ] = None,
-    fps: Annotated[int, typer.Option(metavar="N", min=1, max=240, help="Frames a second.")] = 30,
+    size: Annotated[str | None, _option("WxH", "Size in pixels; 1280x720 by default.")] = None,
+    fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
     seconds: Annotated[
         float | None,
-        typer.Option(
-            metavar="S",
-            min=0.0,
-            max=36000.0,
-            help="Length of the film in seconds; 1.5 from scan to scan by default.",
+        _option(
+            "S",
+            "Length of the film in seconds; 1.5 from scan to scan by default.",
+            min=0,
+            max=36000,
         ),
     ] = None,
     every: Annotated[
-        float | None,
-        typer.Option(metavar="T", help="A frame of a film, or rows of a table, every T days."),
+        float | None, _option("T", "A frame of a film, or rows of a table, every T days.")
     ] = None,
     day: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="DAY",
-            help="The day of a picture, as a number or a date; the last scan's by default. Given "
+        _option(
+            "DAY",
+            "The day of a picture, as a number or a date; the last scan's by default. Given "
             "several times it makes frames/%04d.png.",
         ),
     ] = None,
     camera: Annotated[
         str,
-        typer.Option(
-            metavar="still|turntable|PATH.json",
-            help="turntable goes round the plant once; PATH.json is a camera path, made in "
-            "the window.",
+        _option(
+            "still|turntable|PATH.json",
+            "turntable goes round the plant once; PATH.json is a camera path, made in the window.",
         ),
     ] = STILL,
     color: Annotated[
         ColorMode,
-        typer.Option(
-            help="Colours of the scan, of each organ (track), or of a value. An error is the "
-            "distance from a scan left out by bake --holdout."
+        _flag(
+            "Colours of the scan, of each organ (track), or of a value. An error is the distance "
+            "from a scan left out by bake --holdout."
         ),
     ] = ColorMode.AUTO,
     colormap: Annotated[
-        ColorMap, typer.Option(help="The colours of values, such as heights or growth rates.")
+        ColorMap, _flag("The colours of values, such as heights or growth rates.")
     ] = ColorMap.AUTO,
     field: Annotated[
-        str,
-        typer.Option(metavar="NAME", help="The field that --color field shows; or the first."),
+        str, _option("NAME", "The field that --color field shows; or the first.")
     ] = "",
     ground: Annotated[
-        GroundChoice | None, typer.Option(help="The background: dark, or the window's last.")
+        GroundChoice | None, _flag("The background: dark, or the window's last.")
     ] = None,
     point_size: Annotated[
-        float,
-        typer.Option(
-            metavar="FACTOR", min=0.05, max=20.0, help="Multiply the points' size by this."
-        ),
+        float, _option("FACTOR", "Multiply the points' size by this.", min=0.05, max=20)
     ] = 1.0,
     shading: Annotated[
-        float,
-        typer.Option(
-            metavar="FACTOR", min=0.0, max=5.0, help="Multiply the shading's strength by this."
-        ),
+        float, _option("FACTOR", "Multiply the shading's strength by this.", min=0, max=5)
     ] = 1.0,
-    depth_cue: Annotated[
-        bool,
-        typer.Option("--depth-cue/--no-depth-cue", help="Let far parts fade."),
-    ] = True,
+    depth_cue: Annotated[bool, _flag("Let far parts fade.", "--depth-cue/--no-depth-cue")] = True,
     floor: Annotated[
-        bool, typer.Option("--floor/--no-floor", help="Draw a floor with the plant's shadow.")
+        bool, _flag("Draw a floor with the plant's shadow.", "--floor/--no-floor")
     ] = True,
-    title: Annotated[
-        str, typer.Option(metavar="TEXT", help="A title in pictures, on pages and in tables.")
-    ] = "",
-    date: Annotated[bool, typer.Option(help="Write the date into pictures.")] = False,
-    scale_bar: Annotated[bool, typer.Option(help="Draw a scale bar into pictures.")] = False,
-    legend: Annotated[bool, typer.Option(help="Explain the colours in pictures.")] = False,
-    transparent: Annotated[bool, typer.Option(help="Leave the background out of PNGs.")] = False,
-    kiosk: Annotated[bool, typer.Option(help="Full screen, looping, without controls.")] = False,
-    profile: Annotated[
-        bool, typer.Option(help="Say in the end how long pictures took to draw.")
-    ] = False,
-    force: Annotated[bool, typer.Option(help="Overwrite an output that exists.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
+    title: Annotated[str, _option("TEXT", "A title in pictures, on pages and in tables.")] = "",
+    date: Annotated[bool, _flag("Write the date into pictures.")] = False,
+    scale_bar: Annotated[bool, _flag("Draw a scale bar into pictures.")] = False,
+    legend: Annotated[bool, _flag("Explain the colours in pictures.")] = False,
+    transparent: Annotated[bool, _flag("Leave the background out of PNGs.")] = False,
+    kiosk: Annotated[bool, _flag("Full screen, looping, without controls.")] = False,
+    profile: Annotated[bool, _flag("Say in the end how long pictures took to draw.")] = False,
+    force: Annotated[bool, _flag("Overwrite an output that exists.")] = False,
+    quiet: Annotated[bool, _flag("Say nothing but errors.", "--quiet", "-q")] = False,
     version: VersionOption = False,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures.

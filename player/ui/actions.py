@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, Wish
-from player.view.edits import sentence
+from player.view.choices import SIZES, Compare, Wish, sentence
 from player.view.playback import AtEnd
 from player.view.style import NO_HOLDOUT, ColorMap, ColorMode
 

@@ -10,7 +10,7 @@ from player.ui import actions
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR
 from player.ui.widgets import button
-from player.view.edits import sentence
+from player.view.choices import sentence
 from player.view.state import Scene
 
 SMALL = 14.0

@@ -1,7 +1,10 @@
-"""What users choose among. Loads nothing: the table of keys is read by `--help`."""
+"""What users choose among, and put right. Loads nothing: `--help` reads the table of keys."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Self
+
+from gclip.corrections import Correction
 
 SIZES: tuple[tuple[int, int] | None, ...] = (
     None,
@@ -38,3 +41,49 @@ class Output:
     )
     size: tuple[int, int] | None = None  #: (width, height) in pixels, None for the window's own
     transparent: bool = False  #: the plant alone, in PNG pictures
+
+
+@dataclass(frozen=True)
+class Edits:
+    """The corrections of a clip's organs, as they are, were before, and were before an undo.
+
+    baked: those that the clip was baked with.
+    """
+
+    now: tuple[Correction, ...] = ()
+    baked: tuple[Correction, ...] = ()
+    past: tuple[tuple[Correction, ...], ...] = ()
+    future: tuple[tuple[Correction, ...], ...] = ()
+
+    @property
+    def is_baked(self) -> bool:
+        """Whether the clip shows what they say; new names it shows at once."""
+        shown = [one for one in self.now if one.kind != "name" or one in self.baked]
+        return sorted(map(str, shown)) == sorted(map(str, self.baked))
+
+    def changed(self, now: tuple[Correction, ...]) -> Self:
+        return replace(self, now=now, past=(*self.past, self.now), future=())
+
+    def undone(self) -> Self:
+        if not self.past:
+            return self
+        future = (*self.future, self.now)
+        return replace(self, now=self.past[-1], past=self.past[:-1], future=future)
+
+    def redone(self) -> Self:
+        if not self.future:
+            return self
+        return replace(self.changed(self.future[-1]), future=self.future[:-1])
+
+
+def sentence(correction: Correction) -> str:
+    """A correction in a few words."""
+    first, last = correction.places[0].organ, correction.places[-1].organ
+    match correction.kind:
+        case "name":
+            return f"{first} is called {correction.name}"
+        case "cut":
+            return f"{first} is cut"
+        case "same":
+            return f"{first} is {last}"
+    return f"{first} is two organs" if first == last else f"{first} is not {last}"

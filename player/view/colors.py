@@ -3,7 +3,7 @@
 A mover wears its scan's colours, its organ's, or the colour of a value: the organ's age, the
 mover's height or speed, its growth rate or its error. Age is one value an organ, so it comes as
 another palette of tracks; height and speed are found in the shaders (scalar_field.glsl), which read
-their colours off a ramp; other values stand in a copy of the clip as its own colours (painted.py).
+their colours off a ramp; other values stand in a copy of the clip as its own colours.
 """
 
 from collections.abc import Sequence
@@ -14,20 +14,20 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, PointField
+from gclip import Clip, Interval, PointField
 from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_whole
 from player.errors import PlayerError
 from player.view.camera import axes, outline
-from player.view.growth_rate import growth_rates
 from player.view.holdout_error import Errors
-from player.view.painted import painted
 from player.view.style import NO_FIELD, ColorMap, ColorMode, Style
+from traits.growth_rate import growth_rates
 
 STEPS = 256  # texels of a ramp
 SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
 FAST = 0.98  # share of the movers that are slower than the fastest colour says
 BACK = 0.12  # how much of their own colour organs keep beside a highlighted one
+UNKNOWN = np.array([150, 150, 150], np.uint8)  # sRGB of movers whose value is not known
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB (IEC 61966-2-1)
 
 
@@ -66,6 +66,19 @@ class ValueRange:
 
         ramp = np.asarray(Colormap(self.color_map)(np.linspace(0.0, 1.0, STEPS)))
         return np.round(255.0 * ramp[:, :3]).astype(np.uint8)
+
+    def colors_of(self, values: NDArray[np.floating]) -> NDArray[np.uint8]:
+        """(N, 3) uint8 sRGB of values; those beyond an end have its colour, NaN is unknown."""
+        share = np.clip((values - self.low) / (self.high - self.low), 0.0, 1.0)
+        steps = np.round((STEPS - 1) * np.nan_to_num(share)).astype(int)
+        return np.where(np.isnan(values)[:, None], UNKNOWN, self.colors()[steps])
+
+    def painted(self, interval: Interval, *ends: NDArray[np.floating]) -> Interval:
+        """A copy of an interval that wears its movers' values, (N,) at its start and at its end or
+        one for both, as colours.
+        """
+        colors = [np.insert(self.colors_of(values), 3, 255, axis=1) for values in ends]
+        return replace(interval, start_colors=colors[0], end_colors=colors[-1])
 
 
 def resolved_color_mode(clip: Clip, style: Style) -> ColorMode:
@@ -110,15 +123,13 @@ class Colors:
 
         Raises PlayerError as `color_scale` does.
         """
-        scale = self._painted_scale(style)
+        shown = resolved_color_mode(self._clip, style).painted
+        scale = self.color_scale(style) if shown else None
         if scale is None:
             return self._clip
-        values, span = self._painted_values(style, scale.mode), scale.high - scale.low
-        intervals = [
-            painted(interval, scale.colors(), *((value - scale.low) / span for value in ends))
-            for interval, ends in zip(self._clip.intervals, values, strict=True)
-        ]
-        return replace(self._clip, intervals=tuple(intervals))
+        values = self._painted_values(style, scale.mode)
+        pairs = zip(self._clip.intervals, values, strict=True)
+        return replace(self._clip, intervals=tuple(scale.painted(i, *ends) for i, ends in pairs))
 
     def _field(self, style: Style) -> PointField:
         fields = self._clip.fields
@@ -142,14 +153,12 @@ class Colors:
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
+        clip, missed = self._errors.scan_as_clip(number)
         shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
         scale = self.color_scale(style) if shown else None
-        ramp, highest = (None, 1.0) if scale is None else (scale.colors(), scale.high)
-        return self._errors.scan_as_clip(number, ramp, highest)
-
-    def _painted_scale(self, style: Style) -> ValueRange | None:
-        shown = resolved_color_mode(self._clip, style).painted
-        return self.color_scale(style) if shown else None
+        if scale is None:
+            return clip
+        return replace(clip, intervals=(scale.painted(clip.intervals[0], missed),))
 
     def clip_with_constant_colors(self, style: Style) -> Clip:
         """The clip to write into files that hold one colour a mover: as `clip_with_colors`, and
@@ -216,8 +225,7 @@ class Colors:
             return palette_at(self._clip, *locate(self._clip, day))[:, :3]
         first = self._clip.times[0]
         born = np.array([max(track.born, first) for track in self._clip.track_table])
-        share = np.clip((day - born) / max(scale.high, 1e-12), 0.0, 1.0)
-        return scale.colors()[np.round((STEPS - 1) * share).astype(int)]
+        return scale.colors_of(day - born)
 
     @cached_property
     def _growth(self) -> list[NDArray[np.float64]]:

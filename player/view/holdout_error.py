@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from player.errors import PlayerError
-from player.view.painted import painted
 from player.view.style import NO_HOLDOUT
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
@@ -49,10 +48,10 @@ class Errors:
         known = np.concatenate([errors[np.isfinite(errors)] for errors in self.intervals.values()])
         return float(np.quantile(known, HIGH)) if len(known) else 0.0
 
-    def scan_as_clip(self, number: int, ramp: NDArray[np.uint8] | None, highest: float) -> Clip:
+    def scan_as_clip(self, number: int) -> tuple[Clip, NDArray[np.float64]]:
         """A scan that was left out, by its number, as a clip that stands still: to be seen beside
         the state that was rebuilt. Each of its points has the organ and the colour of the nearest
-        mover, or with a ramp the colour of the distance to it: what the clip lacks.
+        mover; the distances to it tell what the clip lacks.
         """
         from scipy.spatial import cKDTree
 
@@ -69,13 +68,11 @@ class Errors:
             control_positions=(),
             tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
         )
-        if ramp is not None:
-            interval = painted(interval, ramp, missed / highest)
-        elif clip.has_colors:
+        if clip.has_colors:
             paint = frame.colors[nearest]
             interval = replace(interval, start_colors=paint, end_colors=paint)
         ends = tuple(replace(clip.scans[end], points=len(scan.positions)) for end in (0, -1))
-        return replace(clip, scans=ends, intervals=(interval,), held_out=())
+        return replace(clip, scans=ends, intervals=(interval,), held_out=()), missed
 
     def _of(self, index: int) -> NDArray[np.float64]:
         from scipy.spatial import cKDTree

@@ -8,8 +8,7 @@ from gclip import Clip
 from gclip.corrections import Place
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
-from player.view.choices import Compare, Output, Wish
-from player.view.edits import Edits
+from player.view.choices import Compare, Edits, Output, Wish
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
 from traits.curves import PLOTTED, plotted

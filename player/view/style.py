@@ -35,7 +35,7 @@ class ColorMode(StrEnum):
 
     @property
     def painted(self) -> bool:
-        """Whether a clip is given the values' colours as its own (player/view/painted.py)."""
+        """Whether a clip is given the values' colours as its own (player/view/colors.py)."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
     def resolved(self, has_colors: bool) -> Self:

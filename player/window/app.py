@@ -32,8 +32,7 @@ from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
-from player.window.kept_edits import KeptEdits
-from player.window.opened_clip import FileWatch, OpenClip
+from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
 from player.window.organ_info import OrganInfo
 from player.window.viewports import Viewports, fitted, home_camera
 

@@ -1,12 +1,17 @@
-"""Clips and the files that they come from."""
+"""Clips, the files that they come from, and the corrections that are kept beside them."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
 from gclip import Clip
 from gclip.clip import open_as_baked
+from gclip.corrections import corrections_file, read_corrections, write_corrections
+from gclip.errors import UserError
+from gclip.places import baked_corrections, with_names
+from player.view.choices import Edits
+from player.view.state import Scene
 
 
 @dataclass(frozen=True)
@@ -49,3 +54,49 @@ def _mark(file: Path) -> tuple[int, int, int] | None:
     except OSError:
         return None
     return state.st_ino, state.st_size, state.st_mtime_ns
+
+
+class KeptEdits:
+    """Of one clip: a file that people may edit while the window is open.
+
+    clip: the clip, whose organs have the names that they were given.
+    """
+
+    def __init__(self, opened: OpenClip) -> None:
+        self._file = None if opened.file is None else corrections_file(opened.file)
+        self._baked = baked_corrections(opened.clip)
+        self._watch = FileWatch([] if self._file is None else [self._file])
+        self._saved: Edits | None = None
+        self._opened = self.clip = opened.clip
+
+    def written(self, scene: Scene) -> Scene:
+        """Write what the scene changed, or take over what the file says now."""
+        if self._file is None:
+            return scene
+        try:
+            if self._saved is None or self._watch.changed():
+                return self._read(scene, self._file)
+        except UserError as error:
+            self._saved = Edits()
+            return replace(scene, edits=None).with_notice(str(error))
+        try:
+            if scene.edits and scene.edits.now != self._saved.now:
+                clip = with_names(self._opened, scene.edits.now)
+                write_corrections(self._file, scene.edits.now)
+                self.clip = clip
+                self._watch.changed()
+        except UserError as error:
+            return replace(scene, edits=self._saved).with_notice(str(error))
+        except OSError as error:
+            why = f"{self._file.name} can't be written: {error.strerror or error}."
+            return replace(scene, edits=self._saved).with_notice(why)
+        self._saved = scene.edits or self._saved
+        return scene
+
+    def _read(self, scene: Scene, file: Path) -> Scene:
+        now = read_corrections(file) if file.exists() else ()
+        self.clip = with_names(self._opened, now)
+        before = scene.edits or Edits()
+        edits = before if now == before.now else before.changed(now)
+        self._saved = replace(edits, baked=self._baked)
+        return replace(scene, edits=self._saved)

@@ -9,8 +9,7 @@ from gclip.corrections import Place
 from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera
-from player.view.choices import Compare
-from player.view.edits import Edits
+from player.view.choices import Compare, Edits
 from player.view.playback import AtEnd, Timeline
 from player.view.state import Scene
 from player.view.style import Style

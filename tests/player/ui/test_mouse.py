@@ -10,8 +10,7 @@ from gclip.corrections import Correction, Place
 from player.ui import keys
 from player.ui.panel import WIDTH
 from player.view.camera_animation import CameraPath
-from player.view.choices import Compare
-from player.view.edits import Edits
+from player.view.choices import Compare, Edits
 from tests.player.desk import Desk, scene_of
 from tests.player.shown import small_clip
 

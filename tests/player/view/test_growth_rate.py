@@ -6,8 +6,8 @@ import pytest
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.view.colors import Colors
-from player.view.growth_rate import growth_rates
 from player.view.style import ColorMap, Style
+from traits.growth_rate import growth_rates
 
 GROWTH = Style(color_by="growth", color_map=ColorMap.CIVIDIS)
 

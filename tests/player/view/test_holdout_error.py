@@ -19,9 +19,8 @@ from player.export import Film, export
 from player.ui import actions
 from player.view.camera import Camera
 from player.view.choices import Compare
-from player.view.colors import Colors
+from player.view.colors import UNKNOWN, Colors, ValueRange
 from player.view.holdout_error import Errors
-from player.view.painted import UNKNOWN, painted
 from player.view.playback import Timeline
 from player.view.split_view import Pane, panes_of
 from player.view.state import Scene
@@ -74,11 +73,11 @@ def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
 
 
 def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) -> None:
-    ramp = np.arange(101, dtype=np.uint8)[:, None].repeat(3, axis=1)
     known = Errors(clip).values[0]
     for highest in (3.0, 12.0):
-        shades = painted(clip.intervals[0], ramp, known / highest).start_colors[:, 0].astype(int)
-        assert np.abs(shades - 100 * np.minimum(known / highest, 1.0)).max() <= 1
+        scale = ValueRange(ColorMode.ERROR, 0.0, highest, "mm", "gray")
+        shades = scale.painted(clip.intervals[0], known).start_colors[:, 0].astype(int)
+        assert np.abs(shades - 255 * np.minimum(known / highest, 1.0)).max() <= 1
 
 
 def test_the_window_s_stage_shows_errors_and_goes_back(

@@ -14,8 +14,7 @@ from player.view.organ_place import organ_place
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
-from player.window.kept_edits import KeptEdits
-from player.window.opened_clip import OpenClip
+from player.window.opened_clip import KeptEdits, OpenClip
 from tests.player.shown import small_clip
 
 
