@@ -4,9 +4,6 @@
 
 uniform sampler2D depths;  // relative
 uniform ivec2 direction;
-uniform float radius;         // of a splat, in the clip's unit
-uniform float focal_px;       // samples that one unit takes up where clip_w is 1
-uniform vec2 point_px_range;  // diameters in samples
 out float out_depth;
 
 const float SMOOTHING = 1.3, MAX_RADIUS_PX = 24.0;  // in splat radii, and samples

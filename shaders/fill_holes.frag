@@ -10,9 +10,6 @@ uniform usampler2D nearest;
 uniform usampler2D picked;
 uniform sampler2D palette;
 uniform bool by_track;        // the ten bits name the colour
-uniform float radius;         // of a splat, in the clip's unit
-uniform float focal_px;       // samples that one unit takes up where clip_w is 1
-uniform vec2 point_px_range;  // diameters in samples
 
 const float CORE = 0.7;  // share of its radius in which a splat hides what lies behind
 const float THICKNESS = 1.6;  // depth, in splat radii, over which splats count as one surface

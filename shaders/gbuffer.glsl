@@ -1,11 +1,13 @@
 // What the passes over the points leave of each sample: colour, cover, depth and normal. The depth
 // buffer tells where the plant is, so that the passes that follow run there alone.
 #include "depth.glsl"
-#include "splat_profile.glsl"
 
 layout(location = 0) out vec4 out_color;   // linear light, cover
 layout(location = 1) out float out_depth;  // relative
 layout(location = 2) out vec2 out_normal;  // to the eye, aside and up, or UNKNOWN
+
+// Summed weights of splats at which the plant's silhouette begins, and at which it is closed.
+const float RIM_OUTSIDE = 0.16, RIM_INSIDE = 0.30;
 
 // color_sum: linear light times weight, weight; inside: whether the surface goes as far.
 void write_gbuffer(vec4 color_sum, float depth, vec2 normal, float inside) {

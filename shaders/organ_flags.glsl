@@ -1,6 +1,4 @@
 // The organs' colours, and with HAS_FLAGS which organs are hidden or dimmed.
-#ifndef ORGAN_FLAGS
-#define ORGAN_FLAGS
 
 // Row by row; linear light; alpha: 0 hidden, 1 as usual, between: dimmed behind a highlighted one.
 uniform sampler2D palette;
@@ -26,4 +24,3 @@ vec3 dimmed(vec3 linear, uint track) {
     return linear;
 #endif
 }
-#endif

@@ -1,8 +1,90 @@
-// Light on the plant, sample by sample.
-#include "eye_dome.glsl"
+// Light on the plant, sample by sample: a surface that is known by its depths, and by its normals
+// where points have some, with eye-dome shading (Boucheny 2009).
+#include "depth.glsl"
+
+const int RINGS = 3, DIRECTIONS = 8;  // in which the surroundings are looked at
 
 uniform sampler2D colors;  // linear light, cover
+uniform sampler2D depths;  // relative
+uniform sampler2D normals;  // see gbuffer.glsl
+uniform ivec2 dome[RINGS * DIRECTIONS];  // where the surroundings are, in samples
+uniform float eye_dome;    // strength of the shading
+uniform float depth_cue;   // share of the fog on what is farthest
+uniform vec3 up_dir;       // in the eye's coordinates
+uniform vec3 key_light_dir;
+uniform vec3 ambient_top;  // linear light from above, from below, and of the lamp
+uniform vec3 ambient_bottom;
+uniform vec3 key_light;
+uniform vec3 fog_color;    // what far parts recede into
 out vec4 out_light;        // times cover, cover
+
+float depth_at(ivec2 texel) {
+    return texelFetch(depths, clamp(texel, ivec2(0), textureSize(depths, 0) - 1), 0).r;
+}
+
+vec3 view_pos(ivec2 texel, float depth) {
+    vec2 at = (vec2(texel) + 0.5) / vec2(textureSize(depths, 0));
+    float view_depth = view_depth_of(depth);
+    return vec3((2.0 * at - 1.0) * half_extent * clip_w(view_depth), -view_depth);
+}
+
+// The slope from one place to the next, `aside` samples on; at an edge that of the side on the same
+// surface, and where there is none on either side that of a wall before the eye.
+vec3 slope(ivec2 texel, ivec2 aside, float depth) {
+    ivec2 last = textureSize(depths, 0) - 1;
+    ivec2 ahead = min(texel + aside, last), back = max(texel - aside, ivec2(0));
+    float next = depth_at(ahead), previous = depth_at(back);
+    vec3 here = view_pos(texel, depth);
+    vec3 forward = view_pos(ahead, next) - here, backward = here - view_pos(back, previous);
+    float a = next < NOTHING && ahead != texel ? abs(next - depth) : NOTHING;
+    float b = previous < NOTHING && back != texel ? abs(previous - depth) : NOTHING;
+    vec3 found = a > 3.0 * b ? backward : b > 3.0 * a ? forward : forward + backward;
+    return min(a, b) < NOTHING ? found : vec3(aside, 0.0);
+}
+
+vec3 normal_at(ivec2 texel, float depth) {
+    float splat_px = radius * focal_px / clip_w(view_depth_of(depth));
+    int reach = int(clamp(0.5 * splat_px, 1.0, 8.0));
+    return normalize(cross(slope(texel, ivec2(reach, 0), depth), slope(texel, ivec2(0, reach), depth)));
+}
+
+// How much the surroundings stand in front of a place, 0 where it lies free. What stands far in
+// front is another organ: it darkens less, or every leaf would wear a black rim.
+float occlusion(ivec2 texel, float depth) {
+    float sum = 0.0, inv_depth = 1.0 / 0.012;  // of what darkens most
+    for (int ring = 0; ring < RINGS; ++ring) {
+        for (int i = 0; i < DIRECTIONS; ++i) {
+            float other = depth_at(texel + dome[ring * DIRECTIONS + i]);
+            float front = max((depth - other) * inv_depth, 0.0);
+            sum += front / (1.0 + front * front);
+        }
+        inv_depth /= 2.2;
+    }
+    return sum / float(RINGS * DIRECTIONS);
+}
+
+// The light that a surface of some colour sends to the eye.
+vec3 lit(ivec2 texel, vec3 albedo) {
+    float depth = depth_at(texel);
+    vec2 aside = texelFetch(normals, texel, 0).rg;
+    vec3 known = vec3(aside, sqrt(max(1.0 - dot(aside, aside), 0.0)));
+    vec3 normal = aside.x < UNKNOWN ? known : normal_at(texel, depth);
+    vec3 to_eye = normalize(-view_pos(texel, depth));
+    to_eye = perspective > 0.0 ? to_eye : vec3(0.0, 0.0, 1.0);
+
+    // Leaves are thin: light from behind shines through.
+    float facing = dot(normal, key_light_dir);
+    float direct = max(facing, 0.0) + 0.40 * max(-facing, 0.0);
+    float open = exp(-2.2 * eye_dome * occlusion(texel, depth));
+    vec3 ambient = mix(ambient_bottom, ambient_top, 0.5 + 0.5 * dot(normal, up_dir));
+    float mirrored = max(dot(normal, normalize(key_light_dir + to_eye)), 0.0);
+    float gloss = 0.05 * pow(mirrored, 20.0);
+    float grazing = 1.0 - max(dot(normal, to_eye), 0.0);
+    float edge = 0.10 * grazing * grazing * grazing;
+    vec3 light = albedo * (ambient * open + key_light * direct * mix(open, 1.0, 0.3))
+               + (gloss * key_light + edge * ambient_top * albedo) * open;
+    return mix(light, fog_color, depth_cue * smoothstep(-0.4, 1.6, depth));
+}
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);

@@ -12,7 +12,7 @@ from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
 
-DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (eye_dome.glsl)
+DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (shade.frag)
 
 
 def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None:
@@ -45,7 +45,7 @@ def _where_the_plant_is(gbuffer: GBuffer) -> moderngl.Context:
 
 
 def lights(splats: SplatParams, style: Style) -> dict[str, Any]:
-    """The uniforms of eye_dome.glsl: lights, fog, and where the surroundings are looked at."""
+    """The uniforms of shade.frag: lights, fog, and where the surroundings are looked at."""
     camera, colors = splats.camera, GROUNDS[style.ground]
     up = camera.view()[:3, :3] @ axes(camera.up)[2]
     key_light = up + np.array([-0.75, 0.10, 0.65])
