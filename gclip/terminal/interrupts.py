@@ -9,11 +9,24 @@ from subprocess import Popen
 from tempfile import TemporaryDirectory
 from traceback import walk_stack
 from types import FrameType
+from typing import ParamSpec, TypeVar
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 RETRY = 0.01  # seconds until a stop that came at a bad moment is sent again
-# What these have begun, nobody knows of before they return, and nobody would end.
-UNDISTURBED = {kind.__init__.__code__ for kind in (Popen, TemporaryDirectory)}
+
+
+def uninterrupted(
+    function: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
+) -> Result:
+    """Call native code that calls Python in turn, and crashes if that raises: a stop waits."""
+    return function(*arguments, **named)
+
+
+# What Popen and TemporaryDirectory begin, nobody knows of before they return, and nobody would end.
+UNDISTURBED = {one.__code__ for one in (uninterrupted, Popen.__init__, TemporaryDirectory.__init__)}
 
 
 def until_interrupted(work: Callable[[], int | None], received: list[int]) -> int | None:
@@ -21,8 +34,8 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
 
     Later ones are ignored: things are being put away. Python drops an exception that is raised in
     ``__del__``, extensions may swallow one that is raised while they load, and a process or folder
-    that is just being made would stay: then the signal is sent again. Those that the process was
-    started to ignore, as by nohup, stay ignored.
+    that is just being made would stay: then, as in `uninterrupted`, the signal is sent again. Those
+    that the process was started to ignore, as by nohup, stay ignored.
     """
     main_thread = threading.main_thread()
     if threading.current_thread() is not main_thread:
@@ -30,7 +43,7 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         codes = (above.f_code for above, _ in walk_stack(frame))
-        work = takewhile(lambda code: code.co_filename != __file__, codes)
+        work = takewhile(lambda code: code is not until_interrupted.__code__, codes)
         loading = "<frozen importlib._bootstrap>"
         if not received and any(c in UNDISTURBED or c.co_filename == loading for c in work):
             send_again(number)

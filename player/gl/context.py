@@ -5,6 +5,7 @@ from typing import Any
 
 import moderngl
 
+from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
 
 # Many drivers give exactly the version that is asked for: the newest comes first. From 4.3 on there
@@ -31,9 +32,9 @@ def headless() -> moderngl.Context:
     """
     reason = ""
     for device, version in product(range(MAX_DEVICES), VERSIONS):
-        settings: dict[str, Any] = {"backend": "egl", "device_index": device}
+        settings: dict[str, Any] = {"backend": "egl", "device_index": device, "require": version}
         try:
-            return moderngl.create_context(standalone=True, require=version, **settings)
+            return uninterrupted(moderngl.create_context, standalone=True, **settings)
         except Exception as error:
             reason = reason or _reason(error)
     raise PlayerError(
@@ -48,7 +49,7 @@ def from_window() -> moderngl.Context:
     Raises PlayerError where the window offers less than OpenGL 3.3.
     """
     try:
-        return moderngl.create_context(require=VERSIONS[-1])
+        return uninterrupted(moderngl.create_context, require=VERSIONS[-1])
     except Exception as error:
         raise PlayerError(
             f"the window offers no OpenGL 3.3 ({_reason(error)}); "

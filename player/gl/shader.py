@@ -6,6 +6,7 @@ from typing import Any
 
 import moderngl
 
+from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
 from player.gl.timers import PassTimers
 from shaders import source
@@ -16,7 +17,8 @@ def program(
 ) -> moderngl.Program:
     """Compile `<vertex>.vert` and `<fragment>.frag`. Raises PlayerError as `compute` does."""
     with _compiling(f"{vertex}, {fragment}"):
-        return context.program(
+        return uninterrupted(
+            context.program,
             vertex_shader=source(f"{vertex}.vert", **definitions),
             fragment_shader=source(f"{fragment}.frag", **definitions),
         )
@@ -27,7 +29,7 @@ def compute(
 ) -> moderngl.ComputeShader:
     """Compile `<name>.comp`; needs OpenGL 4.3. Raises PlayerError where the driver can't."""
     with _compiling(name):
-        return context.compute_shader(source(f"{name}.comp", **definitions))
+        return uninterrupted(context.compute_shader, source(f"{name}.comp", **definitions))
 
 
 @contextmanager

@@ -26,6 +26,18 @@ for output in sys.stdin.read().split():
     print(main([clip, "--export", output, *small, *still]))
 """
 
+STOPPED_WHILE_COMPILING = """
+import signal, sys, _moderngl
+from player.cli import main
+make = _moderngl.make_uniform
+def make_and_stop(*arguments):
+    signal.raise_signal(signal.SIGINT)
+    return make(*arguments)
+_moderngl.make_uniform = make_and_stop
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(main(sys.argv[1:]))
+"""
+
 
 @pytest.fixture
 def clip(make_clip: Any, tmp_path: Path) -> Path:
@@ -66,6 +78,17 @@ def test_a_stopped_export_says_so_and_leaves_nothing(
     said = process.communicate(timeout=120)[1]
     assert process.returncode == 128 + number
     assert said == "play: stopped; nothing half-written is left behind.\n"
+    assert intact(folder)
+
+
+def test_an_export_stopped_while_shaders_are_compiled_leaves_nothing(
+    clip: Path, folder: Path
+) -> None:
+    """OpenGL's native code makes a Python object of each uniform, and crashes if that fails."""
+    export = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL, "--seconds", "600"]
+    command = [sys.executable, "-c", STOPPED_WHILE_COMPILING, *export]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 130, done.stderr
     assert intact(folder)
 
 

@@ -13,6 +13,7 @@ import pytest
 
 from gclip.terminal.atomic import folder_beside
 from gclip.terminal.command import run
+from gclip.terminal.interrupts import uninterrupted
 
 
 @pytest.fixture(autouse=True)
@@ -70,6 +71,22 @@ def test_a_stop_while_a_folder_is_made_leaves_none(
     monkeypatch.setattr(os, "mkdir", make_and_stop)
     assert run("bake", work) == 130
     assert not any(tmp_path.iterdir())
+
+
+def test_a_stop_waits_for_native_code_that_calls_python() -> None:
+    done = []
+
+    def called_back() -> None:
+        signal.raise_signal(signal.SIGINT)
+        done.append("called back")
+
+    def work() -> None:
+        uninterrupted(called_back)
+        time.sleep(20)
+        done.append("slept")
+
+    assert run("play", work) == 130
+    assert done == ["called back"]
 
 
 def test_a_second_stop_does_not_disturb_putting_away(capsys: pytest.CaptureFixture[str]) -> None:
