@@ -20,7 +20,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tests.kill import WayOut, _finished, _strange, contents, make_series, varied, ways_out, whole
+from tests.writers import (
+    Writer,
+    contents,
+    leftovers,
+    make_series,
+    run_alone,
+    varied,
+    whole,
+    writers,
+)
 
 PAGE = 4096  # bytes that a file in memory takes at least
 FULL = "No space left on device"
@@ -33,52 +42,52 @@ def main(argv: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(argv)
     total: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as name:
-        for way in ways_out(*make_series(Path(name))):
-            if way.outputs and (not asked.only or way.name in asked.only.split(",")):
-                found = try_out(way, asked.steps)
-                print(f"{way.name}: {_told(found)}", flush=True)
+        for writer in writers(*make_series(Path(name))):
+            if writer.outputs and (not asked.only or writer.name in asked.only.split(",")):
+                found = try_out(writer, asked.steps)
+                print(f"{writer.name}: {_told(found)}", flush=True)
                 total += found
     print(f"all: {_told(total)}")
     return 1 if total["broken"] else 0
 
 
-def try_out(way: WayOut, steps: int) -> Counter[str]:
-    """Counts how the way out ended on disks of some sizes."""
+def try_out(writer: Writer, steps: int) -> Counter[str]:
+    """Counts how the command ended on disks of some sizes."""
     found: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as name:
         olds, news, disk = (Path(name) / part for part in ("old", "new", "disk"))
-        for place, arguments in ((olds, way.old), (news, way.new)):
+        for place, arguments in ((olds, writer.old), (news, writer.new)):
             place.mkdir()
-            _finished(way.module, arguments, place)
+            run_alone(writer.module, arguments, place)
         disk.mkdir()
         for step in range(steps + 1):
             size = _taken(olds) + (_taken(news) + 16 * PAGE) * step // steps
             with mounted(disk, size):
                 shutil.copytree(olds, disk, dirs_exist_ok=True)
-                command = [sys.executable, "-m", way.module.partition(".")[0], *way.new]
+                command = [sys.executable, "-m", writer.module.partition(".")[0], *writer.new]
                 done = subprocess.run(command, cwd=disk, capture_output=True, text=True)
-                fault = _fault(way, done, disk, olds, news)
+                fault = _fault(writer, done, disk, olds, news)
             found["broken" if fault else "done" if done.returncode == 0 else "refused"] += 1
             if fault:
-                print(f"{way.name}, {size:,} bytes: {fault}\n{done.stderr}", flush=True)
+                print(f"{writer.name}, {size:,} bytes: {fault}\n{done.stderr}", flush=True)
     return found
 
 
 def _fault(
-    way: WayOut, done: subprocess.CompletedProcess, disk: Path, olds: Path, news: Path
+    writer: Writer, done: subprocess.CompletedProcess, disk: Path, olds: Path, news: Path
 ) -> str:
     """What is wrong with how it ended, if anything."""
     if done.returncode not in (0, 2):
         return f"exit code {done.returncode}"
     if done.returncode == 2 and (FULL not in done.stderr or len(done.stderr.splitlines()) > 1):
         return "the sentence doesn't say it"
-    if strange := _strange(way, disk):
-        return f"litter: {', '.join(sorted(strange))}"
-    for output in way.outputs:
+    if litter := leftovers(writer, disk):
+        return f"litter: {', '.join(sorted(litter))}"
+    for output in writer.outputs:
         found = contents(disk, output)
         if found == contents(olds, output) or whole(found, olds, news, output):
             continue
-        if not varied(way, output, found):
+        if not varied(writer, output, found):
             return f"{output} is broken"
     return ""
 
