@@ -1,4 +1,4 @@
-"""The baker's one error for bad input."""
+"""The exception that the baker raises for bad input."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,21 +9,21 @@ from gclip.text import printable
 
 
 class InputError(UserError):
-    """Scans or options that can't be baked; the message names the file and the remedy."""
+    """Scans or options can't be baked; the message is one sentence that says what to change."""
 
 
 def excerpt(text: str) -> str:
-    """What a file says, short enough to be quoted."""
+    """Shorten a text from a file so that a message can quote it."""
     return printable(text, 60)
 
 
 @contextmanager
-def asking(path: Path) -> Iterator[None]:
-    """Ask the file system about `path`, or read it: what goes wrong is an InputError."""
+def input_errors(path: Path) -> Iterator[None]:
+    """Turn errors of the file system, while `path` is read, into an InputError that names it."""
     try:
         yield
     except UserError as error:
         raise InputError(str(error)) from error
     except OSError as error:
-        what = printable(str(error.filename or path), 200)
-        raise InputError(f"'{what}' can't be read: {error.strerror or error}.") from error
+        name = printable(str(error.filename or path), 200)
+        raise InputError(f"'{name}' can't be read: {error.strerror or error}.") from error

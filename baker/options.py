@@ -7,7 +7,7 @@ from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 
 from msgspec import to_builtins
 
-from baker.errors import InputError, asking
+from baker.errors import InputError, input_errors
 from gclip.corrections import Correction, Corrections, read_corrections
 
 Align = Literal["auto", "turn", "icp", "none"]
@@ -49,7 +49,7 @@ def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
 
 def parse_corrections(text: str) -> Corrections:
     """The corrections in the file that `--corrections` names. Raises InputError."""
-    with asking(Path(text)):
+    with input_errors(Path(text)):
         return Corrections() if text == "none" else read_corrections(Path(text))
 
 

@@ -4,8 +4,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from baker.errors import InputError, asking
-from baker.scans.find import find_scans, holds_scans, require_there
+from baker.errors import InputError, input_errors
+from baker.scans.find import find_scans, holds_scans, require_exists
 from baker.scans.rgbd.camera import find_camera
 from baker.scans.times.schedule import natural_key
 
@@ -24,7 +24,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     if not folders and not names_folder(output):
         return {}
     for path in inputs:
-        require_there(path)
+        require_exists(path)
         if folders and not path.is_dir():
             raise InputError(
                 f"'{path}' is a file and '{folders[0]}' a folder: give folders, a plant each (*/ "
@@ -76,7 +76,7 @@ def _may_be_plant(folder: Path) -> bool:
 
 
 def _plants_below(greenhouse: Path) -> list[Path]:
-    with asking(greenhouse):
+    with input_errors(greenhouse):
         below = [path for path in greenhouse.iterdir() if path.is_dir()]
     below = [path for path in below if not path.name.startswith(".") and _may_be_plant(path)]
     if not below:

@@ -1,7 +1,7 @@
 """Find, order, time and read the scans of one plant: a `Series` of clean `Scan`s.
 
-Whatever stands in the way is an `InputError` with one sentence. One module a format stands behind
-the registry in `baker.scans.formats`. Importing this package costs nothing heavy.
+Input that can't be read raises `InputError`, whose message is one sentence. `baker.scans.formats`
+has one module for each file format.
 """
 
 from baker.scans.read import read_series

@@ -1,7 +1,7 @@
-"""A child process for native code that may end the process it runs in, or ask for all its memory.
+"""Call functions in a child process: a crash there, or too much memory, is an exception here.
 
-It is none of `multiprocessing`: workers of pebble and of dask may have no such children, and a
-script without ``if __name__ == "__main__"`` would be run again in them.
+`multiprocessing` can't be used: worker processes of pebble and dask may not start its children, and
+it would run a script without ``if __name__ == "__main__"`` a second time.
 """
 
 import os
@@ -18,14 +18,14 @@ from gclip.terminal.interrupts import STOPS
 
 
 class ChildEnded(Exception):
-    """The child process ended, or ran out of memory, instead of returning something."""
+    """The child process ended, or ran out of memory, before the function returned."""
 
 
 class ChildProcess:
-    """Calls functions in a child process, one after the other.
+    """A child process that calls functions, one after the other.
 
-    It starts at the first call, and again at the next one after a call that ended it. However this
-    process ends, it ends, too.
+    It is started by the first call, and started again by the first call after a crash. It ends when
+    this process ends, in whatever way.
     """
 
     def __init__(self) -> None:
@@ -41,20 +41,20 @@ class ChildProcess:
             self._process.communicate()
 
     def call(self, memory: int, function: Callable[..., Any], *arguments: Any) -> Any:
-        """What the function returns, or raises; both, and the arguments, have to be picklable.
+        """Call ``function(*arguments)`` in the child process; return or raise what it does.
 
-        memory: bytes that it may take (on Linux). Raises ChildEnded where that is too little, or
-        the process ends.
+        memory: limit of the child's memory in bytes (on Linux). Arguments, result and exception are
+        pickled. Raises ChildEnded where the limit is exceeded or the process ends.
         """
         with self._lock:
             if self._process is None or self._process.poll() is not None:
-                self._process = _started()
-            orders, results = self._process.stdin, self._process.stdout
-            assert orders
+                self._process = _start()
+            calls, results = self._process.stdin, self._process.stdout
+            assert calls
             assert results
             try:
-                pickle.dump((memory, function, arguments), orders)
-                orders.flush()
+                pickle.dump((memory, function, arguments), calls)
+                calls.flush()
                 result, error = pickle.load(results)
             except (EOFError, OSError, pickle.UnpicklingError):
                 self._process.communicate()
@@ -68,7 +68,7 @@ class ChildProcess:
         return result
 
 
-def _started() -> Popen[bytes]:
+def _start() -> Popen[bytes]:
     code = (
         f"import sys; sys.path[:] = {[*map(str, sys.path)]}; from {__name__} import serve; serve()"
     )
@@ -76,27 +76,28 @@ def _started() -> Popen[bytes]:
 
 
 def serve() -> None:
-    """In the child: do what the parent asks for, until it ends."""
-    for number in STOPS:  # they are for the parent to decide
+    """Run in the child process: call what the parent sends, until the parent ends."""
+    for number in STOPS:  # the parent handles these signals and ends the child
         signal.signal(number, signal.SIG_IGN)
-    orders, results = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what libraries print is no result
+    calls, results = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # libraries may print to stdout, which is the pipe of the results
     with suppress(EOFError):
         while True:
-            memory, function, arguments = pickle.load(orders)
-            _limit(memory)
+            memory, function, arguments = pickle.load(calls)
+            _limit_memory(memory)
             outcome: tuple[Any, BaseException | None]
             try:
                 outcome = function(*arguments), None
             except BaseException as error:
                 outcome = None, error
-            pickle.dump(outcome, results, pickle.HIGHEST_PROTOCOL)  # without copies
+            pickle.dump(outcome, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
             results.flush()
 
 
-def _limit(memory: int) -> None:
-    with suppress(ImportError, ValueError):  # not on Windows; not more than the user's own limit
+def _limit_memory(memory: int) -> None:
+    # Windows has no `resource`; a limit above the user's own is refused.
+    with suppress(ImportError, ValueError):
         import resource
 
-        _, most = resource.getrlimit(resource.RLIMIT_DATA)
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, most))
+        _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))

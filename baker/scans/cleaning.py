@@ -1,7 +1,7 @@
-"""The place of a scan, and its points that only disturb.
+"""The origin of a scan's coordinates, and the removal of points.
 
-Those are not finite, there twice, far off, or more than are wanted: what drops points leaves the
-others in their order, and notes how many went.
+Points are removed that are not finite, duplicates or outliers, or to down-sample the scan. The
+points that are left keep their order, and a note on the scan says how many were removed.
 """
 
 from dataclasses import replace
@@ -14,23 +14,24 @@ from baker.geometry.sampling import voxel_size_for
 from baker.scans.scan import Scan
 from gclip.morton import extent
 
-MAX_DISTANCE_RATIO = 16  # scans further from zero than so many of their sizes get an own origin
-MIN_COORDINATE = 1e-18  # nearer to the origin is zero: in 32 bits its square is nothing
-MAX_SAMPLES = 20_000  # points of a scan by which its place is found
-MAX_STEP_RATIO = 1e-5  # of a scan's size: with larger float32 steps it gets its own origin
+MAX_DISTANCE_RATIO = 16  # distance from zero : size of a series, above which its origin is moved
+MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
+MAX_SAMPLES = 20_000  # points of a scan from which its bounding box is estimated
+MAX_STEP_RATIO = 1e-5  # float32 step : size of a scan, above which it gets an origin of its own
 OUTLIER_NEIGHBORS = 16
-MIN_VOXEL_RATIO = 2.0**-60  # edge of the smallest voxels that can be numbered : coordinates
-MAX_COORDINATE = 1e12  # beyond are marks of points that weren't measured (1e30, -1e38, ...)
+MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel : largest coordinate; smaller voxels have no numbers
+MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
 HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-MIN_SCAN_SIZE = 1e-9  # of smaller ones the products of lengths vanish; no unit of plants gives them
+MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
 
 
 def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The (3,) origin of a series, by the (N, 3) world positions of its first scan.
+    """Choose the (3,) origin of a series from the (N, 3) world positions of its first scan.
 
-    Zeros while float32 about the world's zero is exact enough (its step stays below 2e-6 of the
-    plant); beyond that the lower corner of the box of 98 % of the points along each axis, as a
-    scanner's zero returns don't count, rounded down to the power of ten below the box's size.
+    It is zero as long as float32 coordinates are exact enough there (steps below 2e-6 of the
+    plant's size). Otherwise it is the lower corner of the box from the 1st to the 99th percentile,
+    which leaves out points at zero that a scanner adds, rounded down to the power of ten below the
+    size of the box.
     """
     low, high = np.percentile(points, [1, 99], axis=0)
     size = float((high - low).max())
@@ -42,18 +43,19 @@ def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def own_origin(points: NDArray[np.float64], shared: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The (3,) origin of one scan: the series', unless its (N, 3) world positions are far from it.
+    """Choose the (3,) origin of one scan from its (N, 3) world positions.
 
-    Then they are in another coordinate system, and float32 about its origin would lose them.
+    It is the origin of the series, unless the scan is so far from it, in another coordinate system,
+    that float32 coordinates would not resolve its points.
     """
-    some = points[:: -(-len(points) // MAX_SAMPLES)] - shared
-    low, high = np.percentile(some, [1, 99], axis=0)
+    sample = points[:: -(-len(points) // MAX_SAMPLES)] - shared
+    low, high = np.percentile(sample, [1, 99], axis=0)
     step = 2.0**-23 * max(np.abs(low).max(), np.abs(high).max())
     return shared_origin(points) if step > MAX_STEP_RATIO * (high - low).max() > 0 else shared
 
 
 def relative_to(shared: NDArray[np.float64], scan: Scan) -> Scan:
-    """`scan` with points in float32 about the series' origin, or its own where that is far off."""
+    """Convert the points of a scan to float32 relative to the series' origin (or `own_origin`)."""
     origin = own_origin(scan.points, shared)
     # Adding zero turns -0.0 into 0.0, so that equal points have equal bytes.
     exact = scan.points - origin + 0.0
@@ -62,9 +64,10 @@ def relative_to(shared: NDArray[np.float64], scan: Scan) -> Scan:
 
 
 def drop_non_finite(scan: Scan) -> Scan:
-    """Without points that have a coordinate that is NaN, infinite or beyond `MAX_COORDINATE`.
+    """Remove points with a coordinate that is NaN, infinite or beyond `MAX_COORDINATE`.
 
-    InputError if none is left, or these have a size, but one below `MIN_SCAN_SIZE`.
+    Raises InputError if no point is left, or if the scan is smaller than `MIN_SCAN_SIZE` (a scan
+    whose points are all in one place is allowed).
     """
     if not len(scan):
         raise InputError(f"'{scan.path}' holds no points.")
@@ -85,38 +88,38 @@ def drop_non_finite(scan: Scan) -> Scan:
 
 
 def drop_duplicates(scan: Scan) -> Scan:
-    """One point for each position, the first of its kind, whatever labels the others have."""
-    # Few points share a place, if any: only those that share a hash are compared.
+    """Keep the first of the points that have the same position, whatever their labels."""
+    # Few points share a position: only those whose hashes are equal are compared.
     words = np.ascontiguousarray(scan.points).view(np.uint32)
     hashes = (words.astype(np.uint64) @ HASH_FACTORS).view(np.int64)  # isin of NumPy 2.0 needs it
     ordered = np.sort(hashes)
-    alike = np.flatnonzero(np.isin(hashes, ordered[1:][ordered[1:] == ordered[:-1]]))
-    repeated = np.delete(alike, _groups(scan.points[alike])[0])
+    candidates = np.flatnonzero(np.isin(hashes, ordered[1:][ordered[1:] == ordered[:-1]]))
+    repeated = np.delete(candidates, _groups(scan.points[candidates])[0])
     kept = np.delete(np.arange(len(scan)), repeated)
     return _keep(scan, kept, "at exactly the place of another one")
 
 
 def drop_outliers(scan: Scan, ratio: float) -> Scan:
-    """Without points whose mean distance to their 16 nearest neighbours is more than `ratio`
-    standard deviations above the average of the scan: statistical outlier removal by Open3D.
+    """Remove points whose mean distance to their 16 nearest neighbours is more than `ratio`
+    standard deviations above the mean of the scan (Open3D's statistical outlier removal).
     """
     import open3d
 
     points = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(scan.points))
-    neighbors = min(OUTLIER_NEIGHBORS + 1, len(scan))  # each point is its own neighbour there
+    neighbors = min(OUTLIER_NEIGHBORS + 1, len(scan))  # Open3D counts the point itself
     _, kept = points.remove_statistical_outlier(neighbors, ratio)
-    if not len(kept):  # where all are equally far from their neighbours, none is an outlier
+    if not len(kept):  # Open3D removes all points if their mean distances are all equal
         return scan
     return _keep(scan, np.sort(np.asarray(kept, np.intp)), "as outliers")
 
 
 def downsample(scan: Scan, voxel: float) -> Scan:
-    """Voxel down-sampling that keeps labels: `voxel` is the edge, in the unit of the scan."""
+    """Keep one point of each label in each voxel of edge length `voxel` (unit of the scan)."""
     return _keep(scan, _one_per_voxel(scan, voxel), f"to keep one for each voxel of {voxel:g}")
 
 
 def resampled(scan: Scan, count: int) -> Scan:
-    """About `count` points, evenly over the surface; a scan with fewer stays as it is."""
+    """Down-sample the surface evenly to about `count` points; a smaller scan stays as it is."""
     if len(scan) <= count:
         return scan
     kept = _one_per_voxel(scan, voxel_size_for(scan.points.astype(np.float64), count))
@@ -125,7 +128,7 @@ def resampled(scan: Scan, count: int) -> Scan:
 
 
 def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
-    """Of the points of one label in one voxel, the one nearest to their mean."""
+    """The indices of the points nearest to the means of all points of one label in one voxel."""
     points = scan.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
     labels = np.zeros(len(scan)) if scan.labels is None else scan.labels.view(np.float64)
@@ -139,13 +142,13 @@ def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
 
 
 def _groups(rows: NDArray[np.floating]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The first of each group of equal rows (N, k), and the number of each row's group, (N,).
+    """Group equal rows (N, k): the index of each group's first row, the (N,) group of each row.
 
-    Equivalent to: ``np.unique(rows, axis=0, return_index=True, return_inverse=True)[1:]`` but for
-    the order of the groups, and three times as fast. Zeros must have no sign.
+    Equivalent to: ``np.unique(rows, axis=0, return_index=True, return_inverse=True)[1:]``, with the
+    groups in another order, and three times as fast. `rows` must not contain -0.0.
     """
-    texts = np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
-    _, first, group = np.unique(texts, return_index=True, return_inverse=True)
+    row_bytes = np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
+    _, first, group = np.unique(row_bytes, return_index=True, return_inverse=True)
     return first, group
 
 

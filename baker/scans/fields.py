@@ -1,4 +1,4 @@
-"""Which fields of a file are positions and colours, and which may be labels."""
+"""Choose the fields of a file that are positions, colours and scalars, or may be labels."""
 
 from collections.abc import Sequence
 from itertools import chain
@@ -17,7 +17,8 @@ COLOR_NAMES = tuple(
     for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
 NO_LABELS = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
-MAX_SAMPLE, MAX_VALUES = 2_000, 200  # of a field whose name says nothing, that may be labels
+# A field with another name may be labels if so many of its points have few distinct values.
+MAX_SAMPLE, MAX_VALUES = 2_000, 200
 
 
 def choose_fields(
@@ -27,16 +28,34 @@ def choose_fields(
     use_labels: bool = True,
     carried: Sequence[str] = (),
 ) -> Scan:
-    """Positions and colours among the fields of a file, those to be carried into the clip, and all
-    others that may be labels.
+    """Make a scan from the fields of a file; its labels are chosen later, among its `fields`.
 
-    `label_field` is then the only one, and without `use_labels` there is none. Colours that make no
-    sense are left out with a note. Raises InputError: no x, y or z, no `label_field`, or none of a
-    name in `carried`.
+    Parameters
+    ----------
+    columns : Columns
+    path : Path
+        Of the file, for messages.
+    label_field : str, optional
+        The only field that may be labels; by default all that look like labels.
+    use_labels : bool
+        False leaves out all fields that may be labels.
+    carried : sequence of str
+        The fields that become scalars of the clip.
+
+    Returns
+    -------
+    Scan
+        With positions, colours and scalars. Colours whose values are out of range are left out with
+        a note.
+
+    Raises
+    ------
+    InputError
+        If x, y, z, `label_field` or a field of `carried` is missing.
     """
-    by_name = {name.lower(): name for name in reversed(columns.values)}  # the first of each counts
-    asked = [label_field] if label_field is not None and use_labels else []
-    missing = [name for name in [*"xyz", *asked, *carried] if name.lower() not in by_name]
+    by_name = {name.lower(): name for name in reversed(columns.values)}  # of equal names the first
+    label_names = [label_field] if label_field is not None and use_labels else []
+    missing = [name for name in [*"xyz", *label_names, *carried] if name.lower() not in by_name]
     if missing:
         found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
@@ -50,16 +69,16 @@ def choose_fields(
         if values.dtype.kind not in "iufb":
             raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
         scalars[name] = values.astype(np.float32)
-    labels = [by_name[name.lower()] for name in asked]
-    if use_labels and not asked:
-        taken = NO_LABELS | {name.lower() for name in carried}
-        rest = {n: values for n, values in columns.values.items() if n.lower() not in taken}
+    labels = [by_name[name.lower()] for name in label_names]
+    if use_labels and not label_names:
+        used_names = NO_LABELS | {name.lower() for name in carried}
+        rest = {n: values for n, values in columns.values.items() if n.lower() not in used_names}
         labels = [n for n in rest if label_rank(n) is not None or _may_be_labels(rest[n])]
 
     colors = None
-    triple = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
-    if triple:
-        used = [by_name[name] for name in triple]
+    color_names = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
+    if color_names:
+        used = [by_name[name] for name in color_names]
         colors, scale = to_srgb([columns.values[name] for name in used])
         notes.append(f"colours from {_quoted(used)} ({scale})")
 
@@ -69,17 +88,25 @@ def choose_fields(
 
 
 def _may_be_labels(values: NDArray) -> bool:
-    """Whether some of a field's values are whole numbers, and few."""
-    some = values[:: -(-len(values) // MAX_SAMPLE)].astype(float)
-    return bool((some == np.rint(some)).all() and len(np.unique(some)) <= MAX_VALUES)
+    """Whether a sample of a field's values has only whole numbers, and few different ones."""
+    sample = values[:: -(-len(values) // MAX_SAMPLE)].astype(float)
+    return bool((sample == np.rint(sample)).all() and len(np.unique(sample)) <= MAX_VALUES)
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
-    """Red, green and blue in 8 bits, whatever numbers a file has them in, and how these were read.
+    """Convert red, green and blue of any dtype to 8-bit sRGB.
 
-    Bytes stay as they are. Other numbers count as 0–1 where none is above 1 and they are not of an
-    integer type, as 8-bit where none is above 255, as 16-bit where none is above 65535. No colours
-    where some are beyond that, negative or not finite.
+    Parameters
+    ----------
+    channels : three (N,) arrays
+        uint8 is used as it is. Floats of at most 1 are taken as 0–1, other numbers of at most 255
+        as 8-bit, of at most 65535 as 16-bit.
+
+    Returns
+    -------
+    colors : (N, 3) uint8, or None where a value is larger, negative or not finite
+    scale : str
+        The range that was assumed, for a note.
     """
     is_integer = all(channel.dtype.kind in "iu" for channel in channels)
     if all(channel.dtype == np.uint8 for channel in channels):
@@ -92,7 +119,7 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
         return np.rint(values * 255).astype(np.uint8), "0–1"
     if high <= 255:
         return np.rint(values).astype(np.uint8), "8-bit"
-    # By the high byte: right both for values scaled by 257 and, as LAS asks for, by 256.
+    # The high byte is right for 8-bit values scaled by 257 and, as in LAS, by 256.
     return (values / 256).astype(np.uint8), "16-bit"
 
 

@@ -1,4 +1,4 @@
-"""Which files are the scans."""
+"""Find the files of a series of scans."""
 
 import re
 from collections import Counter
@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 
-from baker.errors import InputError, asking, excerpt
+from baker.errors import InputError, excerpt, input_errors
 from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
 from baker.scans.times.schedule import names_without_times, natural_key
 
-# Stems of texts, and readers of files, that often lie beside point clouds.
+# Stems of text files, and readers of other files, that are often in a folder of point clouds.
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation", "traits"}
 BESIDE_SCANS = {"mesh", "arrays"}
-MAX_SEARCHED = 10_000  # entries below a folder without scans, for one to name
+MAX_SEARCHED = 10_000  # entries below a folder without scans that are searched for an example
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
@@ -21,15 +21,31 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    passed over; beside point clouds, so are meshes and arrays. Where a file lists the times of the
-    scans, and so what belongs together, names may be any. InputError unless there are two or more.
+    ignored; so are meshes and arrays where there are two or more point clouds.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+        One folder, or two or more files.
+    times_file : Path, optional
+        A file that lists the scans and their times. Without it, the names in a folder must show
+        that its files are one series.
+
+    Returns
+    -------
+    tuple of Path, at least two
+
+    Raises
+    ------
+    InputError
+        If a path does not exist or is no scan, or there are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
     for path in inputs:
-        require_there(path)
+        require_exists(path)
     if len(inputs) == 1 and inputs[0].is_dir():
-        return _in_folder(inputs[0], times_file)
+        return _find_in_folder(inputs[0], times_file)
 
     seen: dict[Path, Path] = {}
     for path in inputs:
@@ -45,21 +61,21 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     return tuple(inputs)
 
 
-def require_there(path: Path) -> None:
-    """InputError unless there is such a file or folder, and it may be looked at."""
-    with asking(path):
+def require_exists(path: Path) -> None:
+    """Raise InputError unless the file or folder exists and may be accessed."""
+    with input_errors(path):
         if not path.exists():
             raise InputError(f"'{path}': there is no such file or folder.")
 
 
 def holds_scans(folder: Path) -> bool:
-    """Whether `folder` itself holds a scan, be they enough for a series or not."""
-    with asking(folder):
+    """Whether `folder` itself, not a folder in it, holds at least one scan."""
+    with input_errors(folder):
         return any(_is_scan(path) for path in folder.iterdir())
 
 
-def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
-    with asking(folder):
+def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
+    with input_errors(folder):
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
         for path in entries:
             if _is_named_as_scan(path) and not (path.is_file() or path.is_dir()):
@@ -71,18 +87,19 @@ def _in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
     if not scans:
-        raise InputError(f"'{folder}' holds {_instead_of_scans(folder, entries)}")
+        raise InputError(f"'{folder}' holds {_describe_other_files(folder, entries)}")
     if len(scans) == 1:
-        one = f"only one scan, '{scans[0].name}'; growth needs at least two"
+        found = f"only one scan, '{scans[0].name}'; growth needs at least two"
         example = folder.parent / "*" / scans[0].name
-        beside = f"; name those in several folders, as in bake {example}"
-        raise InputError(f"'{folder}' holds {one}{_unknown(entries) or beside}.")
+        hint = f"; name those in several folders, as in bake {example}"
+        raise InputError(f"'{folder}' holds {found}{_describe_unknown_files(entries) or hint}.")
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
 
 
-def _instead_of_scans(folder: Path, entries: Sequence[Path]) -> str:
+def _describe_other_files(folder: Path, entries: Sequence[Path]) -> str:
+    """What a folder without scans holds, and how to name the scans in folders below it."""
     if any(path.suffix.lower() in IMAGES for path in entries):
         return (
             "images, but no camera.toml (or camera.json) that says how the camera sees; it needs "
@@ -93,11 +110,11 @@ def _instead_of_scans(folder: Path, entries: Sequence[Path]) -> str:
         *above, name = deeper.relative_to(folder).parts
         example = Path(folder, *("*" for _ in above), name)
         return f"no scans{below}: name them, as in bake {example}"
-    return f"no scans{below}{_unknown(entries) or f'; known are {KNOWN}'}."
+    return f"no scans{below}{_describe_unknown_files(entries) or f'; known are {KNOWN}'}."
 
 
-def _unknown(entries: Sequence[Path]) -> str:
-    """What lies in a folder that can't be read, and what to export instead."""
+def _describe_unknown_files(entries: Sequence[Path]) -> str:
+    """Which files of a folder have unknown suffixes, and which formats to export instead."""
     files = [path for path in entries if path.is_file() and suffix_of(path) not in READERS]
     kinds = Counter(path.suffix.lower() for path in files if path.suffix)
     if not kinds:
@@ -119,15 +136,15 @@ def _is_named_as_scan(path: Path) -> bool:
 
 
 def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
-    """Refuse a mix of suffixes, or of names that differ in more than a time or a counter.
+    """Raise InputError where suffixes differ, or names differ in more than a time or a counter.
 
-    Names without times that have nothing in common (seedling.ply, young.ply) are one series.
+    Names without times that are all different (seedling.ply, young.ply) are one series.
     """
     names = names_without_times([scan.stem for scan in scans])
     have_times = all(name != scan.stem for name, scan in zip(names, scans, strict=True))
     patterns = [re.sub(r"\d+", "#", name) for name in names]
-    tries = ((list(map(suffix_of, scans)), False), (names, True), (patterns, not have_times))
-    for kinds, may_all_differ in tries:
+    groupings = ((list(map(suffix_of, scans)), False), (names, True), (patterns, not have_times))
+    for kinds, may_all_differ in groupings:
         count = len(set(kinds))
         if count > 1 and not (may_all_differ and count == len(scans)):
             other = next(i for i, kind in enumerate(kinds) if kind != kinds[0])

@@ -1,4 +1,4 @@
-"""The ground that a plant stands on, soil, a pot or a table, taken out of its scans."""
+"""Remove the ground that a plant stands on (soil, a pot or a table) from its scans."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -12,74 +12,94 @@ from baker.geometry.up_axis import Vertical
 from baker.scans.ground_plane import MIN_SCORE, Ground, find_ground
 from baker.scans.scan import Finding, Scan
 
-DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # that may be up, the usual ones first
-SCANS_TO_ASK = 3  # of a series, whether there may be a ground across an unusual direction
-# Scores across unusual directions, of a single scan, and without doubt. With discs of soil from 3
-# to 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan has less than 0.57.
-# Twenty plants without ground have at most 0.46 across the usual direction, 0.63 upside down.
-MIN_SCORE_OF_UNUSUAL, CERTAIN_SCORE = 0.7, 0.55
-MAX_LAYERS = 3  # that are taken out one after the other: a table, the pot on it
-MIN_SHARE_OF_LABEL = 0.5  # of its points in the ground, for a label to be that of the ground
-MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that this label has
+DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
+SAMPLED_SCANS = 3  # scans of a series that are searched first along an unusual direction
+# Least score of a ground across an unusual direction, and of one that is certain. With discs of
+# soil of 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan scores below
+# 0.57. Twenty plants without ground score at most 0.46 in the usual direction, 0.63 upside down.
+MIN_UNUSUAL_SCORE, CERTAIN_SCORE = 0.7, 0.55
+MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the pot on it
+MIN_SHARE_OF_LABEL = 0.5  # of a label's points that lie in the ground, if it labels the ground
+MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 
 
-def take_out_ground(
+def remove_ground(
     scans: Sequence[Scan],
     up: str = "auto",
     keep: bool = False,
     map: MapLike = map,
 ) -> tuple[list[Scan], str, tuple[Finding, ...]]:
-    """The scans of a series without the ground that they stand on, where they have one.
+    """Remove the ground from the scans of a series, where they show one.
 
-    Of scans with labels those go of which most points lie in the ground. `up` is the direction of
-    growth, "auto" where it is not known; `keep` only finds the ground. Also returned: which of
-    `DIRECTIONS` leads away from the ground, "" where there is none, and what was found.
+    In scans with labels, the labels of which most points lie in the ground are removed.
+
+    Parameters
+    ----------
+    scans : sequence of Scan
+    up : str
+        The direction of growth, one of `DIRECTIONS`, or "auto" where it is not known.
+    keep : bool
+        Find the ground, but don't remove it.
+    map : map-like callable
+        Maps over the scans.
+
+    Returns
+    -------
+    scans : list of Scan
+    ground_up : str
+        The direction away from the ground, one of `DIRECTIONS`; "" where no ground was found.
+    findings : tuple of Finding
     """
     directions = DIRECTIONS if up == "auto" else (up,)
-    left, ground_up, findings = list(scans), "", []
+    remaining, ground_up, findings = list(scans), "", []
     for _ in range(MAX_LAYERS):
-        grounds = _grounds(left, directions, map)
+        grounds = _find_grounds(remaining, directions, map)
         found = [ground for ground in grounds if ground]
         if not found:
             break
         normals = np.array([ground.frame[2] for ground in found])
         ground_up = max(directions, key=lambda up: Vertical.named(up).height(normals).sum())
         directions = (ground_up,)
-        said, doubt = _said(grounds, [scan.name for scan in left])
+        description, doubt = _describe(grounds, [scan.name for scan in remaining])
         if keep:
-            findings.append(Finding("ground", f"{said}, kept as asked"))
+            findings.append(Finding("ground", f"{description}, kept as asked"))
             break
-        labels = list(map(_labels_of_ground, left, grounds))
+        labels = list(map(_labels_of_ground, remaining, grounds))
         votes = Counter(chain.from_iterable(labels))
         usual = {label for label, count in votes.items() if 2 * count > len(found)}
-        count = sum(map(len, left))
-        left = [*map(_without, left, grounds, [own or usual for own in labels])]
-        said += f"; its {count - sum(map(len, left)):,} points are taken out"
-        findings.append(Finding("ground", said, doubt, "--ground keep"))
-    return left, ground_up, tuple(findings)
+        count = sum(map(len, remaining))
+        remaining = [*map(_without_ground, remaining, grounds, [own or usual for own in labels])]
+        description += f"; its {count - sum(map(len, remaining)):,} points are taken out"
+        findings.append(Finding("ground", description, doubt, "--ground keep"))
+    return remaining, ground_up, tuple(findings)
 
 
-def _said(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, str]:
-    """What was found, and what speaks against it."""
+def _describe(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, str]:
+    """What was found, and what speaks against it, as texts of a `Finding`."""
     found = [ground for ground in grounds if ground]
     kind = "a pot" if any(ground.margin for ground in found) else "a plane"
-    said = f"{kind} under the plant in {len(found)} of {len(grounds)} scans"
+    description = f"{kind} under the plant in {len(found)} of {len(grounds)} scans"
     if 2 * len(found) <= len(grounds):
         having = ", ".join(name for name, ground in zip(names, grounds, strict=True) if ground)
-        return said, f"the other scans show none, only {having}"
+        return description, f"the other scans show none, only {having}"
     is_close = np.median([ground.score for ground in found]) < CERTAIN_SCORE
-    return said, "it is not quite round and closed, and may be leaves" * bool(is_close)
+    return description, "it is not quite round and closed, and may be leaves" * bool(is_close)
 
 
-def _grounds(scans: Sequence[Scan], directions: Sequence[str], map: MapLike) -> list[Ground | None]:
-    """The ground of each scan: of most along one direction, or of some along the usual one."""
-    asked = np.linspace(0, len(scans) - 1, min(len(scans), SCANS_TO_ASK)).astype(int)
+def _find_grounds(
+    scans: Sequence[Scan], directions: Sequence[str], map: MapLike
+) -> list[Ground | None]:
+    """Find the ground of each scan, along the first direction where most scans show one.
+
+    If only some do along the usual direction, those grounds count of which the score is certain.
+    """
+    sampled = np.linspace(0, len(scans) - 1, min(len(scans), SAMPLED_SCANS)).astype(int)
     for up in directions:
         is_usual = up == directions[0]
-        for some in (scans,) if is_usual else ([scans[k] for k in asked], scans):
-            found = list(map(partial(find_ground, up=up), [scan.points for scan in some]))
+        for searched in (scans,) if is_usual else ([scans[k] for k in sampled], scans):
+            found = list(map(partial(find_ground, up=up), [scan.points for scan in searched]))
             scores = np.array([ground.score if ground else 0.0 for ground in found])
-            if np.median(scores) < (MIN_SCORE if is_usual else MIN_SCORE_OF_UNUSUAL):
+            if np.median(scores) < (MIN_SCORE if is_usual else MIN_UNUSUAL_SCORE):
                 break
         else:
             return found
@@ -89,22 +109,23 @@ def _grounds(scans: Sequence[Scan], directions: Sequence[str], map: MapLike) -> 
 
 
 def _labels_of_ground(scan: Scan, ground: Ground | None) -> set[int]:
-    """The labels of which most points lie in the ground, where they are much of it."""
+    """The labels of which most points lie in the ground, if they are a large part of it."""
     if ground is None or scan.labels is None:
         return set()
-    names, number = np.unique(scan.labels, return_inverse=True)
-    inside = np.bincount(number, ground.holds(scan.points))
-    is_most = inside > MIN_SHARE_OF_LABEL * np.bincount(number)
-    return set(names[is_most & (inside > MIN_SHARE_OF_GROUND * inside.sum())].tolist())
+    labels, index = np.unique(scan.labels, return_inverse=True)
+    inside = np.bincount(index, ground.holds(scan.points))
+    is_most = inside > MIN_SHARE_OF_LABEL * np.bincount(index)
+    return set(labels[is_most & (inside > MIN_SHARE_OF_GROUND * inside.sum())].tolist())
 
 
-def _without(scan: Scan, ground: Ground | None, labels: set[int]) -> Scan:
-    """The scan without its ground: without these labels, if it has any of them."""
-    held = np.zeros(len(scan), bool)
+def _without_ground(scan: Scan, ground: Ground | None, labels: set[int]) -> Scan:
+    """Remove the points with these labels or, if the scan or the set has none, in the ground."""
+    is_ground = np.zeros(len(scan), bool)
     if scan.labels is not None and labels:
-        held = np.isin(scan.labels, list(labels))
+        is_ground = np.isin(scan.labels, list(labels))
     elif ground:
-        held = ground.holds(scan.points)
-    if held.all() or not held.any():
+        is_ground = ground.holds(scan.points)
+    if is_ground.all() or not is_ground.any():
         return scan
-    return scan.take(np.flatnonzero(~held)).noting(f"took out {held.sum()} points of the ground.")
+    note = f"took out {is_ground.sum()} points of the ground."
+    return scan.take(np.flatnonzero(~is_ground)).noting(note)

@@ -1,4 +1,4 @@
-"""From the paths a user gives to a series of clean scans: the one place where the steps meet."""
+"""Read the scans of one plant from files, clean them, and order them by time."""
 
 import hashlib
 import os
@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from baker.errors import InputError, asking, excerpt
+from baker.errors import InputError, excerpt, input_errors
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
 from baker.scans.child_process import ChildProcess
@@ -24,7 +24,7 @@ from baker.scans.cleaning import (
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns
-from baker.scans.ground import take_out_ground
+from baker.scans.ground import remove_ground
 from baker.scans.labels import choose_labels, drop_labels
 from baker.scans.rgbd.camera import find_camera
 from baker.scans.rgbd.series import ImageSeries
@@ -44,23 +44,25 @@ def read_series(
 
     Parameters
     ----------
-    inputs, options : sequence of Path, Options, optional
-        One folder that holds one series, or two or more files; a folder with a camera's file holds
+    inputs : sequence of Path
+        One folder that holds one series, or two or more files. A folder with a camera file holds
         colour and depth images (`baker.scans.rgbd`).
+    options : Options, optional
     report_progress : callable, optional
-        Called at once and after each scan with the scans done and the scans in all.
+        Called before the first scan and after each one with the number done and the total.
     map : map-like callable, optional
-        Maps a function over the scans.
+        Maps over the scans.
     times : sequence, optional
-        Of each scan the day or the date, instead of what the names say.
+        The day or date of each scan; by default they are read from the names.
 
     Returns
     -------
-    Series, whose scans share one `origin`, but for those too far from it
+    Series
 
     Raises
     ------
-    InputError, for everything that can't be read as one series
+    InputError
+        If the inputs can't be read as one series.
     """
     options = options or Options()
     listing = list_series(inputs, options, times)
@@ -71,13 +73,13 @@ def read_series(
         scans = list(map(partial(listing.read, options=options, child=child), series.scans))
     shared = shared_origin(scans[0].points)
     scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
-    keep, is_asked = options.ground == "keep", options.label_field is not None
+    keep_ground, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
     scans, field, words, labels = choose_labels(scans, is_asked, are_needed)
-    scans, dropped = drop_labels(scans, words, options.drop_label, keep)
+    scans, dropped = drop_labels(scans, words, options.drop_label, keep_ground)
     up = "z" if listing.images and options.up == "auto" else options.up
-    scans, ground_up, ground = take_out_ground(scans, up, keep, map)
-    scans = _with_colors_in_all(list(map(partial(_thinned, options=options), scans)))
+    scans, ground_up, ground = remove_ground(scans, up, keep_ground, map)
+    scans = _require_all_colors(list(map(partial(_downsampled, options=options), scans)))
     unit = options.unit or series.length
     size = require_one_unit(scans, unit)
     return replace(
@@ -91,7 +93,8 @@ def read_series(
     )
 
 
-def _thinned(scan: Scan, options: Options) -> Scan:
+def _downsampled(scan: Scan, options: Options) -> Scan:
+    """Remove outliers and down-sample, as the options say; drop the fields that aren't needed."""
     scan = replace(scan, fields={})
     if options.outliers is not None:
         scan = drop_outliers(scan, options.outliers)
@@ -100,8 +103,8 @@ def _thinned(scan: Scan, options: Options) -> Scan:
     return scan if options.resample is None else resampled(scan, options.resample)
 
 
-def _with_colors_in_all(scans: list[Scan]) -> list[Scan]:
-    """Colours in all scans or in none."""
+def _require_all_colors(scans: list[Scan]) -> list[Scan]:
+    """Remove the colours of all scans, with a note, if one has none."""
     if without := [f"'{scan.name}'" for scan in scans if scan.colors is None]:
         note = f"colours left out ({excerpt(', '.join(without))} without colours)."
         return [s if s.colors is None else replace(s, colors=None).noting(note) for s in scans]
@@ -110,17 +113,17 @@ def _with_colors_in_all(scans: list[Scan]) -> list[Scan]:
 
 @dataclass(frozen=True)
 class Listing:
-    """The scans of one plant, found, timed and ordered; nothing of them is read yet."""
+    """The scans of one plant, found, timed and ordered, but not read yet."""
 
     series: Series
     images: ImageSeries | None
 
     def files(self, scan: Scan) -> tuple[Path, ...]:
-        """All files that one scan is made from."""
-        return (scan.path, *(self.images.beside(scan.path) if self.images else ()))
+        """All files that a scan is read from."""
+        return (scan.path, *(self.images.other_files(scan.path) if self.images else ()))
 
     def read(self, scan: Scan, options: Options, child: ChildProcess | None = None) -> Scan:
-        """What a scan's files hold, but for points without a place."""
+        """Read a scan from its files and remove points without finite coordinates."""
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         names, carried = (
             [*filter(None, listed.split(","))] for listed in (options.columns, options.fields)
@@ -132,16 +135,16 @@ class Listing:
             columns = read_columns(scan.path, names, child)
             return choose_fields(columns, scan.path, options.label_field, use_labels, carried)
 
-        found = _read_unchanged(self.files(scan), read)
-        points = found.points * options.scale
-        timed = replace(found, points=points, name=scan.name, time=scan.time, date=scan.date)
+        content = _read_unchanged(self.files(scan), read)
+        points = content.points * options.scale
+        timed = replace(content, points=points, name=scan.name, time=scan.time, date=scan.date)
         return drop_non_finite(timed)
 
 
 def list_series(
     inputs: Sequence[Path], options: Options, times: Sequence[object] | None = None
 ) -> Listing:
-    """Find and time the scans that `read_series` would read, as it does; none is read yet."""
+    """Find, time and order the scans of a series without reading them; as `read_series` does."""
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera and options.label_field is not None:
         raise InputError(
@@ -169,29 +172,29 @@ def list_series(
 
 
 def digest(paths: Sequence[Path]) -> str:
-    """SHA-256 over the bytes of all files a scan is read from. InputError for one unreadable."""
-    found = hashlib.sha256()
+    """SHA-256 of the bytes of all files in turn. Raises InputError where one can't be read."""
+    sha256 = hashlib.sha256()
     for path in paths:
-        with asking(path), path.open("rb") as file:
-            hashlib.file_digest(file, lambda: found)
-    return found.hexdigest()
+        with input_errors(path), path.open("rb") as file:
+            hashlib.file_digest(file, lambda: sha256)
+    return sha256.hexdigest()
 
 
 def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
-    """What `read` makes of these files, with their digest.
+    """Read a scan and take the digest of its files.
 
-    Raises InputError where they can't be read, or are not the same before and after.
+    Raises InputError where a file can't be read, or changes while it is read.
     """
-    before = _states(paths)
+    before = _file_states(paths)
     try:
-        with asking(paths[0]):
+        with input_errors(paths[0]):
             return replace(read(), sha256=digest(paths))
-    finally:  # also after a fault, which may be only that
-        if _states(paths) != before:
+    finally:  # also after an error, of which the change may be the cause
+        if _file_states(paths) != before:
             changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
             raise InputError(changed) from None
 
 
-def _states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
-    with asking(paths[0]):
+def _file_states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
+    with input_errors(paths[0]):
         return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]

@@ -1,4 +1,4 @@
-"""The point clouds the baker works on, and what was decided about them."""
+"""Data classes of the scans of one plant, and of what was found out about them."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,12 +12,12 @@ TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "
 
 @dataclass(frozen=True)
 class Finding:
-    """One decision for a whole series, as `bake --list` and the first lines of a bake print it.
+    """One decision about a whole series, as `bake --list` and the first lines of a bake print it.
 
-    topic:  one of TOPICS, in whose order they are printed.
+    topic:  one of TOPICS, in whose order findings are printed.
     found:  what was decided and by which rule, in a botanist's words: "z, as scans usually have".
     doubt:  what speaks against it, a clause without a full stop; "" where nothing does.
-    option: how to say it otherwise: "--up y". Named wherever there is a doubt.
+    option: the option that overrides it: "--up y". Given wherever there is a doubt.
     """
 
     topic: str
@@ -28,8 +28,7 @@ class Finding:
     @property
     def remark(self) -> str:
         """The doubt and the option that settles it; "" where nothing is in doubt."""
-        settled_by = f"; say it with {self.option}" if self.doubt and self.option else ""
-        return self.doubt + settled_by
+        return self.doubt + (f"; say it with {self.option}" if self.doubt and self.option else "")
 
     @property
     def sentence(self) -> str:
@@ -42,20 +41,19 @@ class Finding:
 class Scan:
     """One point cloud with a time.
 
-    points:  (N, 3) positions in the scan's own unit: float64 in the world as they are read, float32
-             relative to `origin` in a `Series`.
+    points:  (N, 3) positions in the unit of the scan: float64 world coordinates as read from the
+             file, float32 relative to `origin` in a `Series`.
     labels:  (N,) int64, the organ of each point, or None where the scan has no labels.
     colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
     notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
-    fields:  name -> (N,) numbers or words, that may be labels; which ones the series decides.
+    fields:  name -> (N,) numbers or words, the fields of the file that may be labels.
     scalars: name -> (N,) float32, the fields that are carried into the clip.
-    path:    where it was read from.
-    name:    what the user calls it: the file's name, with its folder where names are all alike.
+    path:    the file that it was read from.
+    name:    the file's name, preceded by its folder's where two files have the same name.
     time:    days: the number in the name, or days since the first scan where names are dates.
-    date:    how the time is written for people: "2020-03-08", "day 5", "2".
+    date:    the time as text: "2020-03-08", "day 5", "2".
     origin:  (3,) float64, the world position of the local coordinates' zero.
-    sha256:  digest of the bytes, as they were read, of this file and all others that the scan was
-             made from (the depth and label images of a colour image).
+    sha256:  digest of all files that the scan was read from (of images: colour, depth and labels).
     """
 
     points: NDArray
@@ -75,7 +73,7 @@ class Scan:
         return len(self.points)
 
     def take(self, chosen: NDArray) -> Self:
-        """The points at the indices (or where the mask) `chosen`, with all that belongs to them."""
+        """Select points, with all their attributes, by an index array or a mask."""
         return replace(
             self,
             points=self.points[chosen],
@@ -86,22 +84,23 @@ class Scan:
         )
 
     def noting(self, sentence: str) -> Self:
+        """The scan with one more note."""
         return replace(self, notes=(*self.notes, sentence))
 
 
 @dataclass(frozen=True)
 class Series:
-    """Scans of one plant in the order of time, at least two; what is near shares its `origin`.
+    """At least two scans of one plant in the order of time, with one `origin` unless far apart.
 
-    unit:  "days" where times are real, "scans" where they are only an order.
-    fixed: whether all scans share one frame with z up, above the ground: those of a camera that
-           stays where it is. Aligning them could only do harm.
+    unit:  "days" where times are known, "scans" where only their order is.
+    fixed: whether the scans are from a fixed camera: they share one frame, with z up, and are not
+           aligned.
     root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
     length: the unit of lengths, "" where unknown.
     label_field: the field that labels were read from, "" where there are none.
-    label_words: what the scans call the labels, where it is by words.
-    findings: what reading decided by itself for the whole series.
-    ground_up: the direction away from the ground, such as "z", "" where none was found.
+    label_words: label -> word, where the scans label organs by words.
+    findings: what was decided on reading, for the whole series.
+    ground_up: the direction away from the ground, such as "z", "" where no ground was found.
     """
 
     scans: tuple[Scan, ...]

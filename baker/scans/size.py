@@ -1,4 +1,4 @@
-"""How large the plant is, in which unit, and whether all scans of it are in the same one."""
+"""Check that all scans of a series are in the same unit of length, and report the plant's size."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -10,50 +10,50 @@ from baker.errors import InputError
 from baker.scans.scan import Finding, Scan
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
-PLANT_SIZES = (2e-3, 100.0)  # meters
-# Of a scan against the one before: no plant grows so much, some may (a seedling and a grown plant).
+PLANT_SIZES = (2e-3, 100.0)  # meters, of the smallest and the largest plant
+# Sizes of two successive scans: no plant grows by the first, few grow by the second.
 MAX_RATIO, LIKELY_RATIO = 30.0, 8.0
-UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # in meters, in which scans may be mixed
-MIN_SIZE = 1e-100  # has a logarithm
-MAX_SAMPLE = 20_000  # points of a scan that its size is found by
+UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # in meters, that may be mixed up
+MIN_SIZE = 1e-100  # replaces 0, which has no logarithm
+MAX_SAMPLE = 20_000  # points of a scan from which its size is estimated
 
 
 def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
-    """How large the plant is in its unit ("" where the user has not said it).
+    """Report the size of the plant, in `unit` ("" where the user has not given one).
 
-    Raises InputError where a scan is so much larger or smaller than the one before it that its unit
-    must be another one.
+    Raises InputError where the sizes of successive scans differ so much that their units must be
+    different.
     """
     sizes = [_size(scan.points) for scan in scans]
-    short = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
+    rounded = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
     logs = np.log(np.maximum(sizes, MIN_SIZE))
-    off = np.abs(logs - np.median(logs))
+    deviation = np.abs(logs - np.median(logs))
     doubts = []
     for pair in pairwise(range(len(sizes))):
-        other, odd = sorted(pair, key=off.__getitem__)
-        ratio = float(np.exp(abs(logs[odd] - logs[other])))
-        if ratio < LIKELY_RATIO or min(sizes[odd], sizes[other]) == 0.0:
+        usual, odd = sorted(pair, key=deviation.__getitem__)
+        ratio = float(np.exp(abs(logs[odd] - logs[usual])))
+        if ratio < LIKELY_RATIO or min(sizes[odd], sizes[usual]) == 0.0:
             continue
         factors = [a / b for a in UNITS for b in UNITS]
-        factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[other]))
+        factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[usual]))
         name = scans[odd].name
-        said = (
-            f"'{name}' is {short[odd]} across, '{scans[other].name}' {short[other]}, as if they "
-            f"were in different units: multiply the coordinates of '{name}' by {factor:g}, or "
+        doubt = (
+            f"'{name}' is {rounded[odd]} across, '{scans[usual].name}' {rounded[usual]}, as if they"
+            f" were in different units: multiply the coordinates of '{name}' by {factor:g}, or "
             "leave it out"
         )
         if ratio > MAX_RATIO:
-            raise InputError(f"{said}.")
-        doubts.append(said)
+            raise InputError(f"{doubt}.")
+        doubts.append(doubt)
     meters = sizes[-1] * METERS.get(unit.lower(), 0.0)
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")
-    size = f"the last scan is {short[-1]} {unit}".rstrip() + " across"
+    size = f"the last scan is {rounded[-1]} {unit}".rstrip() + " across"
     found = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
     return Finding("unit", found, *doubts[:1])
 
 
 def _size(cloud: NDArray[np.floating]) -> float:
-    """The largest extent of a cloud, single stray points aside."""
+    """The longest side of the bounding box of (N, 3) points, without their outermost 1 %."""
     low, high = np.quantile(cloud[:: -(-len(cloud) // MAX_SAMPLE)], [0.005, 0.995], axis=0)
     return float((high - low).max())

@@ -1,8 +1,7 @@
-"""The formats of scans: one module each, behind one registry.
+"""Readers of scan files: one module for each format, listed in `READERS`.
 
-To add a format, write a module here with a function ``read(path: Path) -> Columns``, which raises
-`FormatError` where a file is not sound, and name it in `READERS`. Files in any of the formats may
-be gzipped.
+To add a format, write a module here with a function ``read(path: Path) -> Columns`` that raises
+`FormatError` for a damaged file, and add it to `READERS`. A file in any format may be gzipped.
 """
 
 import gzip
@@ -20,7 +19,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from baker.errors import InputError, asking
+from baker.errors import InputError, input_errors
 from baker.scans.child_process import ChildEnded, ChildProcess
 
 READERS = {
@@ -34,21 +33,23 @@ READERS = {
 }
 """Suffix in lower case -> module of this package."""
 
-NATIVE = {"las", "e57", "mesh"}  # modules whose libraries a damaged file can bring down
+NATIVE = {"las", "e57", "mesh"}  # modules whose libraries may crash on a damaged file
 
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
 GZIP = ".gz"
-BYTES_A_BYTE = 100  # that a file may unpack to, or native code may take to read it,
-UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30  # and how many more
+# A file may unpack to at most UNPACKED_BYTES + BYTES_PER_BYTE times its size; native code may use
+# at most NATIVE_BYTES + BYTES_PER_BYTE times its size of memory.
+BYTES_PER_BYTE = 100
+UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30
 
 
 @dataclass(frozen=True)
 class Columns:
-    """All fields of one file, as they stand in it.
+    """All fields of one file, unchanged.
 
-    values:  field name as written in the file -> (N,) numbers of any dtype, all the same length;
-             or words, where it may be that of labels.
-    notes:   what the reader had to decide, one sentence each.
+    values:  field name as written in the file -> (N,) numbers of any dtype; or words, in a field
+             that may be labels.
+    notes:   what the reader decided, one sentence each.
     """
 
     values: dict[str, NDArray]
@@ -56,9 +57,9 @@ class Columns:
 
 
 class FormatError(Exception):
-    """What is wrong with a file, in words that follow its name: "holds no points."
+    """A file can't be read; the message follows the file's name: "holds no points."
 
-    `line` is where in a text it is wrong, from 1.
+    line: the number of the wrong line in a text file, from 1.
     """
 
     def __init__(self, sentence: str, line: int | None = None) -> None:
@@ -66,15 +67,15 @@ class FormatError(Exception):
         self.line = line
 
     def about(self, name: object) -> str:
-        """The whole sentence about the file of that name."""
+        """The message with the file's name in front of it."""
         place = "" if self.line is None else f", line {self.line}:"
         return f"'{name}'{place} {self}"
 
 
 def require_room(count: int, size: float, room: int) -> None:
-    """FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
+    """Raise FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
 
-    To be called before memory is made for as many points as a header announces.
+    A reader calls it before it allocates memory for the points that a header announces.
     """
     if count <= 0:
         raise FormatError("holds no points.")
@@ -86,26 +87,26 @@ def require_room(count: int, size: float, room: int) -> None:
 
 
 def require_count(announced: int, found: int, what: str = "points") -> None:
-    """FormatError unless as many points (or lines) were found as a header announces."""
+    """Raise FormatError unless as many points (or lines) were found as the header announces."""
     if found != announced:
         sizes = f"it announces {announced} {what}, but {found} follow"
         raise FormatError(f"is cut short, or its header is wrong: {sizes}.")
 
 
-def require_modest(path: Path, size: int) -> None:
-    """FormatError where a compressed file would be unpacked to so many bytes that it is a trap."""
-    if size > UNPACKED_BYTES + BYTES_A_BYTE * path.stat().st_size:
-        raise FormatError(f"unpacks to more than {BYTES_A_BYTE} times its size, as no scan does.")
+def require_no_bomb(path: Path, size: int) -> None:
+    """Raise FormatError if a compressed file unpacks to so many bytes that it can't be a scan."""
+    if size > UNPACKED_BYTES + BYTES_PER_BYTE * path.stat().st_size:
+        raise FormatError(f"unpacks to more than {BYTES_PER_BYTE} times its size, as no scan does.")
 
 
 def suffix_of(path: Path) -> str:
-    """The suffix that tells the format, in lower case and without that of gzip."""
+    """The suffix that names the format: in lower case, without a final ".gz"."""
     suffix = path.suffix.lower()
     return Path(path.stem).suffix.lower() if suffix == GZIP else suffix
 
 
 def require_known(path: Path) -> None:
-    """InputError, with the known suffixes, unless the suffix of `path` (any case) is known."""
+    """Raise InputError, with the known suffixes, unless the suffix of `path` is one of them."""
     if path.suffix == ".gclip":
         raise InputError(f"'{path}' is a clip already; give the scans, or: play {path}.")
     if suffix_of(path) not in READERS:
@@ -116,11 +117,20 @@ def require_known(path: Path) -> None:
 def read_columns(
     path: Path, names: Sequence[str] = (), child: ChildProcess | None = None
 ) -> Columns:
-    """All fields of a scan; the suffix of `path` tells the format.
+    """Read all fields of a scan from a file, whose format is known by its suffix.
 
-    names: of the columns of a text table. child: where native code reads, which a damaged file may
-    bring down; by default in this process. Raises InputError: an unknown suffix, or a file that
-    can't be opened or is not sound.
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str
+        The columns of a text table, instead of its header.
+    child : ChildProcess, optional
+        The process that runs readers in native code; by default this one.
+
+    Raises
+    ------
+    InputError
+        If the suffix is unknown, or the file can't be opened or is damaged.
     """
     require_known(path)
     kind = suffix_of(path)
@@ -128,17 +138,18 @@ def read_columns(
     if names and reader != "text":
         raise InputError(f"'{path}' is no text table: leave out --columns.")
     try:
-        with asking(path):
-            with path.open("rb") as file:  # libraries say little of folders and forbidden files
+        with input_errors(path):
+            with path.open("rb") as file:  # messages of libraries don't name permissions or folders
                 if not file.read(1):
                     raise FormatError("is an empty file.")
             with _unpacked(path) as plain:
                 arguments: tuple[Any, ...] = (reader, plain, *([names] if names else []))
-                memory = NATIVE_BYTES + BYTES_A_BYTE * plain.stat().st_size
-                apart = child if reader in NATIVE else None
+                memory = NATIVE_BYTES + BYTES_PER_BYTE * plain.stat().st_size
                 try:
                     columns: Columns = (
-                        apart.call(memory, _read, *arguments) if apart else _read(*arguments)
+                        child.call(memory, _read, *arguments)
+                        if child and reader in NATIVE
+                        else _read(*arguments)
                     )
                 except ChildEnded as error:
                     raise FormatError(_unsound(plain, str(error))) from error
@@ -150,14 +161,14 @@ def read_columns(
 
 
 def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
-    """By the module of that name, whatever its libraries raise where a file is not sound."""
+    """Read by the module `reader`; any exception of its libraries becomes a FormatError."""
     try:
         with warnings.catch_warnings(action="ignore"):
             columns: Columns = import_module(f"{__name__}.{reader}").read(path, *names)
             return columns
     except (FormatError, OSError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
         raise
-    except BaseException as error:  # a panic of the LAZ decoder is no Exception
+    except BaseException as error:  # a panic of the LAZ decoder is not an Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
         raise FormatError(_unsound(path, reason)) from error
 
@@ -168,7 +179,7 @@ def _unsound(path: Path, reason: str) -> str:
 
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
-    """The file itself, or where it is gzipped one with its content for as long as it is read."""
+    """The file itself or, if it is gzipped, a temporary file with its content."""
     if path.suffix.lower() != GZIP:
         yield path
         return
@@ -177,7 +188,7 @@ def _unpacked(path: Path) -> Iterator[Path]:
         try:
             with gzip.open(path) as packed, plain.open("wb") as file:
                 while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]
-                    require_modest(path, file.tell() + file.write(chunk))
+                    require_no_bomb(path, file.tell() + file.write(chunk))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
         if plain.stat().st_size == 0:

@@ -1,4 +1,4 @@
-"""NumPy arrays: NPY and NPZ, whose layout docs/scans.md tells. No objects are unpickled."""
+"""Read NumPy arrays (NPY, NPZ) in the layouts of docs/scans.md. No objects are unpickled."""
 
 import zipfile
 from collections.abc import Container, Mapping
@@ -8,21 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import excerpt
-from baker.scans.formats import Columns, FormatError, require_modest, require_room
+from baker.scans.formats import Columns, FormatError, require_no_bomb, require_room
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")
-NUMBERS = "biuf"  # kinds of NumPy's types
+NUMBERS = "biuf"  # dtype kinds
 COLORS = ("colors", "colours", "rgb")
 
 
 def read(path: Path) -> Columns:
-    """The columns of the arrays. Raises FormatError: not sound, or no points among them."""
+    """Read the columns of the arrays. Raises FormatError: damaged, or without points."""
     if path.suffix.lower() == ".npz":
         _require_sound_headers(path)
         with np.load(path, allow_pickle=False) as file:
-            return Columns(_named(file))
-    # A map makes no room for what isn't there.
+            return Columns(_columns_of(file))
+    # A memory map allocates nothing for values that a damaged header only announces.
     array = np.load(path, mmap_mode="r", allow_pickle=False)
     if array.dtype.names:
         fields = {name: np.asarray(array[name]) for name in array.dtype.names}
@@ -35,7 +35,8 @@ def read(path: Path) -> Columns:
     return Columns(columns, (f"columns taken as {' '.join(names)}.",))
 
 
-def _named(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
+def _columns_of(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
+    """The columns of an archive of named arrays."""
     points = next((name for name in POINTS if name in arrays), None)
     if points is None:
         found = excerpt(", ".join(arrays)) or "none"
@@ -67,9 +68,9 @@ def _is_column(values: NDArray) -> bool:
 
 
 def _require_sound_headers(path: Path) -> None:
-    """Refuse arrays that announce more than the archive holds, before numpy makes room for them."""
+    """Refuse arrays that announce more than the archive holds, before NumPy allocates them."""
     with zipfile.ZipFile(path) as archive:
-        require_modest(path, sum(member.file_size for member in archive.infolist()))
+        require_no_bomb(path, sum(member.file_size for member in archive.infolist()))
         for member in archive.infolist():
             with archive.open(member) as file:
                 version = np.lib.format.read_magic(file)

@@ -1,4 +1,4 @@
-"""E57 (ASTM E2807) by pye57, which the extra `e57` installs: all scans in the file as one."""
+"""Read E57 (ASTM E2807) with pye57, which the extra `e57` installs; a file's scans become one."""
 
 from contextlib import closing
 from pathlib import Path
@@ -7,15 +7,15 @@ import numpy as np
 
 from baker.scans.formats import Columns, FormatError, require_room
 
-PLACES = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
+POSITIONS = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
-MIN_POINT_BYTES = 1 / 8  # bytes; coordinates are packed into as many bits as they need
+MIN_POINT_BYTES = 1 / 8  # coordinates may be packed into single bits
 
 
 def read(path: Path) -> Columns:
-    """x, y, z in the file's frame and, where all scans have them, red, green, blue.
+    """Read x, y, z in the file's frame and, if all scans have them, red, green, blue.
 
-    Raises FormatError: pye57 is not installed, the file is not sound, or holds no points.
+    Raises FormatError: pye57 is not installed, or the file is damaged or holds no points.
     """
     try:
         import pye57
@@ -31,7 +31,7 @@ def read(path: Path) -> Columns:
         wanted = {"colors": True, "ignore_missing_fields": True, "transform": True}
         scans = [file.read_scan(k, **wanted) for k in numbers]
     have_colors = all(set(COLORS) <= set(scan) for scan in scans)
-    names = PLACES | COLORS if have_colors else PLACES
+    names = POSITIONS | COLORS if have_colors else POSITIONS
     return Columns(
         {name: np.concatenate([scan[field] for scan in scans]) for field, name in names.items()}
     )

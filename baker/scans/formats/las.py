@@ -1,4 +1,4 @@
-"""LAS and LAZ, by laspy (LAZ with its lazrs backend)."""
+"""Read LAS and LAZ with laspy (LAZ with its lazrs backend)."""
 
 import struct
 from pathlib import Path
@@ -7,15 +7,15 @@ import numpy as np
 
 from baker.scans.formats import Columns, FormatError, require_count, require_room
 
-BYTES_AT_A_TIME = 32 << 20  # bytes of points that are decoded at a time
-MIN_HEADER_BYTES = 227  # bytes, LAS 1.0 to 1.2
-MIN_RECORD_BYTES = 54  # bytes of a variable length record without content
+CHUNK_BYTES = 32 << 20  # of points that are decoded at a time
+MIN_HEADER_BYTES = 227  # of LAS 1.0 to 1.2
+MIN_RECORD_BYTES = 54  # of a variable length record without content
 
 
 def read(path: Path) -> Columns:
-    """x, y, z as scaled float64, and all other dimensions under laspy's names.
+    """Read x, y, z as scaled float64, and all other dimensions by their names in laspy.
 
-    Raises FormatError where laspy can't read the file, or it ends before its points do.
+    Raises FormatError where laspy can't read the file, or it ends before its last point.
     """
     import laspy
 
@@ -26,23 +26,23 @@ def read(path: Path) -> Columns:
             raise FormatError("has a LAS header with the scale 0, which puts all points into one.")
         room = path.stat().st_size - header.offset_to_point_data
         require_room(header.point_count, 0 if header.are_points_compressed else form.size, room)
-        # In chunks, so that memory is made only for points that are there.
-        chunks = list(file.chunk_iterator(max(1, BYTES_AT_A_TIME // form.size)))
+        # In chunks, so that no memory is allocated for points that are only announced.
+        chunks = list(file.chunk_iterator(max(1, CHUNK_BYTES // form.size)))
         require_count(header.point_count, sum(map(len, chunks)))
         names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
-        with np.errstate(all="ignore"):  # a senseless scale gives points that aren't finite
+        with np.errstate(all="ignore"):  # a wrong scale may give coordinates that aren't finite
             columns = {
                 name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
                 for name in names
             }
-    colors = {"red", "green", "blue"}  # often only room for them, that nobody filled in
+    colors = {"red", "green", "blue"}  # are all 0 in many files, where no colours were measured
     unused = set() if any(columns[name].any() for name in colors & set(columns)) else colors
     unused |= {name for name, values in columns.items() if values.ndim > 1}
     return Columns({name: values for name, values in columns.items() if name not in unused})
 
 
 def _check_beginning(path: Path) -> None:
-    """Refuse what laspy would take minutes over: records by the million that can't be there."""
+    """Refuse impossible sizes in the header, on which laspy would spend minutes."""
     with path.open("rb") as file:
         start = file.read(MIN_HEADER_BYTES)
     if len(start) < MIN_HEADER_BYTES or not start.startswith(b"LASF"):

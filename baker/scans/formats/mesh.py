@@ -1,6 +1,7 @@
-"""Meshes: OBJ, STL, GLB and glTF by Open3D, OFF here; points spread evenly over their surface.
+"""Read meshes and sample points evenly on their surface.
 
-Open3D's reader of OFF ends the process at damaged files (docs/method.md).
+Open3D reads OBJ, STL, GLB and glTF. OFF is read here, since Open3D's reader crashes on damaged files
+(docs/method.md).
 """
 
 import json
@@ -18,18 +19,18 @@ from baker.scans.fields import COLOR_NAMES
 from baker.scans.formats import Columns, FormatError, require_count
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
-"""A mesh gives as many points as it has vertices, but no fewer and no more than these."""
+"""As many points are sampled as the mesh has vertices, within these limits."""
 
 Faces = NDArray | Sequence[NDArray]
 INTERPOLATED = {*"xyz", *(name for names in COLOR_NAMES for name in names)}
 Mesh = tuple[NDArray, NDArray, Faces]
-"""(V, 3) vertices, (V, 3) uint8 colours or none, and faces."""
+"""(V, 3) vertices, (V, 3) uint8 colours (or (0, 3)), and faces."""
 
 
 def read(path: Path) -> Columns:
-    """x, y, z and, where the vertices are coloured, red, green and blue of points on the surface.
+    """Sample x, y, z and, if the vertices are coloured, red, green, blue on the surface.
 
-    Raises FormatError: not sound, or no faces to sample points on.
+    Raises FormatError: the file is damaged, or has no faces.
     """
     read_mesh = _read_off if path.suffix.lower() == ".off" else _read_by_open3d
     vertices, colors, faces = read_mesh(path)
@@ -51,13 +52,13 @@ def _read_by_open3d(path: Path) -> Mesh:
         TemporaryDirectory(prefix="bake-") as folder,
         open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error),
     ):
-        mesh = open3d.io.read_triangle_mesh(_by_itself(path, Path(folder)))
+        mesh = open3d.io.read_triangle_mesh(_without_links(path, Path(folder)))
     colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
     return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
 
 
-def _by_itself(path: Path, folder: Path) -> Path:
-    """The file, or a copy in the folder, from which Open3D opens no file in other folders."""
+def _without_links(path: Path, folder: Path) -> Path:
+    """The file, or a copy in `folder`, which makes Open3D open no file outside of its folder."""
     suffix = path.suffix.lower()
     if suffix == ".stl":
         return path
@@ -77,23 +78,23 @@ def _by_itself(path: Path, folder: Path) -> Path:
 
 
 def _triangulated(content: bytes) -> bytes:
-    """An OBJ's text without materials, and with faces of more corners as fans of triangles.
+    """The text of an OBJ file without materials, with larger faces split into triangles.
 
-    Materials and their pictures are not wanted, and could be any files; Open3D leaves out faces of
-    more than three corners.
+    Materials are not needed, and could name any files; Open3D ignores faces of more than three
+    corners.
     """
-    content = re.sub(rb"\\\r?\n", b" ", content)  # lines that go on
+    content = re.sub(rb"\\\r?\n", b" ", content)  # continued lines
     content = re.sub(rb"(?m)^[ \t]*mtllib\b.*", b"", content)
     return re.sub(rb"(?m)^[ \t]*f((?:[ \t]+[^\s#]+){4,})", _fan, content)
 
 
 def _fan(face: re.Match[bytes]) -> bytes:
-    first, *others = face[1].split()
-    return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(others))
+    first, *corners = face[1].split()
+    return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(corners))
 
 
 def _read_off(path: Path) -> Mesh:
-    """OFF and COFF (colours from 0 to 255, or to 1, behind the coordinates).
+    """Read OFF, or COFF with colours from 0 to 255, or to 1, after the coordinates.
 
     Format: http://www.geomview.org/docs/html/OFF.html
     """
@@ -115,11 +116,27 @@ def _read_off(path: Path) -> Mesh:
 
 
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
-    """Sample the faces evenly: one point in each equal share of the surface.
+    """Sample points on faces by stratified sampling: one in each equal share of the surface.
 
-    Positions and colours are interpolated between a triangle's corners, other fields those of the
-    nearest corner; faces of more corners are fans of triangles. The vertices themselves where the
-    faces have no area, a FormatError where a corner is not among them.
+    Positions and colours are interpolated in the triangle; other fields are those of the nearest
+    corner. Larger faces are split into fans of triangles.
+
+    Parameters
+    ----------
+    vertices : mapping
+        Field name -> (V,) numbers, with "x", "y" and "z".
+    faces : (F, 3) array, or sequence of F arrays
+        Indices of the vertices.
+
+    Returns
+    -------
+    Columns
+        The vertices themselves, if the faces have no area.
+
+    Raises
+    ------
+    FormatError
+        If a face has a corner that is not a vertex.
     """
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
         corners = faces.astype(np.int64)
@@ -142,8 +159,8 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
 
     sampled = int(np.clip(count, MIN_POINTS, MAX_POINTS))
     random = np.random.default_rng(0)
-    places = (np.arange(sampled) + random.random(sampled)) / sampled * total[-1]
-    chosen = corners[np.minimum(np.searchsorted(total, places, side="right"), len(total) - 1)]
+    at_area = (np.arange(sampled) + random.random(sampled)) / sampled * total[-1]
+    chosen = corners[np.minimum(np.searchsorted(total, at_area, side="right"), len(total) - 1)]
     # Uniform in a triangle: R. Osada et al., Shape Distributions, ACM ToG 21, 2002, equation 1.
     root, along = np.sqrt(random.random(sampled)), random.random(sampled)
     weights = np.stack([1 - root, root * (1 - along), root * along], axis=1)

@@ -1,10 +1,10 @@
-"""PCD (Point Cloud Library), ascii, binary and binary_compressed.
+"""Read PCD (Point Cloud Library), ascii, binary and binary_compressed.
 
-Packed colours (`rgb`, `rgba`: four bytes in one number) come out as red, green and blue.
+Packed colours (`rgb`, `rgba`: four bytes in one number) are split into red, green and blue.
 Format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 
-Read here: Open3D's reader ends the process at damaged files, and pypcd4's reads a file that is cut
-short as a smaller one (docs/method.md).
+No library is used: Open3D's reader crashes on damaged files, and pypcd4 reads a truncated file as a
+smaller one (docs/method.md).
 """
 
 import re
@@ -18,15 +18,15 @@ from baker.scans.formats import Columns, FormatError, require_count, require_roo
 from baker.scans.formats.text import as_type, read_numbers
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
-MAX_HEADER_BYTES = 1 << 19  # bytes
-MAX_VALUES = 10_000  # of a point; the largest descriptors have some thousand
+MAX_HEADER_BYTES = 1 << 19
+MAX_VALUES = 10_000  # of a point; the largest descriptors have about a thousand
 LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
 
 def read(path: Path) -> Columns:
-    """All fields; of a field with several values a point each value as a field of its own.
+    """Read all fields; one with several values for each point becomes several fields.
 
-    Raises FormatError: not PCD, a header out of order, or a body that doesn't hold what it says.
+    Raises FormatError: not PCD, a wrong header, or a body that does not match its header.
     """
     words, start, lines = _read_header(path)
     record = _record(words)
@@ -38,7 +38,7 @@ def read(path: Path) -> Columns:
             numbers = read_numbers(path.read_bytes()[start:], lines + 1)
             require_count(count * len(names), len(numbers), "values")
             table = numbers.reshape(count, len(names)).T
-            columns = {n: as_type(own, record[n]) for n, own in zip(names, table, strict=True)}
+            columns = {n: as_type(row, record[n]) for n, row in zip(names, table, strict=True)}
         case "binary":
             require_room(count, record.itemsize, room)
             points = np.fromfile(path, record, count, offset=start)
@@ -53,58 +53,58 @@ def read(path: Path) -> Columns:
 
 
 def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:
-    """Two sizes (packed and not), then LZF: all values of the first field, of the second, …"""
+    """Read a body of two sizes (packed, unpacked) and LZF data: field after field."""
     content, size = path.read_bytes()[start:], count * record.itemsize
     packed_size = int.from_bytes(content[:4], "little")
     body = decompress(content[8 : 8 + packed_size], size)
-    columns, place = {}, 0
+    columns, offset = {}, 0
     for name in record.names or ():
-        columns[name] = np.frombuffer(body, record[name], count, place)
-        place += columns[name].nbytes
+        columns[name] = np.frombuffer(body, record[name], count, offset)
+        offset += columns[name].nbytes
     return columns
 
 
 def decompress(packed: bytes, size: int) -> bytes:
-    """Unpack LZF data to `size` bytes; ValueError or IndexError where they are damaged.
+    """Unpack LZF data to `size` bytes. Raises ValueError or IndexError where they are damaged.
 
-    A control byte below 32 announces a run of literal bytes; any other one a copy of earlier
-    output, by its length and its distance. Format: Marc Lehmann, liblzf.
+    A control byte below 32 is followed by literal bytes; any other one encodes a copy of earlier
+    output by length and distance. Format: Marc Lehmann, liblzf.
     """
-    result, place = bytearray(), 0
-    while place < len(packed) and len(result) <= size:
-        control, place = packed[place], place + 1
+    result, offset = bytearray(), 0
+    while offset < len(packed) and len(result) <= size:
+        control, offset = packed[offset], offset + 1
         if control < 32:
-            run: bytes | bytearray = packed[place : place + control + 1]
-            place += control + 1
+            run: bytes | bytearray = packed[offset : offset + control + 1]
+            offset += control + 1
         else:
             length = (control >> 5) + 2
             if length == 9:
-                length, place = length + packed[place], place + 1
-            start, place = len(result) - ((control & 31) << 8) - packed[place] - 1, place + 1
+                length, offset = length + packed[offset], offset + 1
+            start, offset = len(result) - ((control & 31) << 8) - packed[offset] - 1, offset + 1
             if start < 0:
                 raise ValueError("an LZF reference points before the data")
             run = result[start : start + length]
             run *= -(-length // len(run))  # a copy may overlap its own output: a repeated pattern
             run = run[:length]
         result += run
-    if len(result) != size or place != len(packed):
+    if len(result) != size or offset != len(packed):
         raise ValueError("LZF data of another size")
     return bytes(result)
 
 
 def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
-    """Red, green and blue from a packed field, blue in the lowest byte."""
+    """Split a packed colour, with blue in the lowest byte, into red, green and blue."""
     for name, values in columns.items():
         if name.lower() in ("rgb", "rgba") and values.dtype.itemsize == 4:
             packed = np.ascontiguousarray(values).view("<u4")
             channels = {"red": 16, "green": 8, "blue": 0}
-            rest = {other: column for other, column in columns.items() if other != name}
-            return rest | {c: (packed >> shift).astype(np.uint8) for c, shift in channels.items()}
+            colors = {c: (packed >> shift).astype(np.uint8) for c, shift in channels.items()}
+            return {key: column for key, column in columns.items() if key != name} | colors
     return columns
 
 
 def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
-    """The words of each line by its first one; the header's size in bytes and in lines."""
+    """The header as a dict, first word of a line -> the others; its size in bytes and in lines."""
     with path.open("rb") as file:
         head = file.read(MAX_HEADER_BYTES)
     end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", head, re.MULTILINE)
@@ -119,7 +119,7 @@ def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
 
 
 def _record(words: dict[str, list[str]]) -> np.dtype:
-    """One point as it stands in the file: of FIELDS, SIZE, TYPE and COUNT."""
+    """The dtype of one point in the file, from FIELDS, SIZE, TYPE and COUNT."""
     fields = words["FIELDS"]
     counts = words.get("COUNT", ["1"] * len(fields))
     if not len(fields) == len(words["TYPE"]) == len(words["SIZE"]) == len(counts):
@@ -132,7 +132,7 @@ def _record(words: dict[str, list[str]]) -> np.dtype:
         if len(record) + int(count) > MAX_VALUES:
             raise _header_fault(f"gives a point more than {MAX_VALUES} values")
         for i in range(int(count)):
-            # Padding is named "_", as often as it occurs; other values of a field are numbered.
+            # Several fields may be called "_" (padding); further values of a field are numbered.
             unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name
             record.append((unique, f"<{kind.lower()}{size}"))
     return np.dtype(record)

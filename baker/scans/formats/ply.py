@@ -1,6 +1,6 @@
-"""PLY (Stanford polygon format), ascii and binary: the vertices, or points on a mesh's surface.
+"""Read PLY (Stanford polygon format), ascii and binary: vertices, or points sampled on a mesh.
 
-Read here: Open3D's reader ends the process at damaged ascii files (docs/method.md), and plyfile is
+No library is used: Open3D's reader crashes on damaged ascii files (docs/method.md), and plyfile is
 under the GPL. Format: http://paulbourke.net/dataformats/ply
 """
 
@@ -17,20 +17,21 @@ from baker.scans.formats.mesh import points_on_surface
 from baker.scans.formats.text import as_type, read_numbers
 
 MAX_HEADER_BYTES = 1 << 20
-CORNERS = ("vertex_indices", "vertex_index")  # of a face; both names are in use
+CORNERS = ("vertex_indices", "vertex_index")  # names of the list of a face's corners
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 NAMES = {"i1": "char int8", "u1": "uchar uint8 bool", "i2": "short int16", "u2": "ushort uint16"}
 NAMES |= {"i4": "int int32", "u4": "uint uint32", "f4": "float float32", "f8": "double float64"}
 TYPES = {name: kind for kind, names in NAMES.items() for name in names.split()}
 
 Values = dict[str, NDArray | list[NDArray]]
-"""By property (N,) numbers; of lists (N, k) where all are as long as the first, else N arrays."""
+"""Property -> (N,) numbers; for a list (N, k) if all are equally long, else N arrays."""
 
 
 @dataclass(frozen=True)
 class Element:
-    """A kind of things in the file: their number, and of each property its NumPy type and, where
-    it is a list, that of its length, else None.
+    """An element of the header (vertex, face): how many there are, and their properties.
+
+    properties: name -> dtype of the values and, for a list, dtype of its length, else None.
     """
 
     count: int
@@ -42,28 +43,28 @@ class Element:
 
 
 def read(path: Path) -> Columns:
-    """The properties of the vertices that are no lists; of a mesh, of points sampled on its faces.
+    """Read the vertices' properties, except for lists; of a mesh, sampled on its faces.
 
-    Raises FormatError: not PLY, no vertices, or a body that doesn't hold what the header announces.
+    Raises FormatError: not PLY, no vertices, or a body that does not match the header.
     """
     with path.open("rb") as file:
         start = file.read(MAX_HEADER_BYTES)
     header = _header(start)
-    order, elements = _announced(header.decode("latin-1"), path.stat().st_size - len(header))
+    order, elements = _parse_header(header.decode("latin-1"), path.stat().st_size - len(header))
     if "vertex" not in elements:
         found = excerpt(", ".join(elements)) or "none"
         raise FormatError(f"has no element 'vertex' (it has {found}).")
     if order:
         body = np.fromfile(path, np.uint8, offset=len(header))
-    else:  # as if it were binary, all in 64 bits
+    else:  # converted to a binary body of float64
         text = path.read_bytes()[len(header) :]
         body = read_numbers(text, len(header.splitlines()) + 1).view(np.uint8)
     values: dict[str, Values] = {}
-    place = 0
+    offset = 0
     for name, element in elements.items():
-        values[name], place = _read_element(body, place, element, order)
+        values[name], offset = _read_element(body, offset, element, order)
     if not order:
-        require_count(place // 8, len(body) // 8, "values")
+        require_count(offset // 8, len(body) // 8, "values")
     columns = {
         name: as_type(np.asarray(values["vertex"][name]), kind)
         for name, (kind, length) in elements["vertex"].properties.items()
@@ -83,8 +84,8 @@ def _header(start: bytes) -> bytes:
     return start[: end.end()]
 
 
-def _announced(header: str, room: int) -> tuple[str, dict[str, Element]]:
-    """Order of the bytes ("" of a text) and elements, of which the file has room for all."""
+def _parse_header(header: str, room: int) -> tuple[str, dict[str, Element]]:
+    """Parse the byte order ("" for ascii) and the elements, for which `room` bytes must suffice."""
     order, elements = "", dict[str, Element]()
     for line in re.split("\r\n|\r|\n", header)[1:]:
         match line.split():
@@ -115,28 +116,28 @@ def _require_new(name: str, known: dict) -> None:
 
 
 def _read_element(
-    body: NDArray[np.uint8], place: int, element: Element, order: str
+    body: NDArray[np.uint8], offset: int, element: Element, order: str
 ) -> tuple[Values, int]:
-    """Values of an element that begins at a byte, and the byte where the next one begins."""
+    """Read the values of an element that starts at `offset`; also returns the offset of its end."""
 
     def take(kind: str, count: int) -> NDArray:
-        nonlocal place
-        stored = np.dtype(kind if order else float)
-        require_room(max(count, 1), stored.itemsize * (count > 0), len(body) - place)
-        start, place = place, place + count * stored.itemsize
-        return body[start:place].view(stored)
+        nonlocal offset
+        dtype = np.dtype(kind if order else float)
+        require_room(max(count, 1), dtype.itemsize * (count > 0), len(body) - offset)
+        start, offset = offset, offset + count * dtype.itemsize
+        return body[start:offset].view(dtype)
 
-    def take_one(kind: str, length: str | None) -> NDArray:
+    def take_property(kind: str, length: str | None) -> NDArray:
         (count,) = take(length, 1) if length else (1,)
         if not 0 <= count <= len(body):
             raise FormatError(f"holds a list of {count:g} values, which can't be.")
         return take(kind, int(count))
 
-    begin, count = place, element.count
+    begin, count = offset, element.count
     if not count or not element.properties:
-        return {name: np.empty(0) for name in element.properties}, place
-    first = {name: take_one(*types) for name, types in element.properties.items()}
-    # Lists are mostly as long as the first ones: then all things are rows of one table.
+        return {name: np.empty(0) for name in element.properties}, offset
+    first = {name: take_property(*types) for name, types in element.properties.items()}
+    # If all lists are as long as those of the first row, the element is one structured array.
     fields = list[tuple]()
     for name, (_, length) in element.properties.items():
         if length:
@@ -150,13 +151,13 @@ def _read_element(
     if end <= len(body):
         rows = body[begin:end].view(record)
         lengths = [rows[name] for name, *_ in fields if name not in first]
-        if all((own == own[0]).all() for own in lengths):
+        if all((length == length[0]).all() for length in lengths):
             return {name: rows[name] for name in first}, end
-    found = {name: [values] for name, values in first.items()}
+    values = {name: [array] for name, array in first.items()}
     for _ in range(count - 1):
         for name, types in element.properties.items():
-            found[name].append(take_one(*types))
+            values[name].append(take_property(*types))
     return {
-        name: values if element.properties[name][1] else np.concatenate(values)
-        for name, values in found.items()
-    }, place
+        name: arrays if element.properties[name][1] else np.concatenate(arrays)
+        for name, arrays in values.items()
+    }, offset

@@ -1,4 +1,4 @@
-"""Text tables: XYZ, TXT, CSV, ASC, PTS; docs/scans.md says how columns are found and named."""
+"""Read text tables (XYZ, TXT, CSV, ASC, PTS); docs/scans.md says how columns are named."""
 
 import re
 from collections import Counter
@@ -14,26 +14,26 @@ from baker.scans.formats import Columns, FormatError, require_count
 from baker.scans.labels import label_rank
 
 LONGEST_LINE = 1 << 17
-SKIPPED = ("-", "_")  # for columns that are not used
-MIN_COUNTED = 9  # rows, of which a column may seem to be the count by chance
-DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*;")  # as spreadsheets write 1.5; 2.5 in Europe
-MAX_HEAD = 1_000  # lines by which decimal commas are found
-USUAL_WIDTHS = range(3, 13)  # of rows whose columns need no names
+SKIPPED = ("-", "_")  # names of columns that are not used
+MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*;")  # as European spreadsheets write 1.5; 2.5
+MAX_HEAD = 1_000  # lines that are searched for decimal commas
+USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
 
 
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
-    """All columns of numbers, and of words where they may be labels.
+    """Read all columns of numbers, and columns of words that may be labels.
 
-    `asked` names the columns, whatever a header says, those to skip "-" or "_"; a file may have
-    fewer. Raises FormatError, with the line that doesn't fit.
+    `asked` names the columns instead of a header ("-" or "_" skips one); a file may have fewer
+    columns. Raises FormatError with the number of the line that does not fit.
     """
     lines = _read_lines(path)
     if any(map(DECIMAL_COMMA.match, lines[:MAX_HEAD])):
         lines = [line.replace(",", ".") for line in lines]
-    named, delimiter, start, count = _read_head(lines, asked)
+    header, delimiter, start, count = _read_head(lines, asked)
     values = _split(lines[start], delimiter)
     width = len(values)
-    if named is None and width not in USUAL_WIDTHS:
+    if header is None and width not in USUAL_WIDTHS:
         example = excerpt(",".join(["x", "y", "z", *["-"] * (width - 4), "label"]))
         raise FormatError(
             f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
@@ -41,9 +41,9 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
             start + 1,
         )
     usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
-    names = [*map(_axis, named)] if named else usual
+    names = [*map(_axis, header)] if header else usual
     if asked and width >= 3:
-        names = names[:width]  # of scans of a series some may have no labels
+        names = names[:width]  # some scans of a series may have no column of labels
     if len(names) != width:
         reason = f"{width} columns, but {len(names)} names of columns"
         raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", start + 1)
@@ -51,7 +51,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     numbers = [i for i in wanted if _is_number(values[i])]
     words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
     unread = [names[i] for i in wanted if i not in numbers + words]
-    if unread and (named is None or set(unread) & {*"xyzXYZ"}):
+    if unread and (header is None or set(unread) & {*"xyzXYZ"}):
         example = ",".join(["label", *"xyz", *["-"] * (width - 4)])
         hint = f"; say what the columns are, as in --columns {example}" * (width > 3)
         raise _not_numbers(values, start + 1, hint)
@@ -59,26 +59,27 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     if count is not None:
         require_count(count, len(rows), "rows")
     notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
-    if named is None:
+    if header is None:
         if width > 3 and len(rows) > MIN_COUNTED and (np.diff(rows[:, 0]) == 1).all():
             example = ",".join(["-", *"xyz", *["-"] * (width - 5), *["label"] * (width > 4)])
             reason = f"its first column counts the rows; say it with --columns {example}."
             raise FormatError(reason)
         for i, name in zip(numbers, usual_names(rows, is_leica=count is not None), strict=True):
-            names[i] = names[i] if name.startswith("column") else name  # words are columns too
+            # `usual_names` counts columns of numbers only; names[i] counts columns of words, too.
+            names[i] = names[i] if name.startswith("column") else name
         notes = [f"no header line: columns taken as {' '.join(names)}."]
-    found = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
+    columns = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
     if words:
         form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": words, "ndmin": 2}
         texts = np.loadtxt(lines[start:], str, **form).T
-        found |= {names[i]: np.char.strip(text) for i, text in zip(words, texts, strict=True)}
-    return Columns(found, tuple(notes if unread or named is None else ()))
+        columns |= {names[i]: np.char.strip(text) for i, text in zip(words, texts, strict=True)}
+    return Columns(columns, tuple(notes if unread or header is None else ()))
 
 
 def _read_lines(path: Path) -> list[str]:
-    """The lines of a text in UTF-8 or, by its byte order mark, UTF-16.
+    """Read the lines of a text file in UTF-8 or, with a byte order mark, UTF-16.
 
-    FormatError if it is none, or for a line that no row of numbers can be.
+    Raises FormatError for a binary file, or a line that is too long for a row of numbers.
     """
     with path.open("rb") as file:
         head = file.read(65536)
@@ -93,7 +94,7 @@ def _read_lines(path: Path) -> list[str]:
 
 
 def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
-    """The numbers between white space in a text whose first line has this number in its file."""
+    """Parse numbers separated by white space; `number` is that of the text's first line."""
     try:
         return np.array(text.split(), float)
     except ValueError:
@@ -104,12 +105,12 @@ def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
 
 
 def as_type(numbers: NDArray, kind: DTypeLike) -> NDArray:
-    """The numbers in the type that a file announces. FormatError for one that is not of it."""
+    """Convert to the type that a file announces. Raises FormatError where a value doesn't fit."""
     with np.errstate(invalid="ignore"):
-        found = numbers.astype(kind, copy=False)
-    if found.dtype.kind in "iu" and (wrong := numbers[found != numbers]).size:
-        raise FormatError(f"holds {wrong[0]:g} where it announces {found.dtype.name}.")
-    return found
+        converted = numbers.astype(kind, copy=False)
+    if converted.dtype.kind in "iu" and (wrong := numbers[converted != numbers]).size:
+        raise FormatError(f"holds {wrong[0]:g} where it announces {converted.dtype.name}.")
+    return converted
 
 
 def _read_rows(
@@ -119,12 +120,13 @@ def _read_rows(
     delimiter: str | None,
     columns: Sequence[int],
 ) -> NDArray[np.float64]:
-    """The numbers in some columns of these lines, of which the first has this number in its file.
+    """Parse the numbers in `columns`; `number` is that of the first line.
 
-    Raises FormatError, with its line, where a row has other values than one for each name.
+    Raises FormatError, with its line, for a row that has not one value for each name.
     """
-    is_open_ended = "".join(lines[:1]).rstrip().endswith(delimiter or "\n")  # never by a newline
-    usecols = columns if is_open_ended or len(columns) < len(names) else None
+    # A delimiter at the end of a row makes an empty column, which `usecols` leaves out.
+    ends_in_delimiter = "".join(lines[:1]).rstrip().endswith(delimiter or "\n")
+    usecols = columns if ends_in_delimiter or len(columns) < len(names) else None
     form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": usecols, "ndmin": 2}
     try:
         return np.loadtxt(lines, float, **form)
@@ -142,7 +144,7 @@ def _read_rows(
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
-    """Names for the columns of a table without a header, as docs/scans.md tells."""
+    """Name the columns of a table without a header, by the rules of docs/scans.md."""
     names, width = ["x", "y", "z"], rows.shape[1]
     if is_leica and width in (4, 7):
         names.append("intensity")
@@ -156,7 +158,7 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
 
 
 def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:
-    """The fault of the first of these values that is no number."""
+    """The FormatError for the first of these values that is not a number."""
     text = next((value for value in values if not _is_number(value)), values[0])
     hint = hint * _is_word(text)
     if re.fullmatch(r"[-+]?\d+,\d+", text):
@@ -167,7 +169,7 @@ def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatErro
 def _read_head(
     lines: Sequence[str], asked: Sequence[str]
 ) -> tuple[list[str] | None, str | None, int, int | None]:
-    """Names of the columns, delimiter, first row's index, announced count; None where not told."""
+    """Names of the columns, delimiter, index of the first row, and number of rows, or None each."""
     comments: list[str] = []
     names: list[str] | None = None
     count: int | None = None
@@ -187,7 +189,7 @@ def _read_head(
             if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
             return [*asked] or names, delimiter, index, count
-        elif names is None and (asked or _names_xyz(values)) and not any(is_number):
+        elif names is None and (asked or _has_xyz(values)) and not any(is_number):
             names = values
         else:
             is_header = len(values) > 2 and not any(is_number)
@@ -197,17 +199,17 @@ def _read_head(
 
 
 def _names_in(comments: Sequence[str], delimiter: str | None, width: int) -> list[str] | None:
-    """The names of so many columns, from the last comment that fits."""
-    tries = (_split(c, d) for c in reversed(comments) for d in (delimiter, None, ","))
-    return next((names for names in tries if len(names) == width and _names_xyz(names)), None)
+    """The names of `width` columns in the last comment that has them."""
+    rows = (_split(c, d) for c in reversed(comments) for d in (delimiter, None, ","))
+    return next((names for names in rows if len(names) == width and _has_xyz(names)), None)
 
 
-def _names_xyz(names: Sequence[str]) -> bool:
+def _has_xyz(names: Sequence[str]) -> bool:
     return {"x", "y", "z"} <= {_axis(name).lower() for name in names}
 
 
 def _axis(name: str) -> str:
-    """The x of "X (mm)", "x_coord" and "coordX"; other names as they are."""
+    """Shorten "X (mm)", "x_coord" and "coordX" to the axis; other names are returned unchanged."""
     words = r"(?:coord(?:inate)?s?|pos(?:ition)?)?[ _.]?"
     axis = re.fullmatch(rf"{words}([xyz])[ _]?{words}[\[(]?(?:mm|cm|m)?[\])]?", name, re.IGNORECASE)
     return axis[1] if axis else name
@@ -217,14 +219,14 @@ def _delimiter(line: str) -> str | None:
     if ";" in line:
         return ";"
     if "\t" in line and all(re.search(r"\S", value) for value in line.split("\t")):
-        # Tabs among other white space (aligned columns) are white space like any other.
+        # Tabs mixed with spaces align columns: any white space is then the delimiter.
         has_spaces = any(" " in value.strip() for value in line.split("\t"))
         return None if has_spaces or "," in line else "\t"
     return "," if "," in line else None
 
 
 def _split(line: str, delimiter: str | None) -> list[str]:
-    """The values of a line, without quotes; empty ones at its end don't count."""
+    """Split a line into values without quotes; empty values at its end are dropped."""
     values = [value.strip().strip("\"'") for value in line.strip().split(delimiter)]
     while values and not values[-1]:
         values.pop()
@@ -240,4 +242,4 @@ def _is_number(text: str) -> bool:
         float(text)
     except ValueError:
         return False
-    return "_" not in text  # which only Python itself takes as a part of numbers
+    return "_" not in text  # which float() accepts between digits

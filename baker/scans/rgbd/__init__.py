@@ -1,1 +1,1 @@
-"""Series of colour and depth images from a camera that stays where it is (Komatsuna)."""
+"""Read series of colour and depth images from a fixed camera (the Komatsuna dataset)."""

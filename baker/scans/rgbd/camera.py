@@ -1,7 +1,7 @@
-"""The file beside the images: how the camera sees, what the images are called, how to repair them.
+"""Read the camera file of a folder of images: intrinsics, file names and options of the repair.
 
-`camera.toml`, or the same as `camera.json`: docs/images.md says what each field means. The centre
-of the upper left pixel is (0, 0).
+It is `camera.toml` or `camera.json`; docs/images.md says what each field means. The centre of the
+upper left pixel is (0, 0).
 """
 
 import re
@@ -10,12 +10,12 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from baker.errors import asking
+from baker.errors import input_errors
 from gclip.config_file import read_config
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
-LARGEST, SMALLEST = 1e9, 1e-9  # numbers beyond are no camera's
+LARGEST, SMALLEST = 1e9, 1e-9  # of the numbers that describe a camera
 MAX_FILE_SIZE = 1 << 16  # bytes
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
@@ -29,7 +29,7 @@ Label = Annotated[int, Meta(ge=-int(LARGEST), le=int(LARGEST))]
 
 
 class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
-    """Paths relative to the folder, with one star for the frame's name in each."""
+    """File names relative to the folder; the star in each stands for the frame's name."""
 
     color: str = "rgb_*.png"
     depth: str = "depth_*.png"
@@ -45,14 +45,14 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
-    """Which depth `baker.scans.rgbd.depth_repair` marks unknown."""
+    """Options of `baker.scans.rgbd.depth_repair`."""
 
     ring: Border = 1
-    """Pixels along a label's border that never count as valid, unless it is too thin for others."""
+    """Width in pixels of the border of a label that is never valid, if pixels inside of it are."""
     band: Border = 6
-    """Pixels along a label's border in which depth may jump; 0 looks for no jumps."""
+    """Width in pixels of the border of a label that is searched for jumps; 0 for no search."""
     jump: Positive = 2.0
-    """mm off the label's surface from which on depth is implausible, if noise is not as far off."""
+    """Distance in mm from the label's surface that is a jump, if it is larger than the noise."""
 
 
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):
@@ -67,19 +67,19 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     depth_unit: Positive = 1.0  # of one count of depth
     crop: tuple[Coordinate, Coordinate] | None = None  # left, top
     ground: Positive | None = None
-    background: Label = 0  # as `baker.scans.rgbd.series.read_labels` numbers it
+    background: Label = 0  # a number of `baker.scans.rgbd.series.read_labels`
     per_day: Count = 6
     images: Patterns = Patterns()
     repair: RepairOptions = RepairOptions()
 
 
 def find_camera(folder: Path) -> Path | None:
-    """The camera's file in `folder`, or None where it holds no images to read."""
-    with asking(folder):
+    """The camera file in `folder`, or None where there is none."""
+    with input_errors(folder):
         return next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
 
 
 def read_camera(path: Path) -> Camera:
-    """Read the file that describes a camera. InputError where it is not as `Camera` has it."""
-    with asking(path):
+    """Read a camera file. Raises InputError where a field is wrong or missing."""
+    with input_errors(path):
         return read_config(path, Camera, MAX_FILE_SIZE)

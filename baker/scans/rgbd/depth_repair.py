@@ -1,13 +1,13 @@
-"""Depth at the borders of organs, marked unknown where it can't be right, then filled.
+"""Repair implausible depth at the borders of organs (section 4 of the paper, Komatsuna).
 
-Along an organ's border a depth camera's pixels show the depth of what lies behind, or a mixture.
-For each label separately, as the paper does (section 4, Komatsuna), in two steps:
+Along an organ's border, pixels of a depth camera show the background or a mixture of both. Each
+label is repaired separately, in two steps:
 
-1. Depth is unknown where the camera measured none, where a hand-painted mask says so, on the
-   outermost ring of the label, and in a band along its border wherever it jumps away from the
-   label's surface: a robust polynomial of second degree, which follows a tilted, arched leaf.
+1. Depth is marked unknown where the camera measured none, where a hand-painted mask marks it, on
+   the outermost ring of the label, and in a band along its border where it jumps away from the
+   label's surface: a polynomial of degree 2, fitted robustly, which follows a tilted, arched leaf.
 2. The deviation from the polynomial is filled by diffusion from the valid pixels, so that a tilted
-   leaf stays tilted up to its rim. Valid depth is never changed, nor is noise in it.
+   leaf stays tilted up to its border. Valid depth is never changed, nor is its noise removed.
 """
 
 from typing import NamedTuple
@@ -20,14 +20,14 @@ from baker.scans.rgbd.camera import RepairOptions
 Depth = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-NOISE_SIGMAS = 3.0  # standard deviations of the noise that are no jump
-USUAL_NOISE = 0.1  # mm off its surface, from which on a pixel's depth counts less and less
+NOISE_SIGMAS = 3.0  # least height of a jump in standard deviations of the noise
+USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
 VALID, MISSING, PAINTED, JUMP, RING = range(5)
 REASONS = ("valid", "not measured", "painted", "off their surface", "on a border")
 
 
 class Repaired(NamedTuple):
-    depth: Depth  #: (H, W) mm; 0 outside of all labels and where none could be found
+    depth: Depth  #: (H, W) mm; 0 outside of all labels and where it could not be filled
     reason: NDArray[np.uint8]  #: (H, W) why depth was unknown, an index of `REASONS`
 
 
@@ -40,8 +40,16 @@ def repair(
 ) -> Repaired:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    depth: (H, W) mm, 0 where nothing was measured. painted: (H, W), where someone marked it as
-    unknown.
+    Parameters
+    ----------
+    depth : (H, W) float64
+        In mm, 0 where nothing was measured.
+    labels : (H, W) integers
+    background : int
+        The label that is not repaired.
+    painted : (H, W) bool, optional
+        A hand-painted mask of unknown depth.
+    options : RepairOptions, optional
     """
     from scipy.ndimage import find_objects
 
@@ -60,7 +68,7 @@ def repair(
             surface = _mark_implausible(depth[box], inside, reason[box], options or RepairOptions())
             trend[box][inside] = surface[inside]
     valid = (segment > 0) & (reason == VALID)
-    # Nothing where there is no valid pixel to continue, or the surface ends behind the camera.
+    # 0 where a label has no valid pixel, or the filled depth would be behind the camera.
     filled = np.nan_to_num(trend + diffuse(depth - trend, valid, segment), posinf=0.0).clip(min=0.0)
     return Repaired(np.where(valid, depth, filled), reason)
 
@@ -68,13 +76,13 @@ def repair(
 def _mark_implausible(
     depth: Depth, inside: Mask, reason: NDArray[np.uint8], options: RepairOptions
 ) -> Depth:
-    """Mark jumps and the ring of one label in `reason`; returns the label's polynomial surface."""
+    """Mark jumps and the ring of one label in `reason`; return the label's polynomial surface."""
     from scipy.ndimage import binary_dilation, distance_transform_cdt
 
     measured = inside & (reason == VALID)
     if not measured.any():
         return np.zeros(depth.shape)
-    # In pixels, 1 on the outermost ring; the picture's edge is no border.
+    # In pixels, 1 on the outermost ring; the edge of the image is not a border.
     is_border = not inside.all()
     from_border = distance_transform_cdt(inside, "chessboard") if is_border else np.inf * inside
     weight = np.minimum(from_border / max(options.band, 1), 1.0) ** 2
@@ -84,7 +92,7 @@ def _mark_implausible(
     core = error[measured & ~in_band]
     noise = 1.4826 * float(np.median(core)) if len(core) else 0.0
     jumps = in_band & (error > max(options.jump, NOISE_SIGMAS * noise))
-    # What lies next to a jump is likely a mixture of both sides.
+    # Pixels next to a jump are likely a mixture of both sides.
     jumps |= in_band & binary_dilation(jumps) & (error > max(options.jump / 2, 2 * noise))
     reason[jumps] = JUMP
     if options.ring:
@@ -96,7 +104,7 @@ def _mark_implausible(
 
 
 def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
-    """A polynomial of second degree, or less to a few pixels; what is far off it hardly counts."""
+    """Fit a polynomial of degree 2 (less for few pixels) with a robust loss (Cauchy)."""
     from scipy.optimize import least_squares
 
     v, u = np.indices(depth.shape) / max(depth.shape)
@@ -115,10 +123,22 @@ def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
 def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
     """Fill each segment with the solution of Laplace's equation between its valid pixels.
 
-    Segments are numbered, 0 is outside; nothing flows between them or out of them. What is outside,
-    or connected over pixels' sides to no valid one, is NaN. This is the steady state of the
-    implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular Meshes using Diffusion
-    and Curvature Flow, SIGGRAPH 1999.
+    Parameters
+    ----------
+    values : (H, W) float64
+    valid : (H, W) bool
+    segment : (H, W) integers
+        0 outside of all segments. Nothing flows between segments or out of them.
+
+    Returns
+    -------
+    (H, W) float64
+        NaN outside, and where no valid pixel of the segment is connected (4-neighbourhood).
+
+    References
+    ----------
+    The steady state of the implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular
+    Meshes using Diffusion and Curvature Flow, SIGGRAPH 1999.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components, laplacian

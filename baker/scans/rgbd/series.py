@@ -1,4 +1,4 @@
-"""A folder of images as a series of scans: what `baker.scans.read_series` asks for."""
+"""Read a folder of colour and depth images as a series of scans."""
 
 import re
 import struct
@@ -20,18 +20,18 @@ from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
 from baker.scans.times.schedule import natural_key, schedule_in_time, schedule_scans
 
-FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # to decode others, Pillow may run programs
+FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # for others, Pillow may run external programs
 MAX_PIXELS = 100_000_000
-MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs 1032 bytes into one
-MAX_LABELS = 256  # more distinct colours are no labels, but a smoothed or lossy picture of them
+MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs at most 1032 bytes into one
+MAX_LABELS = 256  # more colours are in a label image that was smoothed or compressed with loss
 
 _SLOT = re.compile(r"(?:\d{1,3}[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
 
 
 class Frame(NamedTuple):
-    """The images of one moment."""
+    """The images of one scan."""
 
-    name: str  #: what the star of the patterns stands for
+    name: str  #: the text that the star in the patterns stands for
     color: Path
     depth: Path
     label: Path | None
@@ -41,7 +41,7 @@ class Frame(NamedTuple):
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     """Find the frames of a folder, one for each colour image, in the natural order of their names.
 
-    Raises InputError: fewer than two, one without depth, or labels for some frames only.
+    Raises InputError: fewer than two frames, one without depth, or labels for some frames only.
     """
     found: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
@@ -66,12 +66,12 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
 def schedule_frames(
     frames: Sequence[Frame], per_day: int, times_file: Path | None = None
 ) -> Series:
-    """Time and order the frames, by a times file, by day and number of the day, or as scans are.
+    """Time and order the frames: by a times file, by day and slot in their names, or like scans.
 
-    Names of two numbers are day and number of the image in that day (000_05), of three also the
-    plant's before (00_000_05); the numbers of a day start with 0, and `per_day` make a day.
+    A name of two numbers is a day and a slot of that day (000_05); a third number in front is the
+    plant's (00_000_05). Slots are numbered from 0 to ``per_day - 1``.
 
-    Raises InputError: a number that is `per_day` or more, or two frames at one time.
+    Raises InputError: a slot that is `per_day` or more, or two frames at one time.
     """
     slots = [_SLOT.fullmatch(frame.name) for frame in frames]
     paths = [frame.color for frame in frames]
@@ -93,9 +93,9 @@ def schedule_frames(
 
 
 class ImageSeries:
-    """The frames of one folder, found and checked by name; pixels are read frame by frame.
+    """The frames of one folder, found by name; their pixels are read one frame at a time.
 
-    Raises InputError here and while reading.
+    Creating it and reading raise InputError.
     """
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
@@ -107,11 +107,11 @@ class ImageSeries:
         self.has_labels = frames[0].label is not None
 
     def read(self, color: Path, use_labels: bool = True) -> Scan:
-        """Read the frame whose colour image is `color`; points are as `unproject` gives them.
+        """Read the frame whose colour image is `color`, in the coordinates of `unproject`.
 
-        With label images only labelled pixels become points, after `repair`; without them every
-        pixel that has a depth and is not masked. use_labels=False still cuts the plant out by its
-        labels, but hands none on.
+        With label images, labelled pixels become points, after `repair`; without them, all pixels
+        that have a depth and are not masked. use_labels=False still leaves out pixels without a
+        label, but returns no labels.
         """
         frame, camera = self.frames[color], self.camera
         colors, depth, labels, painted = self._images(frame)
@@ -127,18 +127,18 @@ class ImageSeries:
                 f"'{frame.label or frame.depth}' shows no plant: no "
                 f"{'labelled ' if frame.label else ''}pixel has a depth."
             )
-        named = labels[chosen] if labels is not None and use_labels else None
+        point_labels = labels[chosen] if labels is not None and use_labels else None
         points = unproject(depth, camera, self._ground)
-        return Scan(points, named, colors[chosen], notes, path=color)
+        return Scan(points, point_labels, colors[chosen], notes, path=color)
 
-    def beside(self, color: Path) -> tuple[Path, ...]:
-        """What a frame was read from besides its colour image."""
+    def other_files(self, color: Path) -> tuple[Path, ...]:
+        """The files that a frame is read from besides its colour image."""
         frame = self.frames[color]
         return (self.camera_file, *filter(None, (frame.depth, frame.label, frame.mask)))
 
     @cached_property
     def _ground(self) -> float:
-        """Distance to the ground: as given, else the median of what is no plant at first."""
+        """Distance to the ground in mm: as given, else the median background of the first frame."""
         if self.camera.ground is not None:
             return self.camera.ground
         frame = self.frames[self.series.scans[0].path]
@@ -154,22 +154,21 @@ class ImageSeries:
         return float(np.median(depth[ground]))
 
     def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
-        """Colours, depth, labels and mask, of one size; depth is cut as the camera's file says."""
+        """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera)
         sides = zip(("height", "width"), (camera.height, camera.width), depth.shape, strict=True)
-        for name, said, found in sides:
-            if said not in (None, found):
-                raise InputError(
-                    f"'{frame.depth}' has the {name} {found}, but '{self.camera_file}' says {said}."
-                )
+        for side, expected, found in sides:
+            if expected not in (None, found):
+                message = f"has the {side} {found}, but '{self.camera_file}' says {expected}."
+                raise InputError(f"'{frame.depth}' {message}")
         height, width = colors.shape[:2]
         if camera.crop is not None:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
         painted = np.zeros(depth.shape, bool)
-        if frame.mask:  # where a channel, other than opacity, is not 0
+        if frame.mask:  # marked where a channel other than opacity is not 0
             painted = _numbers(read_pixels(frame.mask, "I.*", "RGBA")) != 0
         images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
         for path, image in images:
@@ -183,10 +182,10 @@ class ImageSeries:
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
-    """(N, 3) points, in mm, that the pixels of a depth image show, row by row; none where it is 0.
+    """Unproject a depth image (H, W) to (N, 3) points in mm, row by row, for pixels that aren't 0.
 
-    x points to the picture's right, y to its top, z from the ground to the camera; the origin lies
-    on the ground, on the camera's axis, `ground` mm from the camera.
+    x points to the right of the image, y to its top, z from the ground to the camera; the origin is
+    where the camera's axis meets the ground, `ground` mm from the camera.
     """
     v, u = np.nonzero(depth)
     left, top = camera.crop or (0, 0)
@@ -197,14 +196,14 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
 
 
 def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tuple[str, ...]:
-    """A sentence on what was repaired, and one on what could not be."""
+    """Notes on the pixels that were repaired and on those that could not be."""
     plant, unknown, filled = labels != background, repaired.reason > VALID, repaired.depth > 0
     counts = np.bincount(repaired.reason[unknown], minlength=len(REASONS))
-    why = ", ".join(f"{n} {what}" for n, what in zip(counts, REASONS, strict=True) if n)
-    done, lost = labels[unknown & filled], labels[unknown & ~filled]
+    reasons = ", ".join(f"{n} {reason}" for n, reason in zip(counts, REASONS, strict=True) if n)
+    repaired_at, lost = labels[unknown & filled], labels[unknown & ~filled]
     notes = (
-        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({why or 'none'}); "
-        f"{len(done)} filled by diffusion ({_by_label(done)}).",
+        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({reasons or 'none'}); "
+        f"{len(repaired_at)} filled by diffusion ({_by_label(repaired_at)}).",
         f"left out {len(lost)} pixels without any valid depth in reach ({_by_label(lost)}).",
     )
     return notes if len(lost) else notes[:1]
@@ -216,14 +215,14 @@ def _by_label(labels: NDArray[np.int64]) -> str:
 
 
 def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
-    """(H, W) float64 mm along the camera's axis, 0 where the camera measured nothing."""
+    """Read depth (H, W) in mm along the camera's axis, 0 where the camera measured nothing."""
     return np.maximum(read_pixels(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
-    """(H, W) int64: the number of a grey or palette pixel, 0xRRGGBB of a coloured one.
+    """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured one.
 
-    Transparent pixels are 0. Raises InputError also for more than `MAX_LABELS` colours.
+    Transparent pixels are 0. Raises InputError, also for more than `MAX_LABELS` colours.
     """
     labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
     distinct = len(np.unique(labels))
@@ -236,7 +235,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
 
 def _numbers(pixels: NDArray) -> NDArray[np.int64]:
-    """(H, W) pixels of one channel as they are, coloured ones as 0xRRGGBB."""
+    """Convert (H, W) or (H, W, 4) pixels to one number each: the value, or 0xRRGGBB."""
     if pixels.ndim == 2:
         return pixels.astype(np.int64)
     red, green, blue, alpha = np.moveaxis(pixels.astype(np.int64), -1, 0)
@@ -244,17 +243,17 @@ def _numbers(pixels: NDArray) -> NDArray[np.int64]:
 
 
 def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """An image's pixels, in the Pillow mode `other` unless its own mode matches `kept`.
+    """Read an image's pixels, converted to the Pillow mode `other` unless its mode matches `kept`.
 
-    InputError if it can't be read.
+    Raises InputError if the image can't be read.
     """
     from PIL import Image, UnidentifiedImageError
 
-    # From memory, where a part that says it is a gigabyte makes no room for one.
+    # From memory, so that Pillow can't allocate the size that a damaged chunk announces.
     content = path.read_bytes()
     try:
         with (
-            warnings.catch_warnings(action="ignore"),  # of details that don't matter here
+            warnings.catch_warnings(action="ignore"),
             Image.open(BytesIO(content), formats=FORMATS) as image,
         ):
             count = image.width * image.height

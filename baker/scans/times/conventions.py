@@ -1,7 +1,7 @@
-"""The ways in which people write times: patterns, and what their numbers mean.
+"""Conventions for writing dates and times: regular expressions, and how to read their matches.
 
-The named groups of a pattern say what stands there: a directive of `strptime` (``d``, ``j``, ...;
-``m`` may be a name), a number of `DAYS`, or ``unix`` seconds.
+A named group of a pattern is a directive of `strptime` (``d``, ``j``, ...; ``m`` may also be the
+name of a month), a unit of `DAYS`, or ``unix`` seconds.
 """
 
 import re
@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-COMMON_YEAR, LEAP_YEAR = "2001", "2000"  # stand in where a name has no year
-ISO, NO_YEAR = "dates", "month and day"  # the families of ISO dates, and of dates without a year
-WEAK_RANK = 4  # conventions from this rank on also fit numbers that are no times
+COMMON_YEAR, LEAP_YEAR = "2001", "2000"  # replace a missing year
+ISO, NO_YEAR = "dates", "month and day"  # families of conventions
+WEAK_RANK = 4  # conventions of this rank and above also match numbers that are not times
 DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A time in days (since 1970 where `dated`), and the same as people write it."""
+    """A time in days (since 1970 if `dated`), and as text."""
 
     time: float
     date: str
@@ -28,9 +28,9 @@ class Moment:
 class Convention:
     """One way to write a time.
 
-    what:    for people: "dates (day, month, year)".
-    pattern: what to look for in a name.
-    rank:    how readily other numbers are taken for it; lower ranks are preferred.
+    what:    its name in messages: "dates (day, month, year)".
+    pattern: the regular expression to search names for.
+    rank:    how easily it matches numbers that are not times; lower ranks are preferred.
     family:  conventions of one family differ only in the order of day, month and year.
     """
 
@@ -41,18 +41,18 @@ class Convention:
 
     @property
     def is_clear(self) -> bool:
-        """Whether hardly any number that is no time fits it."""
+        """Whether it hardly ever matches a number that is not a time."""
         return self.rank < WEAK_RANK
 
 
 def parse_date(text: str) -> Moment | None:
-    """A moment from an ISO date or date-time that is the whole text."""
+    """Parse an ISO date or date-time; None where the text is something else."""
     match = CONVENTIONS[0].pattern.fullmatch(text)
     return read_moment(match) if match else None
 
 
 def read_moment(match: re.Match[str]) -> Moment | None:
-    """The moment that a match of a convention's pattern tells; None where there is no such one."""
+    """The moment of a match of a convention's pattern; None where there is no such date."""
     found = {name: text for name, text in match.groupdict().items() if text and name != "sep"}
     if numbers := {unit: float(found[unit]) for unit in DAYS if unit in found}:
         days = sum(number * DAYS[unit] for unit, number in numbers.items())
@@ -73,7 +73,7 @@ def read_moment(match: re.Match[str]) -> Moment | None:
     try:
         return _dated(datetime.strptime(" ".join(found.values()), form).replace(tzinfo=UTC), shown)
     except ValueError:
-        return None  # 2020-13-40
+        return None  # as 2020-13-40
 
 
 def _dated(moment: datetime, shown: str) -> Moment:
@@ -115,7 +115,7 @@ FIELDS = {
 
 
 def _convention(rank: int, family: str, form: str) -> Convention:
-    """The form, filled with `FIELDS`, between characters that are no digits, in any case."""
+    """A convention whose pattern is `form` with `FIELDS` filled in, not next to other digits."""
     pattern = re.compile(rf"(?<!\d){form.format(**FIELDS)}(?!\d)", re.IGNORECASE)
     words = {"d": "day", "m": "month", "Y": "year", "y": "year"}
     order = ", ".join({words[group]: 0 for group in pattern.groupindex if group in words})
@@ -124,7 +124,7 @@ def _convention(rank: int, family: str, form: str) -> Convention:
 
 
 def _numbers(unit: str, prefixes: str, suffixes: str) -> list[Convention]:
-    """Numbers with a label before (DAS10, week 2) or behind (12DAT, 3dpi)."""
+    """Conventions of numbers with a unit before (DAS10, week 2) or after them (12DAT, 3dpi)."""
     what, number = f"{unit} numbers", rf"(?P<{unit}>\d+(?:\.\d+)?)"
     return [
         Convention(what, re.compile(pattern, re.IGNORECASE), rank, what)
@@ -138,7 +138,7 @@ def _numbers(unit: str, prefixes: str, suffixes: str) -> list[Convention]:
 
 # Days after sowing, planting, transplanting, germination, emergence, inoculation, infection.
 _DAYS = "days?(?:old)?|d|tage?|jours?|d[ií]as?|天|da[sptgeif]|dp[iagsp]"
-# Words that stand only before the number.
+# Words that are written only before the number.
 _DAY_WORDS = r"days?[ _-]after[ _-][a-z]+|doy|day[ _-]?of[ _-]?year|jd|j\+?|第"
 _WEEKS = "weeks?|wk|w|wochen?|wa[sptgeif]|wp[iagsp]"
 _HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"

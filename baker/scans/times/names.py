@@ -1,10 +1,9 @@
-"""Times as people write them, into names of scans or lists: dates, or days, weeks and hours.
+"""Read the times of scans from their names or from a list: dates, or days, weeks and hours.
 
-A convention is a pattern and what its numbers mean. No name tells alone which one its author had in
-mind (``05032023`` is in March or in May), but the names of a series together mostly do: a
-convention has to fit all of them, the number has to differ from scan to scan, and of several
-the first in the names counts, and of several possible orders of day, month and year the one that
-gives the shortest series.
+A single name may be ambiguous (``05032023`` is in March or in May), but the names of a series
+together seldom are. A convention must match all names, with a different time in each. Among those
+that do, the one of lowest rank is used, then the one that matches first in the names, then (for the
+order of day, month and year) the one that gives the shortest series.
 """
 
 import re
@@ -16,7 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from baker.errors import InputError, asking
+from baker.errors import InputError, input_errors
 from baker.scans.times.conventions import (
     CONVENTIONS,
     NO_YEAR,
@@ -27,17 +26,18 @@ from baker.scans.times.conventions import (
 )
 from gclip.config_file import read_text
 
-MAX_GAP_WITHIN_YEAR = 183  # days; a longer gap between dates without a year is a turn of the year
-MAX_SPAN = 1100  # days that dates without separators may span: else they are other numbers
+MAX_GAP_WITHIN_YEAR = 183  # days; after a longer gap, dates without a year are in the year before
+MAX_SPAN = 1100  # days from first to last; numbers that span more are not dates
 MAX_TIME_CHARACTERS = 100
 MAX_FILE_BYTES = 1 << 24
 
 
 @dataclass(frozen=True)
 class Reading:
-    """The times of all names of a series, by one convention.
+    """The times of all names of a series, read by one convention.
 
-    spans: where in each text the time stands; doubt: how else the times may be read, or empty.
+    spans: start and stop of the time in each name.
+    doubt: how else the times may be read, "" where that is clear.
     """
 
     moments: tuple[Moment, ...]
@@ -46,37 +46,37 @@ class Reading:
     doubt: str = ""
 
     @property
-    def distinct(self) -> bool:
+    def are_distinct(self) -> bool:
         """Whether no two scans have the same time."""
         return len({moment.time for moment in self.moments}) == len(self.moments)
 
     def contradicts(self, other: Self) -> bool:
-        """Whether it is clear, of another part of the first name, and gives another order."""
+        """Whether this clear reading of another part of the names orders the scans differently."""
         (start, stop), (other_start, other_stop) = self.spans[0], other.spans[0]
         orders = [np.argsort([m.time for m in read.moments]).tolist() for read in (self, other)]
-        is_apart = stop <= other_start or other_stop <= start
-        return self.convention.is_clear and is_apart and orders[0] != orders[1]
+        is_separate = stop <= other_start or other_stop <= start
+        return self.convention.is_clear and is_separate and orders[0] != orders[1]
 
     @property
     def length(self) -> float:
-        """Days from the first to the last."""
+        """Days from the first to the last scan."""
         return float(np.ptp([moment.time for moment in self.moments]))
 
 
 def read_times(texts: Sequence[str]) -> Reading | None:
-    """The times that all texts have: of each scan its file's name without suffix, or a folder's.
+    """Read the times in the names of scans (without suffix), or of their folders.
 
-    That is the most likely reading in which all times differ, else one in which two scans have the
-    same time.
+    Returns the most likely reading in which all times are different, else a clear one in which two
+    scans have the same time, or None.
     """
     readings = [
         reading
         for convention in CONVENTIONS
         for reading in _readings(convention, texts)
-        # Weak conventions fit counters as well, which seldom give dates of one season.
+        # Weak conventions also match counters, but those seldom look like dates of one season.
         if convention.is_clear or reading.length <= MAX_SPAN
     ]
-    distinct = [reading for reading in readings if reading.distinct]
+    distinct = [reading for reading in readings if reading.are_distinct]
     if not distinct:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
@@ -103,7 +103,7 @@ def find_time(text: str) -> re.Match[str] | None:
 
 
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
-    """One reading for each place, counted from the left, at which all texts have a match."""
+    """Read the first match in all texts, then the second in all, and so on."""
     for matches in zip(*map(convention.pattern.finditer, texts), strict=False):
         moments = [moment for moment in map(read_moment, matches) if moment is not None]
         if len(moments) == len(texts):
@@ -113,12 +113,13 @@ def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]
 
 
 def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
-    """Whether all names have one number in common (a plot, a pot) and differ in another one."""
+    """Whether the number is the same in all names (a plot, a pot), which differ elsewhere."""
     rest = {t[:start] + t[stop:] for t, (start, stop) in zip(texts, reading.spans, strict=True)}
     return reading.length == 0 and not reading.moments[0].dated and len(rest) == len(texts)
 
 
 def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
+    """How else the times may be read; `first` is the text of the first one."""
     if others:
         other = min(others, key=lambda reading: reading.length)
         first, *_, last = (m.date for m in sorted(other.moments, key=lambda moment: moment.time))
@@ -127,7 +128,7 @@ def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
 
 
 def _across_new_year(moments: list[Moment]) -> list[Moment]:
-    """Dates without a year: those before a gap of half a year belong to the next year."""
+    """Move dates without a year that precede a gap of half a year into the next year."""
     times = sorted(moment.time for moment in moments)
     breaks = [b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR]
     return [
@@ -137,8 +138,11 @@ def _across_new_year(moments: list[Moment]) -> list[Moment]:
 
 
 def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
-    """The time of each of `names`, looked up by the name with or without folder and suffix."""
-    rows = _rows(path)
+    """Look up the time of each scan in a times file, by its name with or without folder and suffix.
+
+    Raises InputError where a line is wrong or a scan is missing.
+    """
+    rows = _parse_file(path)
     places = [f"'{path}', line {number}" for number, _ in rows.values()]
     times = _parse([text for _, text in rows.values()], places, f"'{path}'")
     listed = dict(zip(rows, times, strict=True))
@@ -154,15 +158,15 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
-    """The time of each of `names`: numbers of days, dates of `datetime`, or texts as in a file."""
+    """Convert the time of each scan: a number of days, a `datetime` date, or text as in a file."""
     if len(times) != len(names):
         raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
     return _parse([str(time) for time in times], ["times"] * len(times), "times")
 
 
-def _rows(path: Path) -> dict[str, tuple[int, str]]:
-    """By name the number of the line and the time, of lines that are no comments and no header."""
-    with asking(path):
+def _parse_file(path: Path) -> dict[str, tuple[int, str]]:
+    """Parse a times file: name of the scan -> number of the line and time, as text."""
+    with input_errors(path):
         text = read_text(path, MAX_FILE_BYTES)
     rows: dict[str, tuple[int, str]] = {}
     for number, line in enumerate(map(str.strip, text.splitlines()), 1):
@@ -182,9 +186,10 @@ def _rows(path: Path) -> dict[str, tuple[int, str]]:
 
 
 def _parse(texts: Sequence[str], places: Sequence[str], source: str) -> list[Moment]:
-    """Days and ISO dates as they stand; else the times as they are read from names.
+    """Parse days and ISO dates or, where a text is neither, all times as those in names.
 
-    Raises InputError with the place of a text that is no time, or where not all are of one kind.
+    Raises InputError, with its place, for a text that is not a time, or where dates and days are
+    mixed.
     """
     found = [_parse_time(text) for text in texts]
     if None in found and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
@@ -201,7 +206,7 @@ def _parse(texts: Sequence[str], places: Sequence[str], source: str) -> list[Mom
 
 
 def _parse_time(text: str) -> Moment | None:
-    if len(text) > MAX_TIME_CHARACTERS:  # which the patterns would try at length
+    if len(text) > MAX_TIME_CHARACTERS:  # on which the patterns would take long
         return None
     if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text) and not parse_date(text):
         return Moment(float(text), f"day {float(text):.10g}")

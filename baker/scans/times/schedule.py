@@ -1,12 +1,13 @@
-"""The order and the times of scans: from a file with the times, from their names, or as given.
+"""Order scans by time: from a file with the times, from their names, or in the order given.
 
-A rule counts only if it fits every scan. The first that does is used:
+The first of these rules that fits every scan is used:
 
 1. ``--times FILE``: a line ``name time`` for each scan, the time a number of days or an ISO date or
    date-time (``2020-03-08``, ``2020-03-08T14:30``).
-2. Dates or numbers of days, weeks or hours in the names; where these have none, in the names of the
-   folders that the scans are in (`baker.scans.times.names`).
-3. The order: 0, 1, 2, ..., natural (9 before 10) in a folder, as given for a list of files.
+2. Dates or numbers of days, weeks or hours in the names of the files or, where these have none, of
+   the folders that they are in (`baker.scans.times.names`).
+3. Numbers 0, 1, 2, ... in the natural order of the names in a folder (9 before 10), or in the order
+   of a list of files.
 """
 
 import re
@@ -31,8 +32,8 @@ from gclip.text import printable
 
 MAX_ABS_TIME = 1e12  # days
 MIN_TIME_STEP = 1e-9  # days between two scans
-FOLDER_LEVELS = 4  # folders above a scan whose names may hold its time
-MAX_LISTED_NAMES = 12  # of scans whose order is told by name
+FOLDER_LEVELS = 4  # folders above a scan whose names may contain its time
+MAX_LISTED_NAMES = 12  # of scans, in the finding about their order
 
 
 def schedule_scans(
@@ -41,19 +42,32 @@ def schedule_scans(
     times: Sequence[object] | None = None,
     from_folder: bool = False,
 ) -> Series:
-    """Order and time the scans by the first rule that fits them all; none is read yet.
+    """Order and time scans, which are not read yet, by the first rule that fits them all.
 
-    times: one for each scan, as given in Python; none are looked for then. from_folder: nobody gave
-    the scans in an order.
+    Parameters
+    ----------
+    paths : sequence of Path
+    times_file : Path, optional
+    times : sequence, optional
+        The time of each scan, as given in Python; no other rule is tried then.
+    from_folder : bool
+        Whether the paths are those in a folder, and not in an order that the user gave.
 
-    Raises InputError: two scans at one time, a times file that can't be read or misses a scan,
-    numbered names whose order can't be told.
+    Returns
+    -------
+    Series, of scans without points
+
+    Raises
+    ------
+    InputError
+        If two scans have the same time, the times file is wrong or misses a scan, or the order of
+        numbered names is ambiguous.
     """
     parts = [path.resolve().parts for path in paths]
     names = [path.name for path in paths]
     for level in range(2, max(map(len, parts)) + 1):
-        if len(set(names)) < len(names):  # the folders tell them apart: 2020-03-08/scan.ply
-            names = ["/".join(own[-level:]) for own in parts]
+        if len(set(names)) < len(names):  # their folders differ: 2020-03-08/scan.ply
+            names = ["/".join(path_parts[-level:]) for path_parts in parts]
     moments: Sequence[Moment]
     doubt = ""
     if times is not None:
@@ -71,34 +85,34 @@ def schedule_scans(
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
-    """A sort key in which the numbers of a name count as numbers: scan9 comes before scan10."""
+    """A sort key that compares the numbers in names as numbers: scan9 comes before scan10."""
     parts = re.findall(r"\d+|\D+", name)
     return [(0, int(p), p) if p.isdecimal() else (1, 0, p.lower()) for p in parts]
 
 
 def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
-    """The times in the names of the files (level 0), or of the folders so many levels above them.
+    """Read the times in the names of the files (level 0), or of the folders at a level above them.
 
-    A clearly written time in a folder's name is preferred to mere numbers in the files' names.
+    A clear time in a folder's name is preferred to numbers in the files' names.
     """
     names = ((path.stem, *(above.name for above in path.resolve().parents)) for path in paths)
     levels = islice(zip(*names, strict=False), FOLDER_LEVELS + 1)
     found = [(read, level) for level, texts in enumerate(levels) if (read := read_times(texts))]
     return min(
-        ((read, level) for read, level in found if read.distinct or level == 0),
-        key=lambda found: (not found[0].distinct, not found[0].convention.is_clear),
+        ((read, level) for read, level in found if read.are_distinct or level == 0),
+        key=lambda found: (not found[0].are_distinct, not found[0].convention.is_clear),
         default=(None, 0),
     )
 
 
 def names_without_times(stems: Sequence[str]) -> list[str]:
-    """The names with a star for the time, which tell whether they belong to one series.
+    """Replace the time in each name by a star; names of one series are then equal.
 
-    What follows the time is left out where some names have it and others a part of it or nothing:
-    published series mark annotated scans so (``M01_0313_a``, ``M01_0314``).
+    A suffix after the time is left out if only some names have it, as published series mark
+    annotated scans (``M01_0313_a``, ``M01_0314``).
     """
     reading = read_times(stems)
-    spans: Sequence[tuple[int, int]] = reading.spans if reading and reading.distinct else ()
+    spans: Sequence[tuple[int, int]] = reading.spans if reading and reading.are_distinct else ()
     if not spans:
         found = ((stem, find_time(stem)) for stem in stems)
         spans = [time.span() if time else (len(stem), len(stem)) for stem, time in found]
@@ -118,11 +132,11 @@ def schedule_in_time(
     doubt: str = "",
     from_folder: bool = True,
 ) -> Series:
-    """The scans at these moments, unread. Raises InputError where two have the same.
+    """Order scans by their moments; none is read yet. Raises InputError where two are equal.
 
-    rule: how the moments were found; the first and the last are added.
+    rule: how the moments were found, for the finding and for messages.
     """
-    scans = list(map(_unread, paths, names, moments))
+    scans = list(map(_unread_scan, paths, names, moments))
     for scan in scans:
         if not abs(scan.time) <= MAX_ABS_TIME:
             raise InputError(
@@ -148,39 +162,40 @@ def schedule_in_time(
     return Series(tuple(ordered), findings=(Finding("days", rule, doubt, "--times FILE"),))
 
 
-def _unread(path: Path, name: str, moment: Moment) -> Scan:
-    name, nothing = printable(name), np.empty((0, 3))
-    return Scan(nothing, path=path, name=name, time=moment.time, date=moment.date)
+def _unread_scan(path: Path, name: str, moment: Moment) -> Scan:
+    no_points = np.empty((0, 3))
+    return Scan(no_points, path=path, name=printable(name), time=moment.time, date=moment.date)
 
 
 def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) -> Series:
     natural = sorted(range(len(names)), key=lambda i: natural_key(names[i].rpartition(".")[0]))
     order: Sequence[int] = range(len(names))
-    how = "the order given"
-    # A shell's * lists scan10 before scan9: nobody means that order.
+    rule = "the order given"
+    # The * of a shell lists scan10 before scan9, an order that nobody wants.
     if from_folder or (list(names) == sorted(names) and natural != list(order)):
         _require_clear_order([names[i] for i in natural])
-        order, how = natural, "the natural order of their names"
-    scans = [_unread(paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)]
+        order, rule = natural, "the natural order of their names"
+    scans = [
+        _unread_scan(paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)
+    ]
     untimed = [name for name in names if find_time(name.rpartition(".")[0]) is None]
     is_mixed = 0 < len(untimed) < len(names)
-    why = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
-    doubt = f"{why}, so growth rates will be per scan and not per day"
+    reason = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
+    doubt = f"{reason}, so growth rates will be per scan and not per day"
     listed = [scan.name for scan in scans[:MAX_LISTED_NAMES]] + ["..."]
-    found = f"{how}: {', '.join(listed[: len(scans)])}"
+    found = f"{rule}: {', '.join(listed[: len(scans)])}"
     return Series(tuple(scans), "scans", findings=(Finding("order", found, doubt, "--times FILE"),))
 
 
 def _require_clear_order(names: Sequence[str]) -> None:
-    """Numbers at the same place of the names must all grow together, else which one is time?"""
-    for names_of_two in pairwise(names):
+    """Raise InputError where a number in the sorted names decreases: which one is the time?"""
+    for pair in pairwise(names):
         before, after = (
-            [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])]
-            for name in names_of_two
+            [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])] for name in pair
         )
         if any(a > b for a, b in zip(before, after, strict=False)):
             raise InputError(
                 "The order of '{}' and '{}' can't be told from their names; say it with --times "
                 "FILE, with dates such as 2020-03-08 in the names, or by naming the files in "
-                "order.".format(*names_of_two)
+                "order.".format(*pair)
             )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.scans.ground import DIRECTIONS, take_out_ground
+from baker.scans.ground import DIRECTIONS, remove_ground
 from baker.scans.ground_plane import find_ground
 from baker.scans.scan import Scan
 
@@ -65,7 +65,7 @@ def test_soil_is_taken_out_and_the_plant_stays(radius, count, roughness, slope, 
     for points, ground in zip(grown, grounds, strict=True):
         labels = np.repeat([3, -1], [len(points), count]) if is_labelled else None
         clouds.append(Scan(np.concatenate([points, ground]).astype(np.float32), labels))
-    left, ground_up, (finding,) = take_out_ground(clouds)
+    left, ground_up, (finding,) = remove_ground(clouds)
     assert ground_up == up
     assert "in 3 of 3 scans" in finding.sentence
     for cloud, points, ground in zip(left, grown, grounds, strict=True):
@@ -76,7 +76,7 @@ def test_soil_is_taken_out_and_the_plant_stays(radius, count, roughness, slope, 
 def test_ground_is_kept_as_asked():
     rng = np.random.default_rng(2)
     clouds = [Scan(np.concatenate([plant(rng, 80), soil(rng, 50, 4000, 1)])) for _ in range(2)]
-    kept, up, (finding,) = take_out_ground(clouds, keep=True)
+    kept, up, (finding,) = remove_ground(clouds, keep=True)
     assert all(after is before for after, before in zip(kept, clouds, strict=True))
     assert up == "z"
     assert "kept" in finding.sentence
@@ -85,7 +85,7 @@ def test_ground_is_kept_as_asked():
 def test_a_plant_without_ground_loses_nothing():
     rng = np.random.default_rng(3)
     clouds = [Scan(plant(rng, size)) for size in (60, 80, 100)]
-    left, ground_up, findings = take_out_ground(clouds)
+    left, ground_up, findings = remove_ground(clouds)
     assert (ground_up, findings) == ("", ())
     assert all(after is before for after, before in zip(left, clouds, strict=True))
 
@@ -95,7 +95,7 @@ def test_one_scan_with_ground_among_many_is_named():
     clouds = [Scan(plant(rng), name=name) for name in NAMES]
     whole = clouds[1]
     clouds[1] = replace(whole, points=np.concatenate([whole.points, soil(rng, 50, 4000, 1)]))
-    left, _, (finding,) = take_out_ground(clouds)
+    left, _, (finding,) = remove_ground(clouds)
     assert [after is before for after, before in zip(left, clouds, strict=True)].count(True) == 4
     assert shares(left[1].points, whole.points) > 0.97
     assert "in 1 of 5 scans" in finding.sentence
@@ -123,7 +123,7 @@ def test_a_pot_is_taken_out_with_the_table_under_it(radius, rim, has_table, up):
         plants.append((plant(rng, size) @ TURNS[up].T).astype(np.float32))
         ground = np.concatenate([potted, table]) if has_table else potted
         clouds.append(Scan(np.concatenate([plants[-1], (ground @ TURNS[up].T).astype(np.float32)])))
-    left, ground_up, findings = take_out_ground(clouds)
+    left, ground_up, findings = remove_ground(clouds)
     assert ground_up == up
     assert "a pot under the plant in 3 of 3 scans" in findings[-1].sentence
     for cloud, points in zip(left, plants, strict=True):
