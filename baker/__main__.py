@@ -1,4 +1,4 @@
-"""`python -m baker` is `bake`."""
+"""`python -m baker` runs `bake`."""
 
 import sys
 

@@ -25,23 +25,27 @@ PANELS = {
     "Motion": "decay paths bud even smooth transport neighbors gamma tolerance iterations paper",
     "Output": "report traits colors precision holdout cache cluster workers force quiet verbose",
 }
-"""The options by what they are about, in the order of `bake --help`."""
+"""Panel of `bake --help` -> names of its options, in their order there."""
 
 
 def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
-    own = signature(command, eval_str=True).parameters
-    parameters = [own[name].replace(kind=Parameter.KEYWORD_ONLY) for name in own if name != "flags"]
+    declared = [
+        p for p in signature(command, eval_str=True).parameters.values() if p.name != "flags"
+    ]
+    parameters = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in declared]
     hints = get_type_hints(Options) | get_type_hints(Outputs)
-    hints |= {"root": str | None, "corrections": str | None}  # as they are parsed from
-    by_name = {one.name: one for one in (*fields(Options), *fields(Outputs))}
-    for one in (by_name[name] for panel in PANELS.values() for name in panel.split()):
-        settings = {name: one.metadata[name] for name in one.metadata if name != "positive"}
-        names = [f"--{one.name.replace('_', '-')}", *settings.pop("short", [])]
-        option = typer.Option(*names, **settings, case_sensitive=False)  # --up Z
-        annotation: Any = Annotated[hints[one.name], option]
+    hints |= {"root": str | None, "corrections": str | None}  # the texts that are parsed
+    by_name = {each.name: each for each in (*fields(Options), *fields(Outputs))}
+    for each in (by_name[name] for panel in PANELS.values() for name in panel.split()):
+        settings = {name: each.metadata[name] for name in each.metadata if name != "positive"}
+        names = [f"--{each.name.replace('_', '-')}", *settings.pop("short", [])]
+        option = typer.Option(*names, **settings, case_sensitive=False)  # allows --up Z
+        annotation: Any = Annotated[hints[each.name], option]
         parameters.append(
-            Parameter(one.name, Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
+            Parameter(
+                each.name, Parameter.KEYWORD_ONLY, default=each.default, annotation=annotation
+            )
         )
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
@@ -56,7 +60,7 @@ def bake_command(
         list[Path],
         typer.Argument(
             metavar="INPUT",
-            readable=False,  # told later: of many plants one may be unreadable
+            readable=False,  # checked later: of many plants, one may be unreadable
             help="A folder of scans, or the files in order. Several folders, or a folder of such "
             "folders, are many plants.",
         ),
@@ -83,16 +87,16 @@ def bake_command(
     """
     options = Options(**{f.name: flags[f.name] for f in fields(Options)})
     written = {f.name: flags[f.name] for f in fields(Outputs) if f.name in flags}
-    from baker.batch.command import run  # and with it numpy: not for --help
+    from baker.batch.command import run  # imports numpy, which --help does not need
 
     return run(inputs, output, options, Outputs(clip=Path(output), **written), list_only)
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run `bake` with arguments (the process's own by default); returns the exit code."""
-    # Read when numpy is loaded. How many threads share a sum decides how it is rounded: a clip's
-    # bytes must not depend on the machine's cores, which have other work anyway.
+    """Run `bake` with these arguments (by default those of the process); returns the exit code."""
+    # Read when numpy is loaded. The rounding of a sum depends on the number of threads, but the
+    # bytes of a clip must not depend on the machine; other threads use all cores anyway.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
-    gc.set_threshold(10_000)  # little of what a bake makes is in cycles
+    gc.set_threshold(10_000)  # a bake makes few cycles of objects
     return run_app(app, "bake", argv)

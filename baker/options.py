@@ -1,4 +1,4 @@
-"""What a user may choose about a bake."""
+"""The options of a bake."""
 
 from dataclasses import dataclass, field, fields, replace
 from math import inf
@@ -22,20 +22,20 @@ Ground = Literal["auto", "keep"]
 Precision = Literal["auto", "float32"]
 
 
-MAX_COORDINATE = 1e12  # beyond is no place of a plant
+MAX_COORDINATE = 1e12
 MAX_UNIT_LENGTH = 100  # characters
 
 
 def option(default: Any, help: str, **settings: Any) -> Any:
-    """A field that is an option of `bake`.
+    """A dataclass field that is an option of `bake`.
 
-    `settings` are typer's, which may bound it by `min` and `max`; or it must be `positive`.
+    settings: arguments of `typer.Option`, such as `min` and `max`; or ``positive=True``.
     """
     return field(default=default, metadata={"help": help, **settings})
 
 
 def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
-    """What `--root` says. Raises InputError where that is neither a place nor "virtual"."""
+    """Parse the argument of --root. Raises InputError unless it is coordinates or "virtual"."""
     if text == "virtual":
         return "virtual"
     try:
@@ -48,17 +48,14 @@ def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
 
 
 def parse_corrections(text: str) -> Corrections:
-    """The corrections in the file that `--corrections` names. Raises InputError."""
+    """Read the file of corrections that --corrections names. Raises InputError where it can't."""
     with input_errors(Path(text)):
         return Corrections() if text == "none" else read_corrections(Path(text))
 
 
 @dataclass(frozen=True)
 class Options:
-    """What may be chosen about a bake, with its defaults, in the words of `bake --help`.
-
-    Fields that do not change the clip (`workers`) stay out of its provenance.
-    """
+    """The options of a bake and their defaults, with the texts of `bake --help`."""
 
     align: Align = option(
         "auto",
@@ -202,21 +199,21 @@ class Options:
     workers: int = option(0, "How many cores to use; 0 takes all.", metavar="N", min=0)
 
     def __post_init__(self) -> None:
-        """Raises InputError naming the option, what was found and what is allowed."""
-        kinds = get_type_hints(Options)
-        for one in fields(Options):
-            value, allowed = getattr(self, one.name), get_args(kinds[one.name])
-            least, most = one.metadata.get("min", -inf), one.metadata.get("max", inf)
+        """Raise InputError, naming the option, its value and what is allowed, for a wrong value."""
+        hints = get_type_hints(Options)
+        for each in fields(Options):
+            value, allowed = getattr(self, each.name), get_args(hints[each.name])
+            low, high = each.metadata.get("min", -inf), each.metadata.get("max", inf)
             needed = ""
-            if get_origin(kinds[one.name]) is Literal and value not in allowed:
+            if get_origin(hints[each.name]) is Literal and value not in allowed:
                 needed = f"one of {', '.join(allowed)}"
-            elif one.metadata.get("positive") and value is not None and not 0 < value < inf:
+            elif each.metadata.get("positive") and value is not None and not 0 < value < inf:
                 needed = "a number above 0"
-            elif (least, most) != (-inf, inf) and value is not None and not least <= value <= most:
-                needed = f"at least {least}" if most == inf else f"from {least} to {most}"
+            elif (low, high) != (-inf, inf) and value is not None and not low <= value <= high:
+                needed = f"at least {low}" if high == inf else f"from {low} to {high}"
             if needed:
                 found = f"{value:g}" if isinstance(value, float) else value
-                name = one.name.replace("_", "-")
+                name = each.name.replace("_", "-")
                 raise InputError(f"--{name} is {found}; {needed} is needed.")
         if isinstance(self.root, tuple) and not max(map(abs, self.root)) <= MAX_COORDINATE:
             raise InputError(
@@ -241,7 +238,7 @@ class Options:
 
     @property
     def whole(self) -> bool:
-        """Whether the cloud is transported as one, without segments (the paper's Figure 3)."""
+        """Whether the plant is transported as a whole, without segments (the paper's Figure 3)."""
         return self.transport == "whole"
 
     def for_series(
@@ -250,9 +247,9 @@ class Options:
         unit: str,
         root: tuple[float, float, float] | Literal["virtual"] | None,
     ) -> Self:
-        """The options, with what a series itself knows where they leave it open.
+        """Fill in options that were left open and that the series determines.
 
-        fixed_frame: whether one camera took the scans, so that they share a frame, and z is up.
+        fixed_frame: whether the scans are from a fixed camera: they share one frame with z up.
         """
         return replace(
             self,
@@ -263,9 +260,9 @@ class Options:
         )
 
     def resolved(self) -> Self:
-        """The options, with "auto" replaced by the paper's choices or by our own (`--paper`)."""
+        """Replace "auto" by the default of this program or, with --paper, by that of the paper."""
         straight = self.paper if self.paths == "auto" else self.paths == "straight"
-        # Additional movers travel beside others on their curves.
+        # Additional movers follow curved paths next to those of others.
         even = 0.0 if self.paper or straight else 1.0
         segment: Segment = "thin" if self.paper else "organs"
         return replace(
@@ -279,8 +276,8 @@ class Options:
         )
 
     def provenance(self) -> dict[str, Any]:
-        """The options that shape the clip, as JSON; paths only by name."""
-        own = replace(self, corrections=tuple(self.corrections or ()))
-        chosen: dict[str, Any] = to_builtins(own, enc_hook=lambda path: path.name)
-        del chosen["workers"]
-        return chosen
+        """The options that influence the clip, as JSON, with the names of files only."""
+        complete = replace(self, corrections=tuple(self.corrections or ()))
+        document: dict[str, Any] = to_builtins(complete, enc_hook=lambda path: path.name)
+        del document["workers"]
+        return document

@@ -1,6 +1,6 @@
-"""From scans to a clip: the one place where the stages meet.
+"""Bake scans into a clip: all stages, in the order of the paper's sections.
 
-Each stage is a section of the paper and hands its result on; none calls another one.
+Each stage passes its result on to the next; no stage calls another one.
 """
 
 from collections.abc import Callable, Sequence
@@ -56,7 +56,7 @@ from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
-from baker.verdict import FollowedOrgans, judged
+from baker.verdict import FollowedOrgans, judge_clip
 from gclip import Clip, HeldOutScan, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -65,11 +65,11 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Survey:
-    """A series before segmentation: in one frame, with what was decided about it."""
+    """A series before segmentation: its scans in one frame, and the decisions about them."""
 
-    raw: Series  # all scans as they were read, those left out too
+    raw: Series  # all scans as they were read, including those left out
     series: Series  # the scans to bake
-    options: Options  # as this series has them
+    options: Options  # with what the series determines
     alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
     held_out: tuple[HeldOutScan, ...]
@@ -78,10 +78,10 @@ class Survey:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What was decided, and how surely."""
+        """The decisions about the series, and what speaks against them."""
         sizes = sorted({len(scan) for scan in self.series.scans})
-        each = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
-        points = Finding("points", f"{len(self.series.scans)} scans of {each}")
+        size = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
+        points = Finding("points", f"{len(self.series.scans)} scans of {size}")
         stages = (self.raw, self.alignment, self.labels)
         return (points, *(finding for stage in stages for finding in stage.findings))
 
@@ -94,7 +94,7 @@ def bake_recorded(
     times: Sequence[object] | None = None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, Survey]:
-    """Bake scans into a growth clip, and return what was found before its segmentation as well.
+    """Bake scans into a growth clip; also return the aligned series and the decisions about it.
 
     Parameters
     ----------
@@ -102,29 +102,29 @@ def bake_recorded(
         A folder of scans, or the scans' files.
     options : Options, optional
     progress : callable, optional
-        Called with a stage's name, the steps done and the steps in all.
+        Called with the name of a stage, the steps done and their total.
     solve : IntervalSolver, optional
-        Solves the intervals: a cache, or the workers of a cluster. By default threads.
+        Solves the intervals with a cache or on a cluster; by default in threads.
     times : sequence, optional
-        Of each scan the day or the date, instead of what the names say.
+        The day or date of each scan; by default they are read from the names.
     announce : callable, optional
-        Called with what was decided about the series, before the long stages begin.
+        Called with the findings about the series before segmentation begins.
 
     Raises
     ------
     InputError
-        With one sentence for the user, where the scans or options can't be baked.
+        If the scans or options can't be baked; the message is one sentence.
     """
-    chosen, progress = options or Options(), progress or (lambda stage, done, total: None)
-    with thread_map(worker_count(chosen.workers)) as map:
+    options, progress = options or Options(), progress or (lambda stage, done, total: None)
+    with thread_map(worker_count(options.workers)) as map:
         # Reading and alignment (section 3.1)
-        survey = survey_series(paths, chosen, progress, map, times)
+        survey = survey_series(paths, options, progress, map, times)
         if announce:
             announce(survey.findings)
         series, aligned, options = survey.series, survey.aligned, survey.options
         choices = options.resolved()
 
-        # Segmentation (3.2); organs that labels do not name are tracked through the series (3.3)
+        # Segmentation (3.2); without consistent labels, organs are tracked over the series (3.3)
         labels, hierarchies = _segment(survey, choices, progress, map)
         keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
         aligned = replace(aligned, keyframes=tuple(keyframes))
@@ -141,7 +141,7 @@ def bake_recorded(
 
         # Transport (3.4) and interpolation, interval by interval
         intervals = zip(pairwise(aligned.clouds), matches, strict=True)
-        tasks = [interval_tasks(*each, choices.bud, choices.paper) for each in intervals]
+        tasks = [interval_tasks(*interval, choices.bud, choices.paper) for interval in intervals]
         jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         solved = tuple(solve(jobs, partial(progress, "transport")))
@@ -161,9 +161,11 @@ def bake_recorded(
             ),
         )
         confirmed = confirmed_organs(labels.given, survey.corrections)
-        where, contacts = (aligned.clouds, aligned.bases), [job.attachments for job in jobs]
-        followed = FollowedOrgans(*where, matches, labels.unlabelled, confirmed)
-        clip = judged(clip, contacts, None if labels.are_names else followed, map)
+        followed = FollowedOrgans(
+            aligned.clouds, aligned.bases, matches, labels.unlabelled, confirmed
+        )
+        contacts = [job.attachments for job in jobs]
+        clip = judge_clip(clip, contacts, None if labels.are_names else followed, map)
         return with_fields(clip, aligned.clouds, series.scans), survey
 
 
@@ -179,9 +181,9 @@ def survey_series(
     Parameters
     ----------
     paths, options, progress, times
-        As those of `bake_recorded`.
+        As in `bake_recorded`.
     map : map-like callable
-        Maps a function over scans.
+        Maps over the scans.
     """
     files = [Path(path) for path in paths]
     raw = read_series(files, options, partial(progress, "reading"), map, times)
@@ -192,9 +194,14 @@ def survey_series(
     keyframes = aligned_keyframes(raw, alignment)
     series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
     series, aligned = _measure(series, keyframes, alignment, root, choices, map)
-    read, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
-    where = (aligned.clouds, aligned.bases)
-    labels = label_policy(read, names, *where, choices.labels, raw.label_field)
+    labels = label_policy(
+        [scan.labels for scan in series.scans],
+        [scan.name for scan in series.scans],
+        aligned.clouds,
+        aligned.bases,
+        choices.labels,
+        raw.label_field,
+    )
     survey = Survey(raw, series, options, alignment, aligned, held_out, labels)
     if not (corrections := options.corrections):
         return survey
@@ -211,16 +218,16 @@ def _measure(
     options: Options,
     map: MapLike,
 ) -> tuple[Series, AlignedSeries]:
-    """One kNN index a scan and what it tells: normals, areas, labels without specks, the base."""
+    """Find each scan's nearest neighbours, normals and point areas, clean labels, and its base."""
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
-    workers = worker_count(options.workers)  # share each scan, as scans differ in size
+    workers = worker_count(options.workers)  # on one scan at a time, since scans differ in size
     neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
     surfaces = map(normals_and_areas, clouds, neighbors)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
-    by_itself = root is None and not options.paper
-    places = [frame.base if by_itself else root for frame in keyframes]
-    bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, places))
+    is_found = root is None and not options.paper
+    positions = [frame.base if is_found else root for frame in keyframes]
+    bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, positions))
     frames = tuple(
         replace(frame, normals=normals, area=area if options.even else None)
         for frame, (normals, area) in zip(keyframes, surfaces, strict=True)
@@ -232,37 +239,37 @@ def _measure(
 def _segment(
     survey: Survey, options: Options, progress: Progress, map: MapLike
 ) -> tuple[LabelUse, list[Hierarchy]]:
-    """Each scan's hierarchy, under labels that name the same organs in all scans."""
+    """Segment each scan into a hierarchy, whose labels name the same organs in all scans."""
     labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
         return labels, [one_segment(len(cloud)) for cloud in clouds]
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
-    own = labels.given
-    if not own and options.segment == "thin":
+    organs = labels.given
+    if not organs and options.segment == "thin":
         k, threshold = repeat(options.graph_neighbors), repeat(options.bifurcation)
         scans = clouds, bases, aligned.neighbors
         return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
-    is_complete = len(own) == len(clouds)
+    is_complete = len(organs) == len(clouds)
     if not is_complete:
         segmented = segment_organs(clouds, bases, map)
-        own = [
-            organs if given is None else given
-            for given, organs in zip(labels.labels, segmented, strict=True)
+        organs = [
+            found if given is None else given
+            for given, found in zip(labels.labels, segmented, strict=True)
         ]
     if corrections:
-        own = with_corrected_organs(own, aligned, corrections)
-    labels = labels.with_given(own)
+        organs = with_corrected_organs(organs, aligned, corrections)
+    labels = labels.with_given(organs)
     if not is_complete or not (labels.consistent or options.paper):
-        hierarchies = coarse_hierarchies(clouds, own, bases)
+        hierarchies = coarse_hierarchies(clouds, organs, bases)
         labels = follow_labels(labels, clouds, hierarchies, bases, corrections)
-        own = labels.given
+        organs = labels.given
     if corrections:
-        own = relinked(own, corrections)
-        labels = replace(labels, labels=tuple(own), names=organ_names(own, corrections))
+        organs = relinked(organs, corrections)
+        labels = replace(labels, labels=tuple(organs), names=organ_names(organs, corrections))
     return labels, labelled_hierarchies(
         clouds,
-        own,
+        organs,
         bases,
         aligned.neighbors,
         consistent=labels.consistent,

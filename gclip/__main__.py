@@ -1,4 +1,4 @@
-"""`python -m gclip` is `gclip`."""
+"""`python -m gclip` runs `gclip`."""
 
 import sys
 

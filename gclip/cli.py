@@ -1,4 +1,4 @@
-"""The command `gclip`: whether clips are whole."""
+"""The command `gclip`, which checks whether clips are complete and undamaged."""
 
 from pathlib import Path
 from typing import Annotated
@@ -36,13 +36,14 @@ def check_command(
     for path in clips:
         report = check(path)
         damaged += not report.whole
-        for line in [f"whole; {report.holds}"] * (not quiet) if report.whole else report.findings:
+        lines = report.findings or ([] if quiet else [f"whole; {report.contents}"])
+        for line in lines:
             typer.echo(printable(f"{path}: {line}."))
     if damaged:
-        which = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"
-        raise ClipError(f"{which} not whole.")
+        subject = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"
+        raise ClipError(f"{subject} not whole.")
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run `gclip` with arguments (the process's own by default); returns the exit code."""
+    """Run `gclip` with these arguments (by default those of the process); returns the exit code."""
     return run_app(app, "gclip", argv)

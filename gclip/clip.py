@@ -1,8 +1,8 @@
-"""The growth clip: movers between scans, tracks, and what they were made from.
+"""The growth clip: movers between scans, tracks of organs, and their provenance.
 
-A **mover** is one animated point of an **interval** between two successive scans. It travels along
-a Bézier curve of the interval's degree (1, 2 or 3): start, control points, end. A **track** is one
-organ followed through the whole series.
+A **mover** is one animated point in the **interval** between two successive scans. It moves along a
+Bézier curve of the interval's degree (1, 2 or 3): start, control points, end. A **track** is one
+organ throughout the series.
 """
 
 from __future__ import annotations
@@ -25,41 +25,41 @@ from gclip.errors import ClipError, UserError
 from gclip.evaluate import Frame, frame_at
 from gclip.file import Container, open_container, write_container
 from gclip.interval import Interval, read_interval, read_positions
-from gclip.places import with_names
+from gclip.places import rename_organs
 from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
     from pandas import DataFrame
 
-ROUNDING = 1e-9  # of the series' length, by which a time may lie outside
+ROUNDING = 1e-9  # share of the series' length by which a time may be outside
 SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
-"""Attributes that a clip and its document have alike."""
-FIELD = "%04d/field%d"  # the buffer of an interval and a field
-HELD_OUT = "held_out/%04d"  # the buffer of a scan that was left out
+"""Attributes that a clip and its document have in common."""
+FIELD = "%04d/field%d"  # name of a buffer, by interval and field
+HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
 
 
 @dataclass(frozen=True)
 class Track:
     """One organ from birth to loss."""
 
-    id: int  #: its index in the clip's table of tracks
+    id: int  #: index in the clip's table of tracks
     name: str
     color: tuple[int, int, int]  #: sRGB, 0 to 255
     parent: int | None = None  #: id of the track it grows from, None for the root
-    born: float = 0.0  #: time of the first scan that holds it
-    lost: float | None = None  #: time of the first scan that no longer does
-    kind: str = "organ"  #: "root", "organ", or a finer word ("stem", "leaf")
+    born: float = 0.0  #: time of the first scan with the organ
+    lost: float | None = None  #: time of the first later scan without it
+    kind: str = "organ"  #: "root", "organ", or more specific ("stem", "leaf")
 
 
 @dataclass(frozen=True)
 class HeldOutScan:
-    """A scan that the clip was baked without, aligned with the others, to compare it with."""
+    """A scan that was left out of the bake, aligned with the others, for comparison."""
 
     name: str
     time: float
     date: str
-    positions: NDArray[np.float32]  #: (N, 3) about the clip's origin
+    positions: NDArray[np.float32]  #: (N, 3) relative to the clip's origin
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class PointField:
 
     name: str
     values: tuple[NDArray[np.float32], ...]
-    """For each interval (N, 2): of its movers at its start and at its end, NaN where unknown."""
+    """For each interval (N, 2): values of its movers at start and end, NaN where unknown."""
 
 
 class Tracks(dict[str, Track]):
@@ -80,19 +80,19 @@ class Tracks(dict[str, Track]):
 
 @dataclass(frozen=True, repr=False)
 class Clip:
-    """A plant's growth, ready to be played."""
+    """The animated growth of a plant."""
 
-    scans: tuple[ScanMark, ...]  #: by time
-    intervals: tuple[Interval, ...]  #: from the first scan's time to the last's
+    scans: tuple[ScanMark, ...]  #: sorted by time
+    intervals: tuple[Interval, ...]  #: between successive scans
     track_table: tuple[Track, ...]  #: by id
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: world position of local zero
-    up: str = "z"  #: x, y, z, -x, -y or -z: which way the plant grows in the input's own frame
+    up: str = "z"  #: x, y, z, -x, -y or -z: the direction of growth in the frame of the input
     unit: str = ""  #: length unit of the positions, "" where unknown
-    time_unit: str = "days"  #: or "scans" where the times are only an order
-    floor: float = 0.0  #: height along `up`, local, where lost organs come to rest
+    time_unit: str = "days"  #: or "scans" where only their order is known
+    floor: float = 0.0  #: local height along `up` at which lost organs come to rest
     spacing: float = 0.0  #: median distance between neighbouring points
-    fields: tuple[PointField, ...] = ()  #: what the scans tell of their points besides colours
-    held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, by time
+    fields: tuple[PointField, ...] = ()  #: scalars of the scans' points besides colours
+    held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, sorted by time
     provenance: dict[str, Any] = field(default_factory=dict)  #: options, versions, input digests
 
     @property
@@ -107,17 +107,17 @@ class Clip:
 
     @property
     def has_colors(self) -> bool:
-        """Whether the movers carry the scans' own colours."""
+        """Whether the movers have the colours of the scans."""
         return any(interval.start_colors is not None for interval in self.intervals)
 
     @property
     def palette(self) -> NDArray[np.uint8]:
-        """(tracks, 4) uint8 sRGB and alpha, the tracks' colours by id."""
+        """(tracks, 4) uint8 sRGB and alpha: the colours of the tracks by id."""
         return np.array([(*track.color, 255) for track in self.track_table], np.uint8)
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Lowest and highest corner of all movers, control points included, about the origin."""
+        """Lower and upper corner of all movers, with control points, relative to the origin."""
         corners = np.array([interval.bounds for interval in self.intervals])
         return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
 
@@ -142,13 +142,13 @@ class Clip:
         Parameters
         ----------
         day : float, or sequence of float
-            In the clip's unit of time, from the first scan's to the last's.
+            In the clip's unit of time, from the first to the last scan.
 
         Returns
         -------
         Frame, or list of Frame
-            At a scan's own time its positions are exactly that scan's points, as a set. Within an
-            interval the movers come in the same order at every time.
+            At the time of a scan, the set of positions is exactly that of the scan's points. Within
+            an interval, the movers are in the same order at all times.
 
         Raises
         ------
@@ -156,14 +156,14 @@ class Clip:
             For a time outside the series.
         """
         if np.ndim(day):
-            return [self.at(one) for one in day]
+            return list(map(self.at, day))
         self.check_day(day)
         return frame_at(self, day)
 
     def check_day(self, day: float) -> None:
         """Raise ValueError for a time outside the series."""
         first, last = self.times[0], self.times[-1]
-        tolerance = ROUNDING * (last - first)  # sums of steps end a little off
+        tolerance = ROUNDING * (last - first)  # for sums of time steps
         if not first - tolerance <= day <= last + tolerance:
             span = f"{first:g} to {last:g}"
             raise ValueError(f"{day:g} is outside the series, whose {self.time_unit} are {span}")
@@ -178,11 +178,11 @@ class Clip:
         import_module("player").show(self)
 
     def _repr_html_(self) -> str:
-        """The page that plays the clip: what a notebook shows."""
+        """The page that plays the clip, for notebooks."""
         return str(import_module("player").iframe(self))
 
     def to_open3d(self, day: float) -> PointCloud:
-        """The plant at a time as an Open3D point cloud, in the frame of the input, with colours."""
+        """The plant at a time as a coloured Open3D point cloud, in the frame of the input."""
         from open3d import geometry, utility
 
         frame = self.at(day)
@@ -191,26 +191,24 @@ class Clip:
         return cloud
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the clip, whole or not at all.
+        """Write the clip to a file; if that fails, an existing file stays unchanged.
 
         Parameters
         ----------
         path : str or path-like
-            The file.
 
         Raises
         ------
         ClipError
-            If `path` can't be written, or the clip says what `gclip.open` would refuse; `path` is
-            then as it was.
+            If `path` can't be written, or `gclip.open` would refuse the clip.
         """
-        found: dict[str, NDArray[Any]] = {
+        arrays: dict[str, NDArray[Any]] = {
             HELD_OUT % i: np.asarray(s.positions, np.float32) for i, s in enumerate(self.held_out)
         }
         for index, interval in enumerate(self.intervals):
-            found |= interval.buffers(index)
-            found |= {FIELD % (index, i): f.values[index] for i, f in enumerate(self.fields)}
-        buffers = {name: np.ascontiguousarray(buffer) for name, buffer in found.items()}
+            arrays |= interval.buffers(index)
+            arrays |= {FIELD % (index, i): f.values[index] for i, f in enumerate(self.fields)}
+        buffers = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
         text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
         try:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
@@ -220,15 +218,15 @@ class Clip:
 
 
 def open(path: str | os.PathLike[str]) -> Clip:
-    """Open a clip, memory-mapped; everything the file says is checked before it is returned.
+    """Open a clip, memory-mapped, and check it.
 
-    Its checksums are not: that would read all of it (see `gclip.check`). Organs have the names that
-    the corrections beside the file give them; what is wrong with those, window and bake will say.
+    Checksums are not verified, since that would read the whole file (see `gclip.check`). Organs are
+    renamed as the file of corrections next to the clip says; errors in that file are ignored here,
+    and reported by the window and by the next bake.
 
     Parameters
     ----------
     path : str or path-like
-        The file.
 
     Returns
     -------
@@ -238,16 +236,16 @@ def open(path: str | os.PathLike[str]) -> Clip:
     Raises
     ------
     ClipError
-        With one sentence that names the file and what is wrong with it.
+        If the file can't be read or is damaged; the message is one sentence.
     """
     clip = open_as_baked(path)
     with suppress(UserError):
-        return with_names(clip, read_corrections(corrections_file(Path(path))))
+        return rename_organs(clip, read_corrections(corrections_file(Path(path))))
     return clip
 
 
 def open_as_baked(path: str | os.PathLike[str]) -> Clip:
-    """Open a clip as `open` does, without the names that organs were given since."""
+    """Open a clip like `open`, but without the corrected names of organs."""
     try:
         container = open_container(Path(path))
         return clip_in(container, read_document(container.text, container.size))
@@ -283,7 +281,7 @@ def clip_in(container: Container, document: Document) -> Clip:
 
 
 def _content(clip: Clip) -> dict[str, Any]:
-    """What the document says of a clip."""
+    """The fields of the document that describes a clip."""
     held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
     return {
         **_attributes(clip, SHARED),

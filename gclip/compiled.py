@@ -1,4 +1,4 @@
-"""Loops as machine code, compiled by numba at their first call and kept for the next process."""
+"""Compile functions with numba at their first call, and cache them for the next process."""
 
 from collections.abc import Callable
 from typing import TypeVar, cast
@@ -7,13 +7,13 @@ Function = TypeVar("Function", bound=Callable)
 
 
 def compiled(function: Function) -> Function:
-    """The function, compiled at its first call; it then runs without Python's global lock.
+    """Decorate a function to be compiled at its first call and to release the GIL.
 
-    Importing numba takes a quarter of a second: import modules that use this late.
+    Importing numba takes a quarter of a second: import the modules that use this in functions.
     """
     from numba import njit
 
     try:
         return cast(Function, njit(function, nogil=True, cache=True))
-    except RuntimeError:  # neither beside the module nor in the user's cache folder can it be kept
+    except RuntimeError:  # no folder for the cache can be written
         return cast(Function, njit(function, nogil=True))

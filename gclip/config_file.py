@@ -1,4 +1,4 @@
-"""Files that people write: read within bounds, and checked by a type of msgspec."""
+"""Read configuration files (TOML, JSON) of limited size and validate them with msgspec."""
 
 import json
 import re
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 def read_text(path: Path, most: int) -> str:
-    """A file of `most` bytes in UTF-8. Raises UserError, which names it."""
+    """Read a UTF-8 file of at most `most` bytes. Raises UserError, which names the file."""
     try:
         if path.exists() and not path.is_file():
             raise UserError(f"'{path}' is not a regular file.")
@@ -30,9 +30,9 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_config(path: Path, kind: type[T], most: int) -> T:
-    """A file of TOML or, if its suffix says so, JSON, of `most` bytes, as msgspec checks `kind`.
+    """Read a TOML file (JSON if the suffix is .json) of at most `most` bytes as a msgspec type.
 
-    Raises UserError with one sentence: the file, the field, what was found and what is needed.
+    Raises UserError, which names the file, the field, its value and what is needed.
     """
     content: Any = None
     try:
@@ -42,12 +42,12 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
     except ValidationError as error:  # "what is wrong - at `$.table[0].field`"
         reason, _, place = str(error).rpartition(" - at `$")
         reason, field = (reason, place.strip(".`")) if reason else (place, "")
-        with suppress(LookupError, TypeError):  # the name of a field may read like a place
+        with suppress(LookupError, TypeError):  # the name of a field may contain [0] itself
             for index, name in re.findall(r"\[(\d+)\]|(\w+)", field):
                 content = content[int(index) if index else name]
         numbered = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", field)
         found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
         raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
     except (ValueError, RecursionError) as error:
-        what = f"no sound {path.suffix[1:].upper()} file: {printable(str(error), 200)}"
-        raise UserError(f"'{path}' is {what}.") from None
+        reason = f"no sound {path.suffix[1:].upper()} file: {printable(str(error), 200)}"
+        raise UserError(f"'{path}' is {reason}.") from None

@@ -1,7 +1,7 @@
-"""What people put right about a plant's organs: a TOML file beside its clip (docs/corrections.md).
+"""Corrections of a plant's organs by users: a TOML file next to its clip (docs/corrections.md).
 
-An organ is named by a point of a scan, in the scan's own coordinates: bakes number organs anew, and
-the point stays on the same leaf.
+An organ is identified by a point of a scan, in the coordinates of the scan's file: every bake
+numbers the organs anew, but the point stays on the same organ.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
 Vector = tuple[Number, Number, Number]
 
-MAX_FILE_SIZE = 1 << 18  # bytes; a number of a million digits takes a hundred times its size
+MAX_FILE_SIZE = 1 << 18  # bytes; parsing a long number takes a hundred times as much memory
 HEADER = "# What was put right about this plant's organs; `bake` reads it, `play` writes it anew.\n"
 
 
@@ -29,12 +29,12 @@ class Place(Struct, frozen=True, forbid_unknown_fields=True):
 
     scan: Text  # its file's name
     point: Vector  # in that file's coordinates
-    organ: Text = ""  # what it was called when it was chosen: for people to read
+    organ: Text = ""  # its name when it was selected, for people who read the file
 
 
 class Correction(Struct, frozen=True, forbid_unknown_fields=True):
-    """Two places are of the same organ, or of different ones; one is where an organ is cut off, or
-    of an organ with a name.
+    """One correction: two places are on the same organ, or on different ones; one place is where an
+    organ is cut off, or on an organ that is renamed.
     """
 
     kind: Literal["same", "different", "cut", "name"]
@@ -50,7 +50,7 @@ class Correction(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Corrections(tuple[Correction, ...]):
-    """The corrections of a file, in its order."""
+    """The corrections in a file, in their order there."""
 
     file: str = ""
 
@@ -60,24 +60,24 @@ class _File(Struct, forbid_unknown_fields=True):
 
 
 def corrections_file(clip: Path) -> Path:
-    """Where a clip's corrections are: plant.corrections.toml beside plant.gclip."""
+    """The path of a clip's corrections: plant.corrections.toml next to plant.gclip."""
     return clip.with_suffix(".corrections.toml")
 
 
 def read_corrections(path: Path) -> Corrections:
-    """Read a file of corrections. Raises UserError with one sentence on what is wrong with it."""
+    """Read a file of corrections. Raises UserError where it is wrong."""
     corrections = Corrections(read_config(path, _File, MAX_FILE_SIZE).correction)
     corrections.file = str(path)
     return corrections
 
 
 def write_corrections(path: Path, corrections: Sequence[Correction]) -> None:
-    """Write a file of corrections, whole or not at all. Raises OSError."""
+    """Write a file of corrections atomically. Raises OSError."""
     entries = [HEADER]
-    for one in corrections:
-        name = f"name = {_quoted(one.name)}\n" if one.name else ""
-        places = "".join(f"    {_table(place)},\n" for place in one.places)
-        entries.append(f'[[correction]]\nkind = "{one.kind}"\n{name}places = [\n{places}]\n')
+    for each in corrections:
+        name = f"name = {_quoted(each.name)}\n" if each.name else ""
+        places = "".join(f"    {_table(place)},\n" for place in each.places)
+        entries.append(f'[[correction]]\nkind = "{each.kind}"\n{name}places = [\n{places}]\n')
     with atomic_file(path) as part:
         part.write_text("\n".join(entries), "utf-8")
 
@@ -89,5 +89,5 @@ def _table(place: Place) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A string of JSON is one of TOML, but for one control character."""
+    """A TOML string: that of JSON, except for one control character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,4 +1,4 @@
-"""Errors whose message is one clear sentence for the person who typed the command."""
+"""Exceptions whose message is one sentence for the user."""
 
 from gclip.text import printable
 
@@ -6,9 +6,9 @@ LONGEST = 1000  # characters of a sentence
 
 
 class UserError(Exception):
-    """Something the user can put right; the message is one sentence, shown as it is.
+    """An error that the user can correct; the message is one sentence, which is printed.
 
-    What files hold may stand in it: nothing that a terminal would obey gets through.
+    Control characters in the message, which may quote files, are replaced.
     """
 
     def __init__(self, sentence: str) -> None:

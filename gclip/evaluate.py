@@ -1,4 +1,4 @@
-"""A clip at a time, on the CPU: the truth that the shaders are tested against."""
+"""Evaluate a clip at a time, on the CPU; the shaders are tested against this module."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from gclip.schema import Group, Motion
 
 if TYPE_CHECKING:
@@ -23,14 +23,14 @@ LITTER_FADE = 0.15  # share of the following interval during which fallen organs
 
 @dataclass(frozen=True)
 class Layer:
-    """One run of movers that is visible at a time: all that a renderer needs to know."""
+    """A group of movers that is visible at a time, and how to render it."""
 
     interval: int
     group: Group
-    parameter: float  #: u in [0, 1], where on their curves the movers are, motion's ease applied
-    blend: float  #: share of the end's colour, in [0, 1]
+    parameter: float  #: u in [0, 1] of the Bézier curves, after easing
+    blend: float  #: weight of the end's colour, in [0, 1]
     alpha: float  #: opacity in (0, 1]
-    litter: bool = False  #: lying on the ground, no longer part of the plant
+    litter: bool = False  #: whether it has fallen to the ground
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,17 @@ class Frame:
     """The plant at one time."""
 
     day: float
-    local: NDArray[np.float32]  #: (N, 3) about `origin`: for where world coordinates are large
+    local: NDArray[np.float32]  #: (N, 3) positions relative to `origin`
     colors: NDArray[np.uint8]  #: (N, 4) sRGB and alpha
     tracks: NDArray[np.integer]  #: (N,) track ids
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     litter: Frame | None = None  #: fallen organs on the ground that have not faded yet
     fields: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
-    """By name (N,) values of each of the clip's fields, NaN where unknown."""
+    """Name -> (N,) values of the clip's fields, NaN where unknown."""
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """(N, 3) in the frame of the input."""
+        """(N, 3) positions in the frame of the input."""
         return self.local + np.asarray(self.origin)
 
     def __len__(self) -> int:
@@ -59,10 +59,10 @@ class Frame:
 
 
 def locate(clip: Clip, day: float) -> tuple[int, float]:
-    """Find the interval that a time falls into, and the share of it that has passed, in [0, 1].
+    """Find the interval of a time, and the share of it that has passed, in [0, 1].
 
-    A scan's own time belongs to the interval that it starts, the last scan's to the last. Raises
-    ValueError where the day is not a number.
+    The time of a scan is in the interval that starts there, that of the last scan in the last one.
+    Raises ValueError if the day is NaN.
     """
     if math.isnan(day):
         raise ValueError("the day is not a number")
@@ -74,7 +74,7 @@ def locate(clip: Clip, day: float) -> tuple[int, float]:
 
 
 def layers_at(clip: Clip, day: float) -> list[Layer]:
-    """What is visible at a time: the layers of the plant first, then those of the litter."""
+    """The layers that are visible at a time: those of the plant, then those of the litter."""
     index, share = locate(clip, day)
     plant, litter = [], []
     for group in clip.intervals[index].groups:
@@ -94,17 +94,17 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
 
 
 def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
-    """(degree + 1,) weights of the Bézier points at u; they sum to 1."""
+    """(degree + 1,) Bernstein weights of the Bézier points at u, which sum to 1."""
     d, u = degree, parameter
     return np.array([math.comb(d, i) * u**i * (1.0 - u) ** (d - i) for i in range(d + 1)])
 
 
 def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
-    """(n, 3) float32 places of a run of movers, about the clip's origin, at u from 0 to 1.
+    """Evaluate the curves of movers at u in [0, 1]: (n, 3) relative to the clip's origin.
 
-    Raises ClipError where the clip's file was cut short after it was opened.
+    Raises ClipError if the file of the clip was truncated after it was opened.
     """
-    check_whole(interval.tracks)
+    check_not_truncated(interval.tracks)
     weights = bernstein(interval.degree, parameter)
     blended = np.zeros((len(interval.tracks[movers]), 3), np.float64)
     for weight, points in zip(weights, interval.curve, strict=True):
@@ -116,7 +116,7 @@ def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> N
 
 
 def frame_at(clip: Clip, day: float) -> Frame:
-    """See `Clip.at`."""
+    """Evaluate the clip at a time; see `Clip.at`."""
     layers = layers_at(clip, day)
     litter = [layer for layer in layers if layer.litter]
     plant = _frame(clip, day, [layer for layer in layers if not layer.litter])
@@ -124,19 +124,20 @@ def frame_at(clip: Clip, day: float) -> Frame:
 
 
 def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:
-    nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
-    parts = [evaluate_layer(clip, layer) for layer in layers] or [nothing]
+    empty = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
+    parts = [evaluate_layer(clip, layer) for layer in layers] or [empty]
     local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
-    fields = {one.name: _field_at(one, layers) for one in clip.fields}
+    fields = {each.name: _blend_field(each, layers) for each in clip.fields}
     return Frame(day, local, colors, tracks, clip.origin, fields=fields)
 
 
-def _field_at(given: PointField, layers: list[Layer]) -> NDArray[np.floating]:
-    """(N,) values of the layers' movers; the ends themselves come out exactly."""
+def _blend_field(point_field: PointField, layers: list[Layer]) -> NDArray[np.floating]:
+    """(N,) values of the layers' movers, blended between start and end."""
     parts = [np.zeros(0, np.float32)]
     for layer in layers:
-        ends = given.values[layer.interval][layer.group.first : layer.group.stop]
+        ends = point_field.values[layer.interval][layer.group.first : layer.group.stop]
         mixed = (1.0 - layer.blend) * ends[:, 0] + layer.blend * ends[:, 1]
+        # The values of the scans are exact, even if that of the other end is NaN.
         parts.append({0.0: ends[:, 0], 1.0: ends[:, 1]}.get(layer.blend, mixed))
     return np.concatenate(parts)
 
@@ -144,9 +145,9 @@ def _field_at(given: PointField, layers: list[Layer]) -> NDArray[np.floating]:
 def evaluate_layer(
     clip: Clip, layer: Layer
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
-    """(n, 3) float32 local positions, (n, 4) uint8 colours and (n,) tracks of a layer's movers."""
+    """The (n, 3) local positions, (n, 4) colours and (n,) tracks of the movers of a layer."""
     interval = clip.intervals[layer.interval]
-    check_whole(interval.tracks)
+    check_not_truncated(interval.tracks)
     movers = slice(layer.group.first, layer.group.stop)
     tracks = np.asarray(interval.tracks[movers])
     if interval.start_colors is not None and interval.end_colors is not None:
@@ -160,44 +161,44 @@ def evaluate_layer(
 
 
 def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:
-    """(tracks, 4) uint8 sRGB and alpha, the tracks' colours at a share of an interval.
+    """(tracks, 4) uint8 sRGB and alpha: the colours of the tracks at a share of an interval.
 
-    What is born in it takes on its own colour from that of the organ it grows from.
+    The colour of an organ that is born changes from that of the organ it grows from to its own.
     """
-    palette, sources = clip.palette, newborn(clip, interval)
-    own, parents = list(sources), list(sources.values())
-    palette[own] = blend_srgb(palette[parents], palette[own], share)
+    palette, ancestors = clip.palette, newborn(clip, interval)
+    born, sources = list(ancestors), list(ancestors.values())
+    palette[born] = blend_srgb(palette[sources], palette[born], share)
     return palette
 
 
 def newborn(clip: Clip, interval: int) -> dict[int, int]:
-    """By id the tracks that are born in an interval, and the older one that each grows from."""
+    """The tracks that are born in an interval, each with the older track that it grows from."""
     start, end = clip.intervals[interval].start, clip.intervals[interval].end
     parents = {t.id: t.parent for t in clip.track_table if start < t.born <= end}
-    found = {}
+    ancestors = {}
     for track, parent in parents.items():
-        passed = {track}
-        while parent in parents and parent not in passed:
-            passed.add(parent)
+        visited = {track}  # a file may contain a cycle of parents
+        while parent in parents and parent not in visited:
+            visited.add(parent)
             parent = parents[parent]
         if parent is not None and parent not in parents:
-            found[track] = parent
-    return found
+            ancestors[track] = parent
+    return ancestors
 
 
 def srgb_to_linear(srgb: NDArray[np.floating]) -> NDArray[np.floating]:
-    """sRGB in [0, 1] to linear light in [0, 1]."""
+    """Convert sRGB in [0, 1] to linear light in [0, 1]."""
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
 def linear_to_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Linear light in [0, 1] to sRGB in [0, 1]."""
+    """Convert linear light in [0, 1] to sRGB in [0, 1]."""
     curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
     return np.where(linear <= 0.0031308, linear * 12.92, curve)
 
 
 def blend_srgb(start: NDArray[np.uint8], end: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
-    """Blend (N, 4) uint8 sRGB and alpha from start to end; the ends themselves come out exactly."""
+    """Blend (N, 4) uint8 sRGB and alpha in linear light; start and end are reproduced exactly."""
     if share <= 0.0:
         return np.asarray(start)
     if share >= 1.0:

@@ -1,6 +1,6 @@
-"""Files of clips: a safetensors container, a JSON document and named buffers (docs/format.md).
+"""Read and write files of clips: a safetensors container with a JSON document (docs/format.md).
 
-Nothing but numbers is stored, no code runs on opening, and buffers are views of the mapped file.
+No code from the file is executed; buffers are views of the memory-mapped file.
 """
 
 import math
@@ -23,22 +23,22 @@ from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
-MAX_HEADER = 8 << 20  # bytes, and a quarter of the file: a clip is movers before all
+MAX_HEADER = 8 << 20  # bytes, plus a quarter of the file
 MAX_AXES = 2
-identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # differs where the file does
+identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
 
 @dataclass(frozen=True)
 class Container:
-    """An open file. Of its buffers nothing is read before it is asked for."""
+    """An open file."""
 
     text: str  #: the document
-    buffers: dict[str, NDArray[Any]]  #: read-only views by name
+    buffers: dict[str, NDArray[Any]]  #: read-only views of the file, by name
     size: int  #: of the file, in bytes
-    unread: set[str]  #: names that `take` has not returned yet
+    unread: set[str]  #: names of the buffers that `take` has not returned yet
 
     def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
-        """The buffer of that name. Raises ClipError if it is not of that shape and a dtype."""
+        """The buffer of a name. Raises ClipError unless it has this shape and one of the dtypes."""
         if name not in self.buffers:
             raise ClipError(f'its buffer "{name}" is missing')
         buffer = self.buffers[name]
@@ -50,14 +50,16 @@ class Container:
         return buffer
 
 
-class Mapped(mmap.mmap):  # a file in memory
-    name: str  #: its path
+class Mapped(mmap.mmap):
+    """A memory-mapped file with its name."""
+
+    name: str
 
 
-def check_whole(buffer: NDArray[Any]) -> None:
-    """Raise ClipError if the file that a buffer is mapped from was cut short in the meantime.
+def check_not_truncated(buffer: NDArray[Any]) -> None:
+    """Raise ClipError if the file that a buffer is mapped from was truncated after it was opened.
 
-    To be called before a buffer is read: memory beyond the end of a file ends the program (SIGBUS).
+    Call it before reading a buffer: an access beyond the end of the file ends the process (SIGBUS).
     """
     base: Any = buffer
     while isinstance(base, np.ndarray):
@@ -68,7 +70,7 @@ def check_whole(buffer: NDArray[Any]) -> None:
 
 
 def open_container(path: Path) -> Container:
-    """Map a file. Raises ClipError, without the file's name, if it is no whole container."""
+    """Map a file. Raises ClipError, without the file's name, if it is not a complete container."""
     try:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
@@ -88,7 +90,6 @@ def open_container(path: Path) -> Container:
 
 
 def _header_length(start: bytes, size: int) -> int:
-    """Checked before anything of such a length is read."""
     length = int.from_bytes(start, "little")
     if len(start) < 8 or length > size - 8:
         raise ClipError("not a growth clip, or cut short within its header")
@@ -100,10 +101,9 @@ def _header_length(start: bytes, size: int) -> int:
 def _read_header(
     path: Path, data: NDArray[np.uint8], first: int
 ) -> tuple[str, dict[str, NDArray[Any]]]:
-    """The document of a file, and its buffers, which begin at byte `first`.
+    """Read the document of a file, and map its buffers, of which the first is at byte `first`.
 
-    safetensors checks the header: buffers inside the file, in order, no holes, no overlaps.
-    So each one begins where the last one ended.
+    safetensors checks that the buffers follow each other without gaps up to the end of the file.
     """
     from safetensors import SafetensorError, safe_open
 
@@ -117,8 +117,8 @@ def _read_header(
                 view = header.get_slice(name)
                 kind, shape = view.get_dtype(), view.get_shape()
                 if kind not in DTYPES or len(shape) > MAX_AXES:
-                    what = f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes'
-                    raise ClipError(f"{what}; {', '.join(DTYPES)} and {MAX_AXES} are allowed")
+                    found = f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes'
+                    raise ClipError(f"{found}; {', '.join(DTYPES)} and {MAX_AXES} are allowed")
                 end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
                 buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
                 first = end
@@ -129,7 +129,7 @@ def _read_header(
 
 
 def write_container(text: str, buffers: Mapping[str, NDArray[Any]], path: Path) -> None:
-    """Write a file, whole or not at all. Raises ClipError if it can't be written."""
+    """Write a file atomically. Raises ClipError if it can't be written."""
     from safetensors import SafetensorError
     from safetensors.numpy import save_file
 

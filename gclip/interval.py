@@ -1,4 +1,4 @@
-"""The movers between two successive scans, and their buffers in a file."""
+"""The movers of one interval, and their buffers in a file."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,25 +16,25 @@ OPTIONAL: dict[str, tuple[str, int, type]] = {
     "end_colors": ("end_color", 4, np.uint8),
     "normals": ("normals", 4, np.uint8),
 }
-"""Of buffers that an interval may lack the field, the name in a file, the width and the type."""
+"""Optional fields of an interval -> name of the buffer in a file, width and dtype."""
 COLORS = {"start_colors", "end_colors"}
 
 
 @dataclass(frozen=True)
 class Interval:
-    """The movers between two successive scans, as buffers ready for upload."""
+    """The movers between two successive scans, as buffers that a GPU can use."""
 
     start: float  #: time of the first scan
-    end: float  #: and of the second
-    box: Box | None  #: how to read quantised positions; None where they are float32
-    groups: tuple[Group, ...]  #: runs of movers that cover the buffers in order, MOVE first
-    start_positions: NDArray[Any]  #: (N, 3) uint16, or float32 about the clip's origin
+    end: float  #: time of the second scan
+    box: Box | None  #: the range of quantised positions; None if they are float32
+    groups: tuple[Group, ...]  #: consecutive runs of movers, MOVE first
+    start_positions: NDArray[Any]  #: (N, 3) uint16, or float32 relative to the clip's origin
     end_positions: NDArray[Any]
     control_positions: tuple[NDArray[Any], ...]  #: degree - 1 arrays of the same kind
     tracks: NDArray[Any]  #: (N,) uint16 or uint32 track ids
-    start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha, None for the tracks'
+    start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha; None: the tracks'
     end_colors: NDArray[np.uint8] | None = None
-    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at the start and at the end
+    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at start and end
     segments: tuple[SegmentPair, ...] = ()  #: how the transport was solved
 
     @property
@@ -48,25 +48,25 @@ class Interval:
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Lowest and highest corner of the box that holds all its curves."""
+        """Lower and upper corner of the bounding box of all curves, with control points."""
         if self.box is not None:
             return np.asarray(self.box.low, float), np.asarray(self.box.high, float)
         low, high = extent(*self.curve)
         return low.astype(float), high.astype(float)
 
     def buffers(self, index: int) -> dict[str, NDArray[Any]]:
-        """Its arrays by their names in a file where it is interval number `index`."""
-        found = dict(zip(_curve_names(index, self.degree), self.curve, strict=True))
-        found[f"{index:04d}/track"] = self.tracks
+        """The arrays by the names of their buffers, for interval number `index`."""
+        arrays = dict(zip(_curve_names(index, self.degree), self.curve, strict=True))
+        arrays[f"{index:04d}/track"] = self.tracks
         optional = {name: getattr(self, field) for field, (name, *_) in OPTIONAL.items()}
-        return found | {f"{index:04d}/{k}": v for k, v in optional.items() if v is not None}
+        return arrays | {f"{index:04d}/{k}": v for k, v in optional.items() if v is not None}
 
     def __len__(self) -> int:
         return len(self.tracks)
 
 
 def read_interval(container: Container, index: int, entry: IntervalEntry, tracks: int) -> Interval:
-    """The interval of a number, its buffers checked. Raises ClipError."""
+    """Read interval number `index` and check its buffers. Raises ClipError."""
     count = entry.groups[-1].stop
     names = _curve_names(index, entry.degree)
     if entry.box is None:
@@ -75,14 +75,14 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
         curve = [container.take(name, (count, 3), np.uint16) for name in names]
     ids = container.take(f"{index:04d}/track", (count,), np.uint16, np.uint32)
     if int(ids.max()) >= tracks:
-        which = f'its buffer "{index:04d}/track" names track {int(ids.max())}'
-        raise ClipError(f"{which}; only {tracks} tracks are named")
-    there = {f for f, (name, *_) in OPTIONAL.items() if f"{index:04d}/{name}" in container.buffers}
-    there |= COLORS if there & COLORS else set()  # both, or none
+        found = f'its buffer "{index:04d}/track" names track {int(ids.max())}'
+        raise ClipError(f"{found}; only {tracks} tracks are named")
+    present = {f for f, (k, *_) in OPTIONAL.items() if f"{index:04d}/{k}" in container.buffers}
+    present |= COLORS if present & COLORS else set()  # both are required if one is present
     optional: dict[str, Any] = {
         field: container.take(f"{index:04d}/{name}", (count, width), dtype)
         for field, (name, width, dtype) in OPTIONAL.items()
-        if field in there
+        if field in present
     }
     return Interval(
         start_positions=curve[0],
@@ -95,11 +95,12 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
 
 
 def read_positions(container: Container, name: str, count: int) -> NDArray[np.float32]:
-    """(count, 3) positions that are numbers; the lowest and the highest tell, also of NaN."""
+    """Read a buffer of (count, 3) positions. Raises ClipError unless they are finite."""
     points = container.take(name, (count, 3), np.float32)
+    # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
     if count and not (points.min() >= -MAX_NUMBER and points.max() <= MAX_NUMBER):
-        what = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
-        raise ClipError(f'its buffer "{name}" holds {what}')
+        found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
+        raise ClipError(f'its buffer "{name}" holds {found}')
     return points
 
 

@@ -1,4 +1,4 @@
-"""From float movers to an interval's buffers: grouped, ordered for the GPU, quantised."""
+"""Pack movers into the buffers of an interval: group, sort for the GPU, and quantise them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ class Movers:
     """Movers of one motion before packing."""
 
     motion: Motion
-    curve: tuple[NDArray[np.floating], ...]  #: start, controls, end: (N, 3) about the origin
+    curve: tuple[NDArray[np.floating], ...]  #: start, control points, end: (N, 3) local positions
     tracks: NDArray[np.integer]  #: (N,) track ids
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha
     end_colors: NDArray[np.uint8] | None = None
-    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at the start and at the end
+    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at start and end
 
     def __len__(self) -> int:
         return len(self.tracks)
@@ -39,36 +39,41 @@ def pack_interval(
     precision: str = "auto",
     segments: tuple[SegmentPair, ...] = (),
 ) -> Interval:
-    """Pack an interval's movers; curves of lower degree are raised to the highest there is.
+    """Pack the movers of an interval, with all curves elevated to the highest degree.
 
-    Each group is sorted along a Morton curve, then shuffled in blocks (see `block_shuffle`).
+    Movers of one motion form a group, sorted by `block_shuffle`.
 
     Parameters
     ----------
+    start, end : float
+        Times of the two scans.
     movers : sequence of Movers
         At least one mover.
     spacing : float
-        The point spacing. Positions become 16-bit integers in the interval's box, unless one step
-        of these is longer than a hundredth of it, or `precision` is "float32".
+        Median distance between neighbouring points.
+    precision : str
+        "float32", or "auto": 16-bit integers, if their step is at most `MAX_STEP` of the spacing.
+    segments : tuple of SegmentPair
     """
     degree = max(len(m.curve) - 1 for m in movers)
-    alike = [[m for m in movers if m.motion is motion and len(m)] for motion in Motion]
-    movers = [m for some in alike for m in some]
-    stops = np.cumsum([sum(map(len, some)) for some in alike]).tolist()
+    by_motion = [[m for m in movers if m.motion is motion and len(m)] for motion in Motion]
+    movers = [m for group in by_motion for m in group]
+    stops = np.cumsum([sum(map(len, group)) for group in by_motion]).tolist()
     groups = [
         Group(first, stop - first, motion)
         for motion, first, stop in zip(Motion, [0, *stops], stops, strict=False)
         if stop > first
     ]
-    curve = [_joined(p) for p in zip(*(raised(m.curve, degree) for m in movers), strict=True)]
+    elevated = (elevate_degree(m.curve, degree) for m in movers)
+    curve = [_concatenate(points) for points in zip(*elevated, strict=True)]
     middle = curve[0] + curve[-1]
     order = np.concatenate([g.first + block_shuffle(middle[g.first : g.stop]) for g in groups])
     low, high = extent(*curve)
-    coarse = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
-    box = None if coarse else Box(tuple(low.tolist()), tuple(high.tolist()))
-    curve = [p.astype(np.float32) if box is None else _quantised(p, box) for p in curve]
-    tracks = _joined([m.tracks for m in movers])
-    optional = {name: _joined([getattr(m, name) for m in movers]) for name in OPTIONAL}
+    is_float = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
+    box = None if is_float else Box(tuple(low.tolist()), tuple(high.tolist()))
+    curve = [p.astype(np.float32) if box is None else _quantise(p, box) for p in curve]
+    tracks = _concatenate([m.tracks for m in movers])
+    optional = {name: _concatenate([getattr(m, name) for m in movers]) for name in OPTIONAL}
     return Interval(
         start=start,
         end=end,
@@ -83,8 +88,8 @@ def pack_interval(
     )
 
 
-def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
-    """The same Bézier curves with the control points of a higher degree (Farin 2002, 6.1)."""
+def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
+    """Elevate the degree of Bézier curves without changing them (Farin 2002, section 6.1)."""
     for low in range(len(curve) - 1, degree):
         inner = [
             (curve[i - 1] * i + curve[i] * (low + 1 - i)) / (low + 1) for i in range(1, low + 1)
@@ -93,11 +98,12 @@ def raised(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], 
     return curve
 
 
-def _joined(arrays: Sequence[Any]) -> Any:
+def _concatenate(arrays: Sequence[Any]) -> Any:
+    """Concatenate arrays; None if one is None."""
     return None if any(array is None for array in arrays) else np.concatenate(arrays)
 
 
-def _quantised(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
+def _quantise(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
     steps = points - np.asarray(box.low)
     steps /= np.where(box.step > 0, box.step, 1.0)
     return np.round(steps, out=steps).astype(np.uint16)

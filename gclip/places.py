@@ -1,4 +1,4 @@
-"""Which organ of a clip a correction means: places in the files of its scans."""
+"""Find the organs of a clip that corrections mean, by positions in the files of its scans."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 Point = NDArray[np.float64]
 
 
-def with_names(clip: Clip, corrections: Sequence[Correction]) -> Clip:
-    """A clip whose organs have the names that they were given since it was baked.
+def rename_organs(clip: Clip, corrections: Sequence[Correction]) -> Clip:
+    """Apply the corrections of names that were made after the clip was baked.
 
     Parameters
     ----------
     clip : Clip
         As it was baked.
     corrections : sequence of gclip.corrections.Correction
-        Other ones than names are for the next bake; names of scans that the clip lacks, too.
+        Those of other kinds, and names in scans that the clip does not have, are ignored.
 
     Returns
     -------
@@ -37,57 +37,55 @@ def with_names(clip: Clip, corrections: Sequence[Correction]) -> Clip:
     Raises
     ------
     UserError
-        Where two organs would have the same name.
+        If two organs would have the same name.
     """
     baked = baked_corrections(clip)
-    named = [one for one in corrections if one.kind == "name" and one not in baked]
-    names = {_track_at(clip, one.places[0]): one.name for one in named}
+    new = [each for each in corrections if each.kind == "name" and each not in baked]
+    names = {_track_at(clip, each.places[0]): each.name for each in new}
     table = tuple(replace(t, name=names.get(t.id, t.name)) for t in clip.track_table)
     for track in table:
-        if track.id in names and [one.name for one in table].count(track.name) > 1:
+        if track.id in names and [other.name for other in table].count(track.name) > 1:
             raise UserError(f"Two organs are called '{track.name}'; rename one of them.")
     return replace(clip, track_table=table)
 
 
 def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
-    """Those that a clip was baked with; none where it does not say so."""
-    with suppress(KeyError, TypeError, msgspec.ValidationError):  # a clip may say anything
-        found = clip.provenance["options"]["corrections"]
-        return msgspec.convert(found, tuple[Correction, ...])
+    """The corrections that a clip was baked with, as its provenance lists them."""
+    with suppress(KeyError, TypeError, msgspec.ValidationError):  # provenance may hold anything
+        listed = clip.provenance["options"]["corrections"]
+        return msgspec.convert(listed, tuple[Correction, ...])
     return ()
 
 
-def in_file(clip: Clip, scan: str, point: Point) -> Point:
-    """A point of the clip, about its origin, in the coordinates of a scan's own file."""
+def to_file_coordinates(clip: Clip, scan: str, point: Point) -> Point:
+    """Convert a point from the clip's local coordinates to those of a scan's file."""
     transform, origin, scale = _file_frame(clip, scan)
     return np.asarray((np.linalg.solve(transform, [*point, 1.0])[:3] + origin) / scale)
 
 
 def _track_at(clip: Clip, place: Place) -> int | None:
-    """Id of the organ whose point is nearest to a place; None where the clip lacks its scan."""
+    """The id of the organ nearest to a place; None where the clip does not have its scan."""
     scan = next((scan for scan in clip.scans if scan.name == place.scan), None)
     if scan is None:
         return None
     transform, origin, scale = _file_frame(clip, place.scan)
     point = (transform @ [*(scale * np.array(place.point) - origin), 1.0])[:3]
     frame = clip.at(scan.time)
-    # Organs that are born later wait on their parents, at the very places of points of these.
+    # Organs that are born later start at points of their parents, so they are left out.
     born = np.array([track.born for track in clip.track_table])[frame.tracks] <= scan.time
     distance = np.where(born, np.linalg.norm(frame.local - point, axis=1), np.inf)
     return int(frame.tracks[distance.argmin()]) if len(frame) else None
 
 
 def _file_frame(clip: Clip, scan: str) -> tuple[NDArray[np.float64], Point, float]:
-    """How a scan's file becomes the clip's points: scaled, taken about an origin, and moved by a
-    (4, 4) matrix.
-    """
-    made = clip.provenance
+    """Transform, origin and scale of a scan: local = transform @ (scale * in file - origin)."""
+    given = clip.provenance
     with suppress(KeyError, TypeError, ValueError, IndexError, OverflowError):
-        index = [one["name"] for one in made["inputs"]].index(scan)
-        transform = np.array(made["transforms"][index], float)
-        origin = np.array(made["origins"][index] if "origins" in made else clip.origin, float)
-        scale = float(made["options"]["scale"])
-        sound = np.isfinite([*transform.ravel(), *origin, scale]).all() and scale > 0.0
-        if sound and transform.shape == (4, 4) and abs(np.linalg.det(transform)) > 1e-12:
+        index = [entry["name"] for entry in given["inputs"]].index(scan)
+        transform = np.array(given["transforms"][index], float)
+        origin = np.array(given["origins"][index] if "origins" in given else clip.origin, float)
+        scale = float(given["options"]["scale"])
+        is_valid = np.isfinite([*transform.ravel(), *origin, scale]).all() and scale > 0.0
+        if is_valid and transform.shape == (4, 4) and abs(np.linalg.det(transform)) > 1e-12:
             return transform, origin, scale
-    return np.eye(4), np.array(clip.origin), 1.0  # a clip made by hand, or by a stranger
+    return np.eye(4), np.array(clip.origin), 1.0  # the clip was made by another program

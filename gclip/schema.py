@@ -1,7 +1,7 @@
-"""What a clip's document may say (docs/format.md, "The document"), as types that msgspec checks.
+"""The schema of a clip's document (docs/format.md, "The document"), as types for msgspec.
 
-What types can't express, such as fields that contradict each other, `__post_init__` checks: its
-ValueError becomes msgspec's, which names the place.
+Rules that types can't express, such as fields that contradict each other, are checked in
+`__post_init__`; msgspec adds the location to the ValueError.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ import numpy as np
 from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
-MAX_NUMBER = 1e18  # its square is still a float32, which is what a GPU calculates with
+MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
 MIN_DURATION = 1e-9  # of an interval
-MAX_DEPTH = 32  # objects and lists within each other in `provenance`
+MAX_DEPTH = 32  # of nested objects and lists in `provenance`
 
 Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
@@ -27,12 +27,12 @@ Vector = tuple[Number, Number, Number]
 
 
 class Motion(StrEnum):
-    """How a group of movers goes through its interval (paper section 3.3, growth and decay)."""
+    """How a group of movers moves in its interval (section 3.3 of the paper, growth and decay)."""
 
     MOVE = "move"  # from its start to its end
-    FALL = "fall"  # lost: falls to the floor with gravity's ease; its litter then fades
-    FADE = "fade"  # lost: stays and fades
-    REMOVE = "remove"  # lost: gone as soon as the interval begins
+    FALL = "fall"  # a lost organ falls to the floor with constant acceleration, then fades
+    FADE = "fade"  # a lost organ stays in place and fades
+    REMOVE = "remove"  # a lost organ disappears at the start of the interval
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class ScanMark:
 
     name: Text  #: of its file
     time: Number  #: in the clip's unit of time
-    date: Text = ""  #: the time as people write it
+    date: Text = ""  #: the time as text
     points: Count = 0
 
 
 @dataclass(frozen=True)
 class Group:
-    """A run of movers, `first` to `first + count`, that share a motion."""
+    """Movers `first` to ``first + count - 1``, which have the same motion."""
 
     first: Count
     count: Count
@@ -60,7 +60,7 @@ class Group:
 
 @dataclass(frozen=True)
 class SegmentPair:
-    """How one segment's transport was solved, kept for the report."""
+    """How the transport of one pair of segments was solved, for the report."""
 
     track: Count
     event: Event
@@ -75,14 +75,14 @@ class SegmentPair:
 
 @dataclass(frozen=True)
 class Box:
-    """Dequantisation of an interval: position = low + (high - low) * quantised / 65535."""
+    """The range of quantised positions: position = low + (high - low) * quantised / 65535."""
 
     low: Vector
     high: Vector
 
     def __post_init__(self) -> None:
-        ordered = all(low <= high for low, high in zip(self.low, self.high, strict=True))
-        _require(ordered, "its low corner lies above its high corner")
+        is_ordered = all(low <= high for low, high in zip(self.low, self.high, strict=True))
+        _require(is_ordered, "its low corner lies above its high corner")
 
     @property
     def step(self) -> NDArray[np.float64]:
@@ -91,7 +91,7 @@ class Box:
 
 
 class TrackEntry(Struct, frozen=True):
-    """One organ from birth to loss; its id is its place in the list."""
+    """One organ from birth to loss; its id is its index in the list."""
 
     name: Text
     color: tuple[Channel, Channel, Channel]
@@ -102,7 +102,7 @@ class TrackEntry(Struct, frozen=True):
 
 
 class IntervalEntry(Struct, frozen=True):
-    """What the document says of an interval before its buffers are looked at."""
+    """The entry of an interval in the document, without its buffers."""
 
     start: Number
     end: Number
@@ -119,7 +119,7 @@ class IntervalEntry(Struct, frozen=True):
 
 
 class Document(Struct, frozen=True):
-    """All that a clip says but its buffers."""
+    """The whole document: a clip without its buffers."""
 
     version: Text
     up: Annotated[str, Meta(pattern="^-?[xyz]$")]
@@ -140,32 +140,32 @@ class Document(Struct, frozen=True):
         starts = [interval.start for interval in self.intervals]
         ends = [interval.end for interval in self.intervals]
         times = [scan.time for scan in self.scans]
-        out = [scan.time for scan in self.held_out]
+        held_out = [scan.time for scan in self.held_out]
         _require(all(a < b for a, b in pairwise(times)), "the scans' times do not ascend")
         _require(
             (starts[0], ends[-1]) == (times[0], times[-1]), "the intervals do not span the series"
         )
         _require(starts[1:] == ends[:-1], "the intervals do not follow one another without a gap")
         _require({*times} <= {*starts, *ends}, "a scan's time lies inside an interval")
-        _require(all(a < b for a, b in pairwise(out)), "the times in held_out do not ascend")
-        inside = all(times[0] <= time <= times[-1] for time in out)
-        _require(inside, "a time in held_out lies outside the series")
+        _require(all(a < b for a, b in pairwise(held_out)), "the times in held_out do not ascend")
+        is_inside = all(times[0] <= time <= times[-1] for time in held_out)
+        _require(is_inside, "a time in held_out lies outside the series")
         count = len(self.tracks)
         for index, track in enumerate(self.tracks):
-            fine = track.parent is None or index != track.parent < count
-            _require(fine, f"tracks[{index}].parent is {track.parent}, no other track's id")
+            is_valid = track.parent is None or index != track.parent < count
+            _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
         used = max((p.track for i in self.intervals for p in i.segments), default=0)
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
-        shallow = _depth(self.provenance) <= MAX_DEPTH
-        _require(shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
+        is_shallow = _depth(self.provenance) <= MAX_DEPTH
+        _require(is_shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
 
 
-def _require(fine: bool, otherwise: str) -> None:
-    if not fine:
-        raise ValueError(otherwise)
+def _require(condition: bool, message: str) -> None:
+    if not condition:
+        raise ValueError(message)
 
 
 def _depth(value: Any) -> int:
-    """How many objects and lists hold one another; 0 for other values."""
+    """The depth of nested objects and lists; 0 for other values."""
     inner = value.values() if isinstance(value, dict) else value
     return 1 + max(map(_depth, inner), default=0) if isinstance(value, dict | list) else 0

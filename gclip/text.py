@@ -1,28 +1,30 @@
-"""Text from files that anyone may have written, safe to print in any terminal and any log."""
+"""Make text from untrusted files safe to print in a terminal or a log."""
 
 import io
 import os
 import unicodedata
 from typing import Any, TextIO
 
-# Control characters, surrogates, separators of lines, and formats such as those that turn the
-# direction of writing; joiners are formats too, and some scripts need them.
+# Unicode categories: control characters, format characters such as those for the direction of
+# writing, surrogates, and line and paragraph separators. Some scripts need the joiners.
 UNSAFE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 
 def printable(text: str, most: int | None = None) -> str:
-    """`text` on one line, at `most` so long, with U+FFFD for what a terminal obeys, not shows."""
+    """Replace unsafe characters by U+FFFD, and cut the text to `most` characters."""
     if most is not None and len(text) > most:
         text = text[: most - 1] + "…"
     if text.isprintable():
         return text
-    safe = (c in JOINERS or unicodedata.category(c) not in UNSAFE for c in text)
-    return "".join(c if s else "\N{REPLACEMENT CHARACTER}" for c, s in zip(text, safe, strict=True))
+    return "".join(
+        c if c in JOINERS or unicodedata.category(c) not in UNSAFE else "\N{REPLACEMENT CHARACTER}"
+        for c in text
+    )
 
 
 class Lossy:
-    """A stream, or none where it is closed; what can't be written is lost, and ends no work."""
+    """A stream, or None if it is closed, that discards what can't be written without an error."""
 
     def __init__(self, stream: TextIO | None) -> None:
         self._stream = stream or io.StringIO()
@@ -34,5 +36,5 @@ class Lossy:
         try:
             self._stream.write(text)
             self._stream.flush()
-        except OSError:  # nobody reads, or the disk is full: what Python still holds goes nowhere
+        except OSError:  # the pipe is closed or the disk is full: discard the rest as well
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())

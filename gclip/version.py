@@ -1,10 +1,10 @@
-"""The version of the distribution, and the type of the option by which each command prints it."""
+"""The version of the distribution, and the option --version of the commands."""
 
 from typing import Annotated
 
 import typer
 
-__version__ = "0.1.0"  # pyproject.toml reads it here, so a checkout knows it without installing
+__version__ = "0.1.0"  # read by pyproject.toml
 
 
 def _print_version(context: typer.Context, wanted: bool) -> None:

@@ -1,5 +1,5 @@
-"""The command's work around the pipeline: one plant or many, worker processes, clusters, caches.
+"""Run bakes of one plant or many, in worker processes or on a cluster, with a cache.
 
-`command` bakes one plant, or those that `plants` finds: `bake_all` shares these out among the
-processes of `parallel` or the workers of `cluster`, and each bakes by `plant`.
+`command` bakes one plant, or the plants that `plants` finds. `bake_all` distributes many plants
+over the worker processes of `parallel` or over a `cluster`; each of them runs `plant`.
 """

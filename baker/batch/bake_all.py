@@ -1,4 +1,4 @@
-"""Many plants: shared out, reported one by one, and listed in the end."""
+"""Bake many plants in worker processes or on a cluster, and report on each of them."""
 
 import sys
 from collections import Counter
@@ -21,16 +21,31 @@ from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
 
-ATTEMPTS = 2  # at a plant whose worker is killed
+ATTEMPTS = 2  # to bake a plant whose worker process is killed
 
 
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
-    """Bake each plant, report how it went, and go on whatever fails.
+    """Bake many plants; if one fails, go on with the others.
 
-    Returns the exit code: 1 if the program was at fault anywhere, else 2 if any input was, else 0.
-    Raises InputError where nothing can be begun with.
+    Parameters
+    ----------
+    plants : mapping of str to Path
+        The folder of each plant's scans, by its name.
+    options : Options
+    outputs : Outputs
+        Its clip and report are folders.
+
+    Returns
+    -------
+    int
+        The exit code: 1 if the program was at fault for any plant, else 2 if any input was, else 0.
+
+    Raises
+    ------
+    InputError
+        If no plant can be baked with these options and outputs.
     """
-    check_output(outputs.traits, True, "a table of traits", ".csv")  # what it holds stays known
+    check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:
         raise InputError(
             "--corrections is for one plant; of many, each one's are found beside its clip."
@@ -56,7 +71,7 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     if table:
         table.save(outcome.name for outcome in listed if outcome.state != "failed")
     lines = [] if outputs.quiet else _summary(listed, outputs, sum(progress.seconds.values()))
-    if failed := [f"  {one.name}: {one.error}" for one in listed if one.state == "failed"]:
+    if failed := [f"  {plant.name}: {plant.error}" for plant in listed if plant.state == "failed"]:
         lines += ["", f"{len(failed)} of {len(listed)} plants failed:", *failed]
     Lossy(sys.stderr).write("".join(f"{printable(line)}\n" for line in lines))
     codes = {outcome.code for outcome in listed}
@@ -66,9 +81,9 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
 def bake_here(
     jobs: Sequence[PlantJob], workers: int, bake: Callable[[PlantJob], Outcome] = bake_plant
 ) -> Generator[Outcome]:
-    """Bake in worker processes, one plant a core; where there are fewer plants, they share cores.
+    """Bake in worker processes, one for each core; fewer plants than cores use several cores each.
 
-    Outcomes come as they are ready. Close the iterator to stop at once.
+    Yields outcomes as they are ready. Closing the generator stops the processes.
     """
     from pebble import ProcessExpired
 
@@ -80,7 +95,7 @@ def bake_here(
             futures: dict[Future, PlantJob] = {submit(bake, job): job for job in jobs}
             jobs = []
             for future in as_completed(futures):
-                job = futures.pop(future)  # and with it what came back
+                job = futures.pop(future)  # frees the result as well
                 try:
                     yield future.result()
                 except ProcessExpired:
@@ -103,9 +118,9 @@ def _report(
 def _job(
     name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
 ) -> PlantJob:
-    """The job under names that hold in other processes' working folders."""
+    """The job of one plant, with absolute paths, since workers may have other working folders."""
     clip, report = outputs.clip / f"{name}.gclip", outputs.report
-    own = replace(
+    plant_outputs = replace(
         outputs,
         clip=clip.absolute(),
         report=report and (report / f"{name}.html").absolute(),
@@ -113,7 +128,7 @@ def _job(
     )
     options = replace(options, times=options.times and options.times.absolute())
     known = table.known(name) if table else None
-    return PlantJob(name, folder.absolute(), options, own, known)
+    return PlantJob(name, folder.absolute(), options, plant_outputs, known)
 
 
 def _make_folder(folder: Path) -> None:
@@ -125,18 +140,19 @@ def _make_folder(folder: Path) -> None:
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:
-    """A line a plant, their sum, and where all was written."""
+    """A table with a line for each plant, their total, and the paths of the outputs."""
     width = max(5, *(len(outcome.name) for outcome in outcomes))
     row = f"{{:<{width}}}{{:>10}}{{:>10}}{{:>10}}{{:>10}}  {{}}".format
     lines = ["", row("plant", "scans", "tracks", "points", "seconds", "result")]
-    for one in outcomes:
-        counts = [f"{count:,}" if count else "" for count in (one.scans, one.tracks, one.points)]
-        result = f"{one.state}: {one.looks}" if one.looks else one.state
-        lines.append(row(one.name, *counts, f"{one.seconds:.1f}", result))
-    states = Counter(one.state for one in outcomes)
+    for plant in outcomes:
+        sizes = (plant.scans, plant.tracks, plant.points)
+        counts = [f"{count:,}" if count else "" for count in sizes]
+        result = f"{plant.state}: {plant.looks}" if plant.looks else plant.state
+        lines.append(row(plant.name, *counts, f"{plant.seconds:.1f}", result))
+    states = Counter(plant.state for plant in outcomes)
     found = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
     plants = f"{len(outcomes):,} plant{'s' * (len(outcomes) != 1)}"
-    points = sum(one.points for one in outcomes)
+    points = sum(plant.points for plant in outcomes)
     lines.append(f"{plants}: {found}; {points:,} points in {seconds:.1f} s")
-    places = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
-    return lines + [f"{what}: {path}" for what, path in places if path is not None]
+    paths = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
+    return lines + [f"{kind}: {path}" for kind, path in paths if path is not None]

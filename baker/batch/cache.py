@@ -1,11 +1,11 @@
-"""Intervals kept in a folder from bake to bake (`bake --cache DIR`).
+"""Cache solved intervals in a folder (`bake --cache DIR`).
 
-An interval is found again by a digest of all that it is worked out from: its job, the program's own
-code, the versions of its packages and the kind of machine. It is kept as MessagePack, which runs no
-code when it is read, behind a digest of its own bytes.
+The key of an interval is a digest of everything that it depends on: its job, the program's code,
+the versions of its packages and the type of the machine. The entry is MessagePack, which executes
+no code on reading, after a digest of its bytes.
 
-One folder may serve many bakes at once, on several machines too, which is why it holds plain files
-and no data base.
+Many bakes on several machines may use one folder at the same time, so it has plain files and no
+database.
 """
 
 import platform
@@ -31,11 +31,17 @@ from gclip.terminal.atomic import atomic_file
 
 
 class Cache:
-    """Keep intervals in `folder`; it may be deleted at any time. InputError where it can't be made.
+    """A cache of intervals in `folder`, which may be deleted at any time.
 
-    What is missing, damaged or another job's is solved again and replaced. Where the folder can't
-    take an interval, the bake goes on without. `found` and `solved` count the intervals that were
-    taken from the folder, and that were not; `trouble` says why some could not be kept.
+    Entries that are missing, damaged or of another job are solved and written again. A bake goes on
+    where an interval can't be written. Raises InputError where the folder can't be made.
+
+    Attributes
+    ----------
+    found, solved : int
+        The number of intervals that were read from the folder, and that were not.
+    trouble : str
+        Why an interval could not be written, "" if all could.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -48,33 +54,33 @@ class Cache:
             raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
     def kept_intervals(self, solve: IntervalSolver) -> IntervalSolver:
-        """The solver with its intervals kept, each as soon as it and those before it are solved."""
+        """Wrap a solver: intervals in the cache are not solved, others are written to it."""
 
         def look_up(
             jobs: Sequence[IntervalJob], report_progress: ReportProgress
         ) -> Iterator[Interval]:
             keys = [self._key(job) for job in jobs]
             tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
-            kept = [
-                found if found is not None and _is_interval(found, job, tracks) else None
-                for found, job in zip(map(self._read, keys), jobs, strict=True)
+            cached = [
+                entry if entry is not None and _is_interval(entry, job, tracks) else None
+                for entry, job in zip(map(self._read, keys), jobs, strict=True)
             ]
-            missing = [job for job, interval in zip(jobs, kept, strict=True) if interval is None]
+            missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
             self.found, self.solved = len(jobs) - len(missing), len(missing)
             solved = iter(solve(missing, report_progress))
-            for key, found in zip(keys, kept, strict=True):
-                yield self._write(key, next(solved)) if found is None else found
+            for key, interval in zip(keys, cached, strict=True):
+                yield self._write(key, next(solved)) if interval is None else interval
 
         return look_up
 
     def summary(self) -> str:
-        """How many intervals were found, and what the folder did not take."""
+        """How many intervals were found, and why others could not be written."""
         found = f"{self.found} of {self.found + self.solved} intervals"
         return f"{found}; not all others could be kept: {self.trouble}" if self.trouble else found
 
     @cached_property
     def _program(self) -> bytes:
-        """Digest of the code, the packages and the machine: no result outlives a change of them."""
+        """Digest of the code, the packages and the machine; if one changes, no entry is found."""
         import baker
         import gclip
 
@@ -90,7 +96,7 @@ class Cache:
         with suppress(OSError, msgspec.MsgspecError):
             entry = memoryview(path.read_bytes() if path.is_file() else b"")
             if sha256(key.encode() + entry[32:]).digest() == entry[:32]:
-                return msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_array)
+                return msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
         return None
 
     def _write(self, key: str, interval: Interval) -> Interval:
@@ -104,10 +110,8 @@ class Cache:
         return interval
 
 
-# Whoever writes into the folder may have forged what lies in it: none of it may stop a bake.
-
-
 def _is_interval(interval: Interval, job: IntervalJob, tracks: int) -> bool:
+    """Whether an entry is a valid interval of the job: anyone may have written into the folder."""
     with suppress(ClipError, msgspec.MsgspecError):
         buffers = interval.buffers(0)
         entry = msgspec.convert(interval, IntervalEntry, from_attributes=True)
@@ -117,11 +121,11 @@ def _is_interval(interval: Interval, job: IntervalJob, tracks: int) -> bool:
 
 
 def _encoded(value: Any) -> bytes:
-    """Dataclasses, containers, numbers, text and arrays as MessagePack."""
-    return msgspec.msgpack.encode(value, enc_hook=_plain)
+    """Encode dataclasses, containers, numbers, text and arrays as MessagePack."""
+    return msgspec.msgpack.encode(value, enc_hook=_encode_array)
 
 
-def _plain(value: Any) -> Any:
+def _encode_array(value: Any) -> Any:
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
         return (value.dtype.str, value.shape, np.ascontiguousarray(value).data.cast("B"))
     if isinstance(value, np.generic):
@@ -129,7 +133,7 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} has no digest")
 
 
-def _array(kind: type, value: Any) -> Any:
-    """What `_plain` made of an array: read-only."""
+def _decode_array(kind: type, value: Any) -> Any:
+    """The inverse of `_encode_array`; the array is read-only."""
     dtype, shape, data = value
     return np.frombuffer(data, dtype).reshape(shape)

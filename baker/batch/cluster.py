@@ -1,9 +1,9 @@
-"""The workers of a cluster, by dask.distributed.
+"""Bake on the workers of a cluster with dask.distributed.
 
-Of many plants each is a task: workers read the scans and write the clips themselves, in folders
-that all machines share, and only names, numbers and rows of traits travel. The plants of a worker
-that dies are given to others (up to `distributed.scheduler.allowed-failures` times). Of one plant
-each interval is a task, which needs no folders.
+Of many plants, each is a task: the workers read the scans and write the clips in folders that all
+machines share. If a worker dies, its plants are given to others (up to
+`distributed.scheduler.allowed-failures` times). Of one plant, each interval is a task, which needs
+no shared folder.
 """
 
 import logging
@@ -27,33 +27,47 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
-PATIENCE = 5  # seconds that a scheduler has to answer
-CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # scans are meant to travel
+TIMEOUT = 5  # seconds to connect to a scheduler
+CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # jobs contain scans
 
 
 def bake_on_cluster(
     jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
 ) -> Generator[Outcome]:
-    """Bake with all workers of a cluster; outcomes come as they are ready.
+    """Bake plants on all workers of a cluster.
 
-    address: of the scheduler, or the name of its file. say: called with what the user should know
-    meanwhile. Raises InputError where there is no dask.distributed, no scheduler, or a worker that
-    can't take part.
+    Parameters
+    ----------
+    jobs : sequence of PlantJob
+    address : str
+        The scheduler's address, or the name of its file.
+    say : callable
+        Called with messages for the user.
+
+    Yields
+    ------
+    Outcome
+        As each is ready.
+
+    Raises
+    ------
+    InputError
+        If dask.distributed is not installed, no scheduler answers, or a worker has other versions.
     """
     with _connected(address) as client:
         cores = sum(client.nthreads().values())
         if not cores:
             say(f"{address} has no workers yet; it is waited for them")
-        # Where there are fewer plants than cores, a plant's intervals are tasks of their own.
+        # If there are fewer plants than cores, each interval of a plant is a task, too.
         solve = _solve_from_worker if len(jobs) < cores else None
         bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
         jobs = [replace(job, options=replace(job.options, workers=1)) for job in jobs]
         futures = {executor.submit(bake, job): job for job in jobs}
         try:
             for future in as_completed(futures):
-                job = futures.pop(future)  # and with it what came back
+                job = futures.pop(future)  # frees the result as well
                 try:
-                    with _task_faults():
+                    with _task_errors():
                         yield future.result()
                 except WorkerDied as died:
                     yield died.outcome(job)
@@ -63,22 +77,22 @@ def bake_on_cluster(
 
 @contextmanager
 def interval_solver(address: str) -> Iterator[IntervalSolver]:
-    """Have one plant's intervals solved by a cluster. Raises InputError as `bake_on_cluster`."""
+    """A solver of one plant's intervals on a cluster. Raises InputError as `bake_on_cluster`."""
     with _connected(address) as client:
         yield partial(_solve, client)
 
 
 def versions() -> dict[str, str]:
-    """Of this program and its packages, by name."""
+    """The versions of this program and of its packages, by name."""
     program, packages = software().values()
     return {program["name"]: program["version"], **packages, "distributed": version("distributed")}
 
 
 @dataclass(frozen=True)
 class Checked:
-    """A task, done by workers that have the versions of here; others raise InputError.
+    """A task that raises InputError on workers that have other versions than this process.
 
-    Each task checks it, as workers come and go.
+    Every task checks, since workers may join at any time.
     """
 
     function: Callable[[Any], Any]
@@ -103,14 +117,14 @@ def _solve(
     def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
         return client.get_executor(pure=False).map(Checked(function), jobs)
 
-    with _task_faults():
+    with _task_errors():
         yield from solve_by(map_on_cluster, jobs, report_progress)
 
 
 def _solve_from_worker(
     jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    """While a task waits for others, its worker takes some of them."""
+    """Solve intervals as further tasks; while this task waits, its worker runs some of them."""
     from distributed import worker_client
 
     with worker_client() as client:
@@ -118,8 +132,8 @@ def _solve_from_worker(
 
 
 @contextmanager
-def _task_faults() -> Iterator[None]:
-    """What dask raises about a task, in a sentence."""
+def _task_errors() -> Iterator[None]:
+    """Turn exceptions of dask about a task into ours, with a sentence for the user."""
     from distributed import KilledWorker
 
     try:
@@ -147,16 +161,16 @@ def _connected(address: str) -> Iterator["Client"]:
             "--cluster needs dask.distributed, which is not installed: "
             'pip install "plant-growth-clips[cluster]"'
         ) from None
-    for log in LOGS:  # what goes wrong is reported in our own words
+    for log in LOGS:  # errors are raised as InputError instead
         logging.getLogger(log).setLevel(logging.CRITICAL)
-    place = {"scheduler_file" if Path(address).is_file() else "address": address}
+    scheduler = {"scheduler_file" if Path(address).is_file() else "address": address}
     with dask.config.set(CONFIG):
         try:
-            client = distributed.Client(**place, timeout=PATIENCE, set_as_default=False)
+            client = distributed.Client(**scheduler, timeout=TIMEOUT, set_as_default=False)
         except (OSError, ValueError) as error:
             reason = str(error).strip().partition("\n")[0] or type(error).__name__
             raise InputError(
-                f"--cluster {address}: no scheduler answers there within {PATIENCE} s; is it "
+                f"--cluster {address}: no scheduler answers there within {TIMEOUT} s; is it "
                 f"running, and is that its address? ({reason})"
             ) from None
         with client:

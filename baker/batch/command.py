@@ -1,8 +1,8 @@
-"""The work of the command `bake`: a list of what would be baked, one plant or many."""
+"""Run the command `bake`: list what would be baked, or bake one plant or many."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, suppress
-from functools import cache
+from functools import cache as once
 from pathlib import Path
 from shutil import rmtree
 from threading import Event
@@ -11,7 +11,7 @@ from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
 from baker.batch.listing import finding_lines, list_plants
-from baker.batch.outputs import Outputs, check_apart, check_cache, check_output
+from baker.batch.outputs import Outputs, check_cache, check_not_input, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
@@ -25,21 +25,23 @@ from baker.transport.compile import compile_kernels
 from gclip.corrections import corrections_file
 from traits.plants import write_traits
 
-MIN_BYTES_TO_KEEP = 64 * 2**20  # of scans, from which on a bake takes minutes
+MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and keeps its intervals
 
 
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake what the inputs are; returns the exit code.
+    """List or bake the inputs; returns the exit code.
 
-    output: the name after -o as it was typed, as a slash at its end means a folder.
+    output: the argument of -o as it was typed, since a slash at its end means a folder.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
     plants = find_plants(inputs, output)
     if outputs.traits is not None:
-        check_apart(outputs.traits, [*(plants.values() or inputs), *filter(None, [options.times])])
+        check_not_input(
+            outputs.traits, [*(plants.values() or inputs), *filter(None, [options.times])]
+        )
     if list_only:
         list_plants(plants, inputs, options, outputs.quiet)
     elif plants:
@@ -50,18 +52,19 @@ def run(
 
 
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
-    """Bake one plant, write what is wanted and print a summary.
+    """Bake one plant, write its outputs and print a summary.
 
-    Raises UserError before the work where an output can't be written, or is there already and
-    `outputs` do not force it; else for what the scans or options lack.
+    Raises UserError: before it starts, if an output can't be written, or exists and may not be
+    replaced; later, if the scans or options are wrong.
     """
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
     check_cache(outputs)
-    begun = outputs.clip.with_name(f".{outputs.clip.name}.begun")
-    folder = outputs.cache or (begun if _size(inputs) >= MIN_BYTES_TO_KEEP else None)
-    kept_in = Cache(folder) if folder else None
+    temporary_cache = outputs.clip.with_name(f".{outputs.clip.name}.begun")
+    is_large = _bytes_of(inputs) >= MIN_BYTES_TO_CACHE
+    folder = outputs.cache or (temporary_cache if is_large else None)
+    cache = Cache(folder) if folder else None
     remarks: list[str | None] = []
     if (corrected := with_corrections(options, outputs.clip)) is not options:
         remarks.append(f"corrections: {corrections_file(outputs.clip)}")
@@ -70,7 +73,7 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
         surveyed = Event()
 
-        def tell(done: int, total: int) -> None:
+        def report_compiling(done: int, total: int) -> None:
             if surveyed.is_set():
                 progress("compiling the solver, once", done, total)
 
@@ -78,40 +81,40 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
             for line in finding_lines(findings):
                 progress.say(line)
             surveyed.set()
-            remarks.extend(compiling())
+            remarks.extend(start_compiling())
 
-        beside = stack.enter_context(thread_map(2))
+        background = stack.enter_context(thread_map(2))
 
-        @cache
-        def compiling() -> Iterable[str | None]:
-            return beside(compile_kernels, [tell] if is_compiled else [])
+        @once
+        def start_compiling() -> Iterable[str | None]:
+            return background(compile_kernels, [report_compiling] if is_compiled else [])
 
         def report(stage: str, done: int, total: int) -> None:
-            if stage == "aligning":  # all scans are sound: meanwhile the solver's code is read
-                compiling()
+            if stage == "aligning":  # all scans could be read: load or compile the solver meanwhile
+                start_compiling()
             progress(stage, done, total)
 
         solve = stack.enter_context(interval_solver(outputs.cluster)) if outputs.cluster else None
-        clip, errors = bake_into(outputs, inputs, options, kept_in, solve, report, announce)
-        rmtree(begun, ignore_errors=True)
+        clip, errors = bake_into(outputs, inputs, options, cache, solve, report, announce)
+        rmtree(temporary_cache, ignore_errors=True)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     notes = clip.provenance["notes"] if outputs.verbose else []
-    kept = kept_in.summary() if kept_in and (outputs.cache or kept_in.found) else ""
+    cached = cache.summary() if cache and (outputs.cache or cache.found) else ""
     lines = [*notes, *filter(None, remarks)]
-    lines += summary_lines(clip, outputs.clip, progress.seconds, kept, outputs.verbose)
+    lines += summary_lines(clip, outputs.clip, progress.seconds, cached, outputs.verbose)
     lines += error_lines(errors, clip.unit) if errors else []
     written = {"report": outputs.report, "traits": outputs.traits}
-    lines += [f"{what}: {path}" for what, path in written.items() if path is not None]
+    lines += [f"{kind}: {path}" for kind, path in written.items() if path is not None]
     for line in [*lines, verdict_line(clip, outputs.clip)]:
         progress.say(line)
 
 
-def _size(inputs: Sequence[Path]) -> int:
-    """Bytes of the scans."""
+def _bytes_of(inputs: Sequence[Path]) -> int:
+    """The size of the scans' files."""
     size = 0
-    with suppress(OSError):  # reading them will say what is wrong
-        for given in inputs:
-            files = given.iterdir() if given.is_dir() else [given]
-            size += sum(path.stat().st_size for path in files if path.is_file())
+    with suppress(OSError):  # which reading the scans reports
+        for path in inputs:
+            files = path.iterdir() if path.is_dir() else [path]
+            size += sum(file.stat().st_size for file in files if file.is_file())
     return size

@@ -1,4 +1,4 @@
-"""What will be baked, as `bake --list` and the first lines of every bake tell it."""
+"""List the scans and findings of plants, for `bake --list` and the first lines of every bake."""
 
 import sys
 import textwrap
@@ -15,16 +15,16 @@ from baker.scans import Finding, Scan
 from baker.scans.scan import TOPICS
 from gclip.text import Lossy, printable
 
-UNWRAPPED = 10**6  # columns of what is no terminal
+UNWRAPPED = 10**6  # width of lines that are not printed to a terminal
 
 
 def list_plants(
     plants: Mapping[str, Path], inputs: Sequence[Path], options: Options, quiet: bool = False
 ) -> None:
-    """Print for each plant what a bake would bake, and what it would decide by itself.
+    """Print the scans of each plant, and what a bake would decide about them.
 
-    plants: many plants; empty where the `inputs` are one plant's. A plant that can't be read is
-    listed with the reason why.
+    plants: folders by name; empty if the `inputs` are of one plant. If one of many plants can't be
+    read, the reason is listed instead.
     """
     for name, folder in plants.items():
         try:
@@ -37,14 +37,14 @@ def list_plants(
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
-    """A line a finding: its topic, "sure" or "look at this", and what was found.
+    """Format findings as lines: topic, "sure" or "look at this", and what was found.
 
-    On a terminal a long line is wrapped, its continuation indented.
+    On a terminal, long lines are wrapped and indented.
     """
     width, lines = get_terminal_size((UNWRAPPED, 0)).columns, []
-    for one in sorted(findings, key=lambda finding: TOPICS.index(finding.topic)):
-        text = printable(f"{one.found}: {one.remark}" if one.doubt else one.found)
-        head = f"{one.topic:<8}{'look at this' if one.doubt else 'sure':<14}"
+    for each in sorted(findings, key=lambda finding: TOPICS.index(finding.topic)):
+        text = printable(f"{each.found}: {each.remark}" if each.doubt else each.found)
+        head = f"{each.topic:<8}{'look at this' if each.doubt else 'sure':<14}"
         lines += textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
     return lines
 
@@ -56,7 +56,7 @@ def _survey_lines(inputs: Sequence[Path], options: Options, quiet: bool) -> list
 
 
 def _scan_lines(scans: Iterable[Scan]) -> list[str]:
-    """A line a scan: its time, its name and its number of points."""
+    """Format scans as aligned lines: time, name and number of points."""
     rows = [(scan.date, printable(scan.name), f"{len(scan):,} points") for scan in scans]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [f"{d:<{widths[0]}}  {n:<{widths[1]}}  {p:>{widths[2]}}" for d, n, p in rows]

@@ -1,4 +1,4 @@
-"""What a bake writes, and whether it can be written."""
+"""The output files of a bake, and checks whether they can be written."""
 
 import os
 from collections.abc import Iterable
@@ -11,18 +11,15 @@ from gclip.terminal import atomic
 
 
 def parse_folder(text: str) -> Path:
-    """Not the folder one happens to be in, where a variable of the shell was empty."""
-    if not text:
+    """The argument of --cache as a path."""
+    if not text:  # an empty shell variable, which would mean the working directory
         raise InputError("--cache has no name of a folder.")
     return Path(text)
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """What to write, and how, in the words of `bake --help`.
-
-    Without a cache long bakes keep their intervals beside the clip until that is written.
-    """
+    """What to write, and how; the fields other than `clip` are options of `bake`."""
 
     clip: Path  # the file; of many plants the folder of their clips
     report: Path | None = option(
@@ -45,25 +42,28 @@ class Outputs:
     verbose: bool = option(False, "Say what was found in each scan.", short=["-v"])
 
 
-def check_output(path: Path | None, force: bool, what: str, *suffixes: str) -> None:
-    """Raise UserError where a file, if it is wanted, can't be written or would be overwritten."""
+def check_output(path: Path | None, force: bool, kind: str, *suffixes: str) -> None:
+    """Raise UserError if a file has a wrong suffix, can't be written or would be overwritten.
+
+    kind: what the file is, for the message: "a clip".
+    """
     if path is None:
         return
     if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path}: the name of {what} ends in {suffixes[0]}.")
+        raise InputError(f"{path}: the name of {kind} ends in {suffixes[0]}.")
     atomic.check_output(path, force)
 
 
-def check_apart(table: Path, inputs: Iterable[Path]) -> None:
-    """Raise InputError where a table would replace an input, or be a scan of the next bake."""
-    for given in inputs:
-        place = table.parent if given.is_dir() else table
-        if place.exists() and given.exists() and place.samefile(given):
+def check_not_input(table: Path, inputs: Iterable[Path]) -> None:
+    """Raise InputError if a table would replace an input, or be in a folder of scans."""
+    for path in inputs:
+        same = table.parent if path.is_dir() else table
+        if same.exists() and path.exists() and same.samefile(path):
             raise InputError(f"{table} is among the inputs; write it elsewhere.")
 
 
 def check_cache(outputs: Outputs) -> None:
-    """Raise InputError where the cache's folder would stand where a file is to be written."""
+    """Raise InputError if the cache's folder is, or is in, the path of an output file."""
     if outputs.cache is None:
         return
     folder = Path(os.path.realpath(outputs.cache))  # resolve() fails where links form a loop

@@ -1,4 +1,4 @@
-"""Worker processes that may die one by one."""
+"""A pool of worker processes in which a killed worker loses only its own task."""
 
 import os
 import signal
@@ -12,10 +12,10 @@ from multiprocessing.connection import Connection
 from threading import Thread
 from typing import Any
 
-PATIENCE = 5.0  # seconds that a task has to end once its parent has
-PATIENCE_OF_PARENT = 20.0  # the same where the parent ends it, on a machine that may be busy
+ORPHAN_TIMEOUT = 5.0  # seconds that a task may take to end once the parent process has ended
+TERM_TIMEOUT = 20.0  # the same once the parent process terminates it, on a machine that may be busy
 PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
-# With a fork server, processes are forked from one that has our libraries and no threads.
+# A fork server forks workers from a process that has loaded our libraries and has no threads.
 START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
 Submit = Callable[..., "Future[Any]"]
@@ -24,15 +24,17 @@ Submit = Callable[..., "Future[Any]"]
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[Submit]:
-    """Worker processes to submit tasks to; one that is killed takes only its own task with it.
+    """Start worker processes; yields the function that submits tasks to them.
 
-    They are not forked from this process, whose threads may hold locks. They leave Ctrl-C to this
-    process and end with it, however it ends. Leaving the context by an exception ends their tasks
-    by one, too, so that half-written files are removed. What travels has to be picklable.
+    If a worker is killed, its future raises `pebble.ProcessExpired` and a new worker is started.
+    The workers are not forked from this process, whose threads may hold locks. They ignore Ctrl-C
+    and end with this process, in whatever way. If the context is left by an exception, SystemExit
+    is raised in their tasks, so that half-written files are removed. Functions, arguments and
+    results are pickled.
     """
     from pebble import CONSTS, ProcessPool
 
-    patience, CONSTS.term_timeout = CONSTS.term_timeout, PATIENCE_OF_PARENT
+    term_timeout, CONSTS.term_timeout = CONSTS.term_timeout, TERM_TIMEOUT
     _start_fork_server()
     context = get_context(START_METHOD)
     reader, writer = context.Pipe(duplex=False)
@@ -41,34 +43,34 @@ def process_pool(workers: int) -> Iterator[Submit]:
         yield lambda function, *arguments: pool.schedule(_run, [function, *arguments])
         pool.close()
     except BaseException:
-        for _ in range(workers):  # one that is still starting would end with a traceback
-            if reader.poll(PATIENCE / workers):
+        for _ in range(workers):  # a worker stopped while it starts would print a traceback
+            if reader.poll(ORPHAN_TIMEOUT / workers):
                 reader.recv()
         pool.stop()
         raise
     finally:
         pool.join()
-        CONSTS.term_timeout = patience
+        CONSTS.term_timeout = term_timeout
 
 
 def _start_fork_server() -> None:
-    """Start it before it is needed: it loads libraries meanwhile."""
+    """Start the fork server before it is needed, so that it loads libraries meanwhile."""
     if START_METHOD != "forkserver":
         return
     from multiprocessing import forkserver, resource_tracker, set_forkserver_preload
 
     set_forkserver_preload(PRELOADED)
-    resource_tracker.ensure_running()  # not later: it lets Ctrl-C through
-    # It and all its children inherit that Ctrl-C, which reaches all, is for this process to decide.
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    resource_tracker.ensure_running()  # before SIGINT is blocked, since starting it unblocks it
+    # The fork server and its children inherit the mask: only this process reacts to Ctrl-C.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         forkserver.ensure_running()
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _follow_parent(started: Connection) -> None:
-    """In a worker: end with the parent, and when the parent terminates it."""
+    """Run in a worker as it starts: make it end with the parent process, or when terminated."""
     signal.signal(signal.SIGTERM, _end_task)
     started.send(True)
 
@@ -77,14 +79,14 @@ def _follow_parent(started: Connection) -> None:
         assert parent is not None
         parent.join()
         os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(PATIENCE)
+        time.sleep(ORPHAN_TIMEOUT)
         os._exit(1)
 
     Thread(target=end_with_parent, daemon=True).start()
 
 
 def _run(function: Callable[..., Any], *arguments: Any) -> Any:
-    """A task. If it is ended the process ends with it, and begins none of those that wait."""
+    """Run a task in a worker; if it is terminated, end the process, which starts no other task."""
     try:
         return function(*arguments)
     except SystemExit:

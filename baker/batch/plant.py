@@ -1,4 +1,4 @@
-"""One plant: baked and written, here or in a worker, where it is one of many."""
+"""Bake one plant and write its outputs, in this process or in a worker."""
 
 import io
 import json
@@ -31,34 +31,34 @@ from traits.table import Namer, measure_days, provenance, write_table
 
 @dataclass(frozen=True)
 class PlantJob:
-    """One plant of many, to bake in a worker."""
+    """One plant of many that a worker bakes."""
 
     name: str
     folder: Path  # of its scans
     options: Options
-    outputs: Outputs  # the plant's own
-    known: tuple[str, str] | None = None  # `provenance` of the traits there are already
+    outputs: Outputs  # of this plant
+    known: tuple[str, str] | None = None  # `provenance` of its traits in an existing table
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a plant's bake went."""
+    """The result of one plant's bake."""
 
     name: str
     state: Literal["baked", "unchanged", "failed"]
     scans: int = 0
     tracks: int = 0
     points: int = 0  # of all scans
-    seconds: float = 0.0  # of wall clock, all in all
+    seconds: float = 0.0  # wall clock time
     code: int = 0  # 0, or the exit code of the failure in `error`
     error: str = ""
-    traits: str = ""  # rows of the table; empty where not wanted, or known already
-    notes: tuple[str, ...] = ()  # what was decided and found
+    traits: str = ""  # rows of the table; "" where not wanted, or known already
+    notes: tuple[str, ...] = ()  # decisions and notes of the clip's provenance
     looks: str = ""  # "7 of 8 intervals look right"
 
 
 class WorkerDied(RuntimeError):
-    """A worker process was killed by its task, most likely for want of memory."""
+    """A worker process was killed during a task, most likely because memory ran out."""
 
     def __init__(self, times: int) -> None:
         super().__init__(
@@ -72,11 +72,11 @@ class WorkerDied(RuntimeError):
 
 
 def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
-    """Bake one plant, or find that its clip is up to date. What goes wrong is in the outcome.
+    """Bake one plant unless its clip is up to date. Exceptions are returned in the outcome.
 
-    solve: how its intervals are solved, by default threads of this process.
+    solve: the solver of its intervals, by default threads of this process.
     """
-    began, outputs = time.perf_counter(), job.outputs
+    start, outputs = time.perf_counter(), job.outputs
     try:
         job = replace(job, options=with_corrections(job.options, outputs.clip))
         clip = None if outputs.force else current_clip(job)
@@ -91,16 +91,16 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         code, sentence = verdict(error)
         if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
             traceback.print_exc()
-        seconds = time.perf_counter() - began
+        seconds = time.perf_counter() - start
         return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
-    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old have none
+    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old versions have none
     return Outcome(
         job.name,
         state,
         scans=len(clip.scans),
         tracks=len(clip.track_table),
         points=sum(scan.points for scan in clip.scans),
-        seconds=time.perf_counter() - began,
+        seconds=time.perf_counter() - start,
         traits=table.getvalue().partition("\n")[2],
         notes=(*clip.provenance["decisions"], *clip.provenance["notes"], line),
         looks=line.partition(";")[0].rstrip("."),
@@ -108,11 +108,11 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
 
 
 def with_corrections(options: Options, clip: Path) -> Options:
-    """The options with the corrections that lie beside the clip, where they name none."""
-    beside = corrections_file(clip)
-    if options.corrections is not None or not os.path.lexists(beside):
+    """Add the corrections in the file next to the clip, unless the options have corrections."""
+    file = corrections_file(clip)
+    if options.corrections is not None or not os.path.lexists(file):
         return options
-    return replace(options, corrections=parse_corrections(str(beside)))
+    return replace(options, corrections=parse_corrections(str(file)))
 
 
 def bake_into(
@@ -124,20 +124,20 @@ def bake_into(
     progress: Progress = lambda stage, done, total: None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
-    """Bake a plant and write its clip, and its report; see `baker.pipeline.bake_recorded`."""
+    """Bake a plant, write its clip and report, and verify it; see `bake_recorded`."""
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         solve = cache.kept_intervals(solve)
-    clip, record = bake_recorded(inputs, options, progress, solve, announce=announce)
+    clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip)
     progress("writing", 1, 1)
-    errors = verify(clip, record, progress)
+    errors = verify(clip, survey, progress)
     if outputs.report is not None:
         write_report(
             outputs.report,
             clip,
-            record,
+            survey,
             errors,
             title=outputs.clip.name,
             workers=options.workers,
@@ -147,16 +147,16 @@ def bake_into(
 
 
 def current_clip(job: PlantJob) -> Clip | None:
-    """The job's clip if it is whole and what a bake would give, else None.
+    """Read the job's clip if it is complete and up to date, else None.
 
-    The clip itself says what it was made of. It is current if the program and its packages have the
-    same versions, the options are the same, and so are the scans: their names, order, times and the
-    digests of their bytes. Raises InputError where the folder holds no series of scans.
+    It is up to date if its provenance names the same versions of the program and its packages, the
+    same options and the same scans: names, order, times and digests. Raises InputError where the
+    folder holds no series of scans.
     """
     path, report = job.outputs.clip, job.outputs.report
     if not path.exists() or (report and not report.exists()):
         return None
-    if report and report.stat().st_mtime < path.stat().st_mtime:  # stopped between the two
+    if report and report.stat().st_mtime < path.stat().st_mtime:  # the bake ended before the report
         return None
     try:
         clip = gclip.open(path)

@@ -1,4 +1,4 @@
-"""Which plants a user means: a folder of scans is one plant."""
+"""Find the plants among the inputs of `bake`: a folder of scans is one plant."""
 
 import os
 from collections.abc import Sequence
@@ -11,14 +11,26 @@ from baker.scans.times.schedule import natural_key
 
 
 def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
-    """The folders of the plants to bake into the folder `output`, by their own names, in the order
-    given; none where the inputs are the scans of one plant, to be baked into one clip.
+    """Find the plants to bake, if the inputs are more than one plant.
 
-    Several folders are a plant each; so are the folders in a folder that holds no scans itself.
-    The folder of the clips is no plant, though a pattern such as */ may name it. Without an output,
-    nothing is required of one.
+    Several folders are one plant each, and so are the folders in a folder without scans. The folder
+    of the clips, which a pattern such as */ may include, is not a plant.
 
-    Raises InputError: files among folders, two plants of one name, or an output that doesn't fit.
+    Parameters
+    ----------
+    inputs : sequence of Path
+    output : str
+        The argument of -o: the folder of the clips, or "" where nothing is written.
+
+    Returns
+    -------
+    dict of str to Path
+        Folders by name, in the order given; empty if the inputs are the scans of one plant.
+
+    Raises
+    ------
+    InputError
+        If there are files among folders, or two plants of one name, or the output is not a folder.
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders and not names_folder(output):
@@ -59,7 +71,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
 
 
 def names_folder(output: str) -> bool:
-    """Whether -o means a folder: one that is there, or a name that ends as a folder's does."""
+    """Whether the argument of -o is a folder: it exists, or the name ends in a slash."""
     return bool(output) and (output.endswith(("/", os.sep)) or Path(output).is_dir())
 
 
@@ -68,10 +80,9 @@ def _is_plant(folder: Path) -> bool:
 
 
 def _may_be_plant(folder: Path) -> bool:
-    """A folder that can't be read is one, whose bake fails and says why; the others' don't."""
     try:
         return _is_plant(folder)
-    except InputError:
+    except InputError:  # the folder can't be read; its bake will fail and say why
         return True
 
 
@@ -80,5 +91,5 @@ def _plants_below(greenhouse: Path) -> list[Path]:
         below = [path for path in greenhouse.iterdir() if path.is_dir()]
     below = [path for path in below if not path.name.startswith(".") and _may_be_plant(path)]
     if not below:
-        find_scans([greenhouse])  # says what is missing
+        find_scans([greenhouse])  # raises an InputError that says what is missing
     return sorted(below, key=lambda path: natural_key(path.name))

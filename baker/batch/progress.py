@@ -1,4 +1,4 @@
-"""How a bake reports its progress: stage by stage, or plant by plant."""
+"""Show the progress of a bake in the terminal, stage by stage or plant by plant."""
 
 import time
 from typing import Any
@@ -7,9 +7,9 @@ from gclip.terminal.progress import ProgressBars
 
 
 class StageProgress(ProgressBars):
-    """The `progress` callable of `bake`: shows its stages one after the other.
+    """The `progress` callable of `bake`, which shows the stages one after the other.
 
-    `seconds` maps finished stages to durations.
+    seconds: stage -> duration, of the stages that are finished.
     """
 
     def __init__(self, quiet: bool = False) -> None:

@@ -18,7 +18,7 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
-from gclip.pack import Movers, raised
+from gclip.pack import Movers, elevate_degree
 
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]
@@ -71,7 +71,7 @@ def moving(
 
 def shifted(moved: OrganMovers, shift: Floats) -> OrganMovers:
     """Movers, on curves of degree 2 at most, that are shifted by (M, 3) at mid-interval."""
-    origin, control, target = raised(moved.movers.curve, 2)
+    origin, control, target = elevate_degree(moved.movers.curve, 2)
     # The control point counts half there.
     curve = (origin, (control + 2.0 * shift).astype(np.float32), target)
     return replace(moved, movers=replace(moved.movers, curve=curve))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from baker.geometry.parallel import MapLike
 from gclip.evaluate import bernstein
 from gclip.morton import morton_order
-from gclip.pack import Movers, raised
+from gclip.pack import Movers, elevate_degree
 
 if TYPE_CHECKING:
     from baker.interpolation.movers import OrganMovers
@@ -80,7 +80,7 @@ def _filled(task: OrganMovers, density: float) -> Movers:
     def extended(values: Array, shift: Floats | int = 0) -> Array:
         return np.concatenate([values, values.take(own, axis=0) + shift], dtype=values.dtype)
 
-    start, *control, end = raised(movers.curve, degree)
+    start, *control, end = elevate_degree(movers.curve, degree)
     names = ("start_colors", "end_colors", "normals")
     optional: dict[str, Any] = {
         n: getattr(movers, n) for n in names if getattr(movers, n) is not None

@@ -1,4 +1,4 @@
-"""The report of a bake: one HTML file for a researcher, which opens anywhere, offline."""
+"""The report of a bake: one self-contained HTML file."""
 
 from baker.report.page import write_report
 

@@ -1,4 +1,4 @@
-"""The report's page: everything gathered, laid out by the template, written in one step."""
+"""Write the report of a bake: gather its contents and fill in the HTML template."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -18,66 +18,69 @@ from baker.report.pictures import (
     take_pictures,
 )
 from baker.report.verification import HoldoutError, overall
-from baker.verdict.doubt import between, command_for, doubts_in, grouped, headline
+from baker.verdict.doubt import command_for, doubts_in, group_by_interval, headline, interval_dates
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, writing
 from gclip.text import printable
 from traits.curves import TraitCurve, plotted, trait_curves
 
-MAX_TICKS = 5  # of the growth curves' axis, above 0
-MAX_CURVES = 40  # of the largest organs: nobody could tell more lines apart
+MAX_TICKS = 5  # above 0, of the axis of growth curves
+MAX_CURVES = 40  # of a chart: nobody could tell more lines apart
 
 
 def write_report(
     path: str | os.PathLike[str],
     clip: Clip,
-    record: Survey,
+    survey: Survey,
     errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",
     workers: int = 0,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> None:
-    """Write the report of a bake, one self-contained HTML file; whole or not at all.
+    """Write the report of a bake as one self-contained HTML file, or no file if that fails.
+
+    Where the player can't render pictures, the report says so.
 
     Parameters
     ----------
     path : path-like
-    clip, record
-        As `bake_recorded` returns them.
+    clip : gclip.Clip
+    survey : Survey
+        Of the clip's bake.
     errors : sequence of HoldoutError
-        Of `verify`.
+        As `verify` returns them.
     title : str
-        What the page is called: the clip's name.
+        Title of the page, such as the clip's file name.
     workers : int
-        Cores to use; 0 takes all.
+        Number of cores to use, 0 for all.
     report_progress : callable, optional
-        Called with a stage's name, the steps done and the steps in all.
+        Called with the name of a stage, the steps done and their total.
 
     Raises
     ------
     UserError
-        Where the file can't be written. Where the player can't draw, the report says so.
+        If the file can't be written.
     """
-    title, doubts = printable(title), doubts_in(clip)  # the name of a file need not be UTF-8
-    by_interval = grouped(doubts)
+    title, doubts = printable(title), doubts_in(clip)  # a file name may not be valid UTF-8
+    by_interval = group_by_interval(doubts)
     report_progress("report", 0, 1)
     with writing(Path(path)), atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
-        with ThreadPoolExecutor(1) as beside:  # the players are processes of their own
-            measured = beside.submit(trait_curves, clip, largest_organs(clip))
+        with ThreadPoolExecutor(1) as executor:  # while other processes render
+            measuring = executor.submit(trait_curves, clip, largest_organs(clip))
             try:
                 pictures = take_pictures(clip, by_interval, part.parent, workers)
             except NoPicture as error:
                 no_pictures = str(error)
-        found = measured.result()
-        curves = {trait: [one for one in found if one.trait == trait] for trait in plotted(clip)}
+        measured = measuring.result()
+        curves = {trait: [c for c in measured if c.trait == trait] for trait in plotted(clip)}
         page = _template().render(
             title=title,
             clip=clip,
-            record=record,
+            survey=survey,
             headline=headline(clip, doubts),
-            doubts=[(between(clip, own[0]), own) for own in by_interval],
+            doubts=[(interval_dates(clip, group[0]), group) for group in by_interval],
             command=partial(command_for, path=title),
             pictures=pictures,
             pictured=MAX_DOUBTS_PICTURED,
@@ -85,8 +88,8 @@ def write_report(
             shown=scans_pictured(clip),
             curves=curves["length"],
             charts=[
-                (trait, sorted(own, key=lambda one: -one.values[-1]), ticks(own))
-                for trait, own in curves.items()
+                (trait, sorted(of_trait, key=lambda curve: -curve.values[-1]), ticks(of_trait))
+                for trait, of_trait in curves.items()
                 if trait not in ("area", "angle")
             ],
             errors=errors,
@@ -101,7 +104,7 @@ def write_report(
 
 
 def largest_organs(clip: Clip) -> list[int]:
-    """Track ids of the organs whose curves are drawn: those of the most points."""
+    """Track ids of the `MAX_CURVES` organs with the most points."""
     sizes = dict.fromkeys(range(len(clip.track_table)), 0)
     for pair in (pair for interval in clip.intervals for pair in interval.segments):
         sizes[pair.track] = max(sizes[pair.track], pair.start_points, pair.end_points)
@@ -109,11 +112,11 @@ def largest_organs(clip: Clip) -> list[int]:
 
 
 def ticks(curves: Sequence[TraitCurve]) -> list[float]:
-    """Round values below and above all of some curves, for the axis of their chart."""
+    """Round values for the axis of a chart, from below to above all of its curves."""
     low = min((curve.bottom for curve in curves), default=0.0)
     high = max((curve.top for curve in curves), default=1.0)
     high = high if high > low else low + (abs(low) or 1.0)
-    step = round_length(2.5 * (high - low) / MAX_TICKS)  # rounding may more than halve it
+    step = round_length(2.5 * (high - low) / MAX_TICKS)  # rounds down by a factor of up to 2.5
     return [step * k for k in range(floor(low / step), ceil(high / step) + 1)]
 
 
@@ -129,10 +132,10 @@ def _template() -> Any:
 
 
 def _significant(number: float) -> str:
-    """A number as people read it: three digits that matter, no more."""
+    """Format a number with three significant digits, or with none after the point."""
     return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
 
 
 def _sentence(note: str) -> str:
-    """A note with a capital letter before it and a full stop after it."""
+    """Make a note a sentence: with a capital letter and a full stop."""
     return note[:1].upper() + note[1:] + ("" if note.endswith((".", "!", "?")) else ".")

@@ -1,12 +1,12 @@
-"""What a finished bake says in the terminal: one short table."""
+"""Summarise a finished bake for the terminal in a short table."""
 
 from collections import Counter
 from pathlib import Path
 
-from baker.verdict.doubt import command_for, doubts_in, grouped
+from baker.verdict.doubt import command_for, doubts_in, group_by_interval
 from gclip import Clip
 
-VISIBLE_ERROR = 0.01  # marginal error of a transport plan, above which the film is worth a warning
+VISIBLE_ERROR = 0.01  # marginal error of a transport plan above which the summary warns
 
 
 def summary_lines(
@@ -16,23 +16,19 @@ def summary_lines(
     cached: str = "",
     verbose: bool = False,
 ) -> list[str]:
-    """What was baked, for the terminal.
+    """Summarise a clip in aligned lines of text.
 
     Parameters
     ----------
     clip : gclip.Clip
     path : Path
-        Of the clip's file.
+        The clip's file.
     seconds : dict of str to float
-        What each stage took.
+        Duration of each stage.
     cached : str
-        How many intervals came from a cache; empty where there is none.
+        How many intervals came from a cache, "" where there is none.
     verbose : bool
-        Also what the transport and each stage did.
-
-    Returns
-    -------
-    list of str
+        Add details of the transport and of the stages.
     """
     pairs = [pair for interval in clip.intervals for pair in interval.segments]
     events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)
@@ -45,7 +41,7 @@ def summary_lines(
         "organs": f"{len(clip.track_table)}; {born}",
         "up": clip.up,
     }
-    if inexact:  # half of the L1 distance is what goes astray
+    if inexact:  # half of the marginals' L1 error is the mass that is moved to a wrong place
         rows["transport"] = (
             f"inexact for {inexact} of {len(pairs)} segment pairs: up to {50 * worst:.0f}% of a "
             "segment's points may move to a wrong place"
@@ -65,7 +61,7 @@ def summary_lines(
 
 
 def verdict_line(clip: Clip, path: Path) -> str:
-    """Which intervals look right, and how to look at the most doubtful one."""
-    line, doubts = clip.provenance["verdict"]["line"], grouped(doubts_in(clip))
-    look = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
-    return str(line + look)
+    """The verdict, and the command that shows the most doubtful interval."""
+    line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_in(clip))
+    command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
+    return str(line + command)

@@ -1,7 +1,7 @@
-"""Verification by leaving scans out (paper section 4 and its Figure 13).
+"""Verify a clip against scans that were left out of it (section 4 of the paper, Figure 13).
 
-At the time of each scan left out the clip is compared with it, both ways, in the scans' own unit.
-The paper gives such distances as shares of the longest side of the box around all scans.
+Distances are in the unit of the scans. The paper gives them relative to the longest side of the
+bounding box of all scans.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from gclip import Clip
 
 
 class Distances(NamedTuple):
-    """From each point of one cloud to the nearest of another."""
+    """Statistics of the distances from the points of one cloud to the nearest of another."""
 
     mean: float
     deviation: float
@@ -30,18 +30,18 @@ class Distances(NamedTuple):
 
 @dataclass(frozen=True)
 class HoldoutError:
-    """The distance of the clip from a scan that it was baked without; lengths in the clip's unit.
+    """The distances between a clip and a scan that was left out of it, in the clip's unit.
 
-    Errors below about half of the `spacing` only say that both are samples of a surface.
+    Two samples of the same surface have mean distances of about half the `spacing`.
     """
 
     name: str
     date: str
     time: float
-    points: int  #: of the scan
+    points: int  #: number of points of the scan
     spacing: float  #: median distance between neighbouring points of the scan
-    reconstruction_to_scan: Distances  #: small where nothing was made up
-    scan_to_reconstruction: Distances  #: small where nothing is missing
+    reconstruction_to_scan: Distances  #: large where the clip has points that the scan has not
+    scan_to_reconstruction: Distances  #: large where the clip lacks points of the scan
 
     @property
     def both(self) -> tuple[Distances, Distances]:
@@ -51,23 +51,23 @@ class HoldoutError:
 
 def verify(
     clip: Clip,
-    record: Survey,
+    survey: Survey,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
-    """Compare a clip with the scans that were held out of it.
+    """Compare a clip with the scans that were left out of it.
 
     Parameters
     ----------
     clip : gclip.Clip
-    record : Survey
-        Of its bake.
+    survey : Survey
+        Of the clip's bake.
     report_progress : callable, optional
-        Called with "verification", the scans compared and the scans in all.
+        Called with "verification", the number of scans compared and their total.
 
     Returns
     -------
     list of HoldoutError
-        One for each scan that was held out.
+        One for each scan left out.
 
     References
     ----------
@@ -76,26 +76,26 @@ def verify(
     from scipy.spatial import KDTree
 
     errors = []
-    for number, held in enumerate(record.held_out, 1):
-        points, film = held.positions, clip.at(held.time).local
-        sizes = len(points), point_spacing(points)
-        pairs = ((points, film), (film, points))
-        both = [Distances.of(KDTree(to).query(found)[0]) for to, found in pairs]
+    for number, held in enumerate(survey.held_out, 1):
+        scan, reconstruction = held.positions, clip.at(held.time).local
+        pairs = ((scan, reconstruction), (reconstruction, scan))
+        both = [Distances.of(KDTree(target).query(source)[0]) for target, source in pairs]
+        sizes = len(scan), point_spacing(scan)
         errors.append(HoldoutError(held.name, held.date, held.time, *sizes, *both))
-        report_progress("verification", number, len(record.held_out))
+        report_progress("verification", number, len(survey.held_out))
     return errors
 
 
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
-    """Mean of the means, mean of the deviations and largest of the maxima, both ways."""
-    each = np.array([error.both for error in errors])  # (errors, 2 directions, 3 figures)
-    every = np.concatenate([each[..., :2].mean(axis=0), each[..., 2:].max(axis=0)], axis=1)
-    to_scan, to_reconstruction = every.tolist()
+    """Mean of the means, mean of the deviations and largest maximum, in both directions."""
+    figures = np.array([error.both for error in errors])  # (errors, 2 directions, 3 statistics)
+    merged = np.concatenate([figures[..., :2].mean(axis=0), figures[..., 2:].max(axis=0)], axis=1)
+    to_scan, to_reconstruction = merged.tolist()
     return Distances(*to_scan), Distances(*to_reconstruction)
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:
-    """A table of the errors, two rows a scan left out, and of all together."""
+    """Format the errors as a table, with two rows for each scan and for all together."""
     rows = [("left out", f"distance{unit and f', {unit}'}", "mean", "std", "max")]
     named = [(f"{error.date}, {error.name}", error.both) for error in errors]
     for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):

@@ -2,8 +2,8 @@
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
 label organs; one whose values each occur in several separate places labels classes (stem, leaf),
-not single organs. A field whose name is unknown is used only if no other is found, and if
-neighbouring points share its values as they share organs.
+not organs. A field of unknown name is used only if no other is found, and if neighbouring points
+share its values as they share organs.
 """
 
 import re
@@ -133,9 +133,8 @@ def drop_labels(
 
     Parameters
     ----------
-    scans : sequence of Scan
-    words : dict
-        Label -> word, as `choose_labels` returns it.
+    scans, words
+        As `choose_labels` returns them.
     dropped : str
         Labels to drop, separated by commas.
     keep_ground : bool

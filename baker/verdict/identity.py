@@ -1,4 +1,4 @@
-"""Whether organs that were followed by their shape are the same organs in the next scan."""
+"""Find organs, tracked by their shape, that may have been matched with the wrong organ."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,31 +13,29 @@ from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 from baker.verdict.doubt import MIN_SHARE
 
-# From these values on it is doubtful which organ one is (docs/method.md, "The verdict").
-MIN_MARGIN = 0.1  # of a pair's score over that of another choice: what a turn by 20 degrees costs
-# Of an organ's size, over that of the plant's organs: young ones grow fast, none shrinks much.
-MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0
-MAX_BORN_SHARE = 0.2  # of a scan's points, in a new organ
-MIN_SIZE = 1e-100  # of an organ: its square is still a number
+# Beyond these thresholds an organ's identity is doubtful (docs/method.md, "The verdict").
+MIN_MARGIN = 0.1  # of a pair's score to the next best pairing; a turn by 20 degrees costs as much
+MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
+MAX_BORN_SHARE = 0.2  # of a scan's points that are in one new organ
+MIN_SIZE = 1e-100  # of an organ, so that its square is not 0
 
 
 @dataclass(frozen=True)
 class FollowedOrgans:
-    """A series whose organs were followed by their shape."""
+    """A series whose organs were tracked by their shape."""
 
     clouds: Sequence[NDArray[np.floating]]  # (N, 3), of each scan
-    bases: Sequence[int]  # index of the point at each plant base
+    bases: Sequence[int]  # index of the point at the plant base, of each scan
     matches: Sequence[Match]  # of each interval
     stem: bool  # whether the organ at the plant base is known to be the stem
-    # (interval, label) of organs that someone said are the same at both ends
-    confirmed: Collection[tuple[int, int | None]] = ()
+    confirmed: Collection[tuple[int, int | None]] = ()  # (interval, label) that users corrected
 
 
 class IdentityDoubt(NamedTuple):
-    """One organ that may be another."""
+    """One organ that may be another one."""
 
     track: int
-    what: str  #: of its {name}, and of the {other} organ that it may be
+    what: str  #: a clause with {name}, the organ's, and {other}, that of the organ it may be
     strength: float
     other: int | None = None
 
@@ -46,25 +44,25 @@ class IdentityDoubt(NamedTuple):
 class _Organs:
     """The organs of a scan: segments of its hierarchy, some of which may have no points."""
 
-    segments: NDArray[np.intp]  # those that have points
-    described: OrganDescriptors  # these
-    share: NDArray[np.float64]  # by segment, of the scan's points
-    size: NDArray[np.float64]  # by segment, over that of the plant's organs
+    segments: NDArray[np.intp]  # indices of the segments that have points
+    descriptors: OrganDescriptors  # of these segments
+    share: NDArray[np.float64]  # of the scan's points, of each segment
+    size: NDArray[np.float64]  # of each segment, relative to the root mean square of all
 
 
 def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[IdentityDoubt]:
-    """Judge the matches, births and losses of an interval."""
+    """Yield doubts about the matches, births and losses of the interval `index`."""
     match = series.matches[index]
-    tracks, later_tracks = match.first.organs, match.second.organs
+    tracks, end_tracks = match.first.organs, match.second.organs
     first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
     scores = np.zeros((len(first.share), len(second.share)))
     scores[np.ix_(first.segments, second.segments)] = match_scores(
-        first.described, second.described, _matched(first, second, match)
+        first.descriptors, second.descriptors, _matched(first, second, match)
     )
     for pair in match.pairs:
         scores[pair] -= MIN_MARGIN
-    became = dict(best_pairs(scores))
-    came_from = {b: a for a, b in became.items()}
+    successor = dict(best_pairs(scores))
+    predecessor = {b: a for a, b in successor.items()}
     for a, b in match.pairs:
         shares = first.share[a], second.share[b]
         if (index, match.first.labels[a]) in series.confirmed:
@@ -72,8 +70,8 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
         if a == match.first.root or min(shares) == 0.0 or max(shares) < MIN_SHARE:
             continue
         organ, growth = tracks[a], float(second.size[b] / first.size[a])
-        if became.get(a) != b and (a in became or b in came_from):
-            rival = tracks[came_from[b]] if b in came_from else later_tracks[became[a]]
+        if successor.get(a) != b and (a in successor or b in predecessor):
+            rival = tracks[predecessor[b]] if b in predecessor else end_tracks[successor[a]]
             yield IdentityDoubt(organ, "{name} and {other} may be mixed up", 1.0, rival)
         if growth > MAX_GROWTH:
             what = "{name} may be two organs (suddenly much larger)"
@@ -86,13 +84,14 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
             yield IdentityDoubt(tracks[a], "{name} is large but vanishes", strength)
     for b in match.births:
         if (strength := float(second.share[b]) / MAX_BORN_SHARE) >= 1.0:
-            yield IdentityDoubt(later_tracks[b], "{name} is large but new", strength)
+            yield IdentityDoubt(end_tracks[b], "{name} is large but new", strength)
 
 
 def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """The pairs, by row, of the greatest total (n, m) score; what gains nothing is left alone.
+    """The pairs of greatest total score, by row; rows and columns may stay without a partner.
 
-    An interval by itself is matched so, where organs are followed through the whole series.
+    scores: (n, m); pairs with a score of 0 or less are not made. This is how an interval would be
+    matched without the rest of the series.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -102,7 +101,7 @@ def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
 
 
 def _matched(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, int]]:
-    """The pairs of a match, by index among the organs that have points."""
+    """The pairs of a match, as indices among the organs that have points."""
     starts, ends = (
         {segment: index for index, segment in enumerate(organs.segments.tolist())}
         for organs in (first, second)
@@ -112,9 +111,9 @@ def _matched(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, i
 
 def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:
     cloud, base = series.clouds[scan], series.bases[scan]
-    described = describe_organs(cloud, hierarchy, base, stem=series.stem)
-    counts = np.array([len(own) for own in hierarchy.segments])
+    descriptors = describe_organs(cloud, hierarchy, base, stem=series.stem)
+    counts = np.array(list(map(len, hierarchy.segments)))
     size = np.zeros(len(counts))
-    size[counts > 0] = np.maximum(described.sizes, MIN_SIZE)
+    size[counts > 0] = np.maximum(descriptors.sizes, MIN_SIZE)
     size /= np.sqrt((size[counts > 0] ** 2).mean())
-    return _Organs(np.flatnonzero(counts), described, counts / len(cloud), size)
+    return _Organs(np.flatnonzero(counts), descriptors, counts / len(cloud), size)

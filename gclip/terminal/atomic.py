@@ -1,6 +1,7 @@
-"""Outputs that appear whole or not at all: written in a folder beside the place, then renamed.
+"""Write files atomically: in a temporary folder next to their path, then renamed.
 
-Errors and stops remove that folder, `.NAME.xxxxxxxx.part`; that of a killed process stays.
+The folder, `.NAME.xxxxxxxx.part`, is removed even after an error or Ctrl-C, but not if the process
+is killed.
 """
 
 import os
@@ -13,9 +14,7 @@ from gclip.errors import UserError
 
 
 def check_output(path: Path, force: bool) -> None:
-    """Raise UserError where a file can't be written, or is there already and `force` is not given:
-    before the work and not after it.
-    """
+    """Raise UserError if a file can't be written, or exists and `force` is not given."""
     if path.is_dir():
         raise UserError(f"{path} is a folder; a file's name is needed.")
     if path.parent.exists() and not path.parent.is_dir():
@@ -28,14 +27,14 @@ def check_output(path: Path, force: bool) -> None:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise UserError where nothing can be written into a folder."""
+    """Raise UserError if files can't be written into a folder."""
     if not os.access(folder, os.W_OK):
         raise UserError(f"{folder}: permission denied to write into this folder.")
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Write `path`: what the file system refuses is a UserError that names it."""
+    """Turn errors of the file system, while `path` is written, into a UserError that names it."""
     try:
         yield
     except OSError as error:
@@ -44,17 +43,17 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def folder_beside(path: Path) -> Iterator[Path]:
-    """A temporary folder on the file system of `path`, removed in the end. Raises OSError."""
-    name = f".{path.name[:40]}."  # that folder's has 255 bytes at most, too
+    """A temporary folder next to `path`, on the same file system. Raises OSError."""
+    name = f".{path.name[:40]}."  # so that the folder's name has at most 255 bytes
     with TemporaryDirectory(".part", name, path.parent, ignore_cleanup_errors=True) as folder:
         yield Path(folder)
 
 
 @contextmanager
 def atomic_file(path: Path) -> Iterator[Path]:
-    """A file to write, named alike, which takes the place of `path` when all went well.
+    """A temporary file to write, of the same name, which replaces `path` if no exception is raised.
 
-    Raises OSError if it can't be written; `path` is then as it was.
+    Raises OSError if it can't be written.
     """
     with folder_beside(path) as folder:
         part = folder / path.name
@@ -62,11 +61,11 @@ def atomic_file(path: Path) -> Iterator[Path]:
         sync(part)
         umask = os.umask(0)
         os.umask(umask)
-        part.chmod(0o666 & ~umask)  # whatever the library that wrote it thinks
+        part.chmod(0o666 & ~umask)  # the usual mode; libraries may have set another one
         os.replace(part, path)
 
 
 def sync(part: Path) -> None:
-    """Have a file's bytes on the disk, so that a power cut can't come between them and its name."""
+    """Flush a file to the disk, so that after a power cut no renamed file is incomplete."""
     with part.open("r+b") as written:
         os.fsync(written.fileno())

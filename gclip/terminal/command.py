@@ -1,4 +1,4 @@
-"""How the commands `bake`, `play`, `grow` and `gclip` end: with an exit code, and one sentence."""
+"""Run the commands `bake`, `play`, `grow` and `gclip`: exit codes, error messages and help."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from typer import Typer
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by SIGHUP
-# What no program can help, whatever file it is about.
+# Errors of the system that are not the program's fault, whatever the file.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 TYPES = re.compile(r"<(bool|str|int|float|path|file|list\[.*\])>")
-# By pydantic's name of what is wrong with a value, what the value has to be instead.
+# pydantic's name of an error in a value -> what is needed instead.
 NEEDED = {
     "int_parsing": "a whole number is needed",
     "float_parsing": "a number is needed",
@@ -32,22 +32,23 @@ NEEDED = {
 
 
 def run(command: str, work: Callable[[], int | None]) -> int:
-    """Do `work` and turn its outcome into an exit code, with one sentence on stderr.
+    """Call `work` and return the exit code; an exception is printed as one sentence on stderr.
 
-    Work may return another one. ``GCLIP_TRACEBACK=1`` shows the traceback of a fault of our own.
+    `work` may return an exit code itself. With ``GCLIP_TRACEBACK=1``, exceptions that are faults of
+    the program are raised.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # where the terminal can't show a name's letters
+        sys.stdout.reconfigure(errors="replace")  # for letters that the terminal can't encode
     signals: list[int] = []
     try:
         return until_interrupted(work, signals) or DONE
     except KeyboardInterrupt:
         _print_error(command, "stopped; nothing half-written is left behind.")
         return 128 + signals[0] if signals else INTERRUPTED
-    except (BrokenPipeError, SystemExit) as error:  # the second by rich, which writes --help
+    except (BrokenPipeError, SystemExit) as error:  # rich turns the first into the second
         if BrokenPipeError not in (type(error), type(error.__context__)):
             raise
-        # Python flushes stdout again at exit: give it somewhere to go (see the docs of signal).
+        # Python flushes stdout again at exit, which must not fail (see the docs of signal).
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
@@ -59,7 +60,7 @@ def run(command: str, work: Callable[[], int | None]) -> int:
 
 
 def verdict(error: Exception) -> tuple[int, str]:
-    """The exit code that an error stands for, and the one sentence it is told with."""
+    """The exit code and the message for an exception."""
     if isinstance(error, UserError):
         return BAD_INPUT, str(error)
     if isinstance(error, OSError) and error.filename is not None:
@@ -71,29 +72,29 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, f"a library of the system can't be loaded: {error}."
     if isinstance(error, MemoryError):
         return BAD_INPUT, "out of memory; try fewer points, for example with `bake --voxel SIZE`."
-    what = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
-    return OUR_FAULT, f"{what}, please report it (set GCLIP_TRACEBACK=1 to see where)."
+    fault = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
+    return OUR_FAULT, f"{fault}, please report it (set GCLIP_TRACEBACK=1 to see where)."
 
 
-def _complaint(error: Any) -> str:
-    """What is wrong with the words of a command line, by an exception of typer's."""
+def _usage_error(error: Any) -> str:
+    """What is wrong with a command line, from an exception of typer's."""
     if error.__cause__ is None:
         return str(getattr(error, "format_message", error.__str__)()).rstrip(".")
-    wrong, option = error.__cause__.errors()[0], error.param.get_error_hint().replace("'", "")
-    if wrong["type"] not in NEEDED:
-        return f"{option}: {wrong.get('ctx', {}).get('error', wrong['msg'])}".rstrip(".")
-    needed = NEEDED[wrong["type"]].format(**wrong.get("ctx", {}))
-    return f"{option} is {wrong['input'] or repr('')}; {needed}"
+    first, option = error.__cause__.errors()[0], error.param.get_error_hint().replace("'", "")
+    if first["type"] not in NEEDED:
+        return f"{option}: {first.get('ctx', {}).get('error', first['msg'])}".rstrip(".")
+    needed = NEEDED[first["type"]].format(**first.get("ctx", {}))
+    return f"{option} is {first['input'] or repr('')}; {needed}"
 
 
 def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """List a command's options by what they are about, and its switches without a --no-.
+    """Decorate a command so that its help groups the options in panels, without --no- switches.
 
-    panels: the options' names under each title.
+    panels: title -> names of the options.
     """
     titles = {name: panel for panel, names in panels.items() for name in names.split()}
 
-    def listed(command: Callable[..., Any]) -> Callable[..., Any]:
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         for name, annotation in command.__annotations__.items():
             for option in getattr(annotation, "__metadata__", ()):
                 option.rich_help_panel = titles.get(name)
@@ -101,25 +102,25 @@ def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable
                     option.param_decls = (f"--{name.replace('_', '-')}",)
         return command
 
-    return listed
+    return decorate
 
 
 def without_types(parser: Any) -> None:
-    """Leave Python's types out of a command's help, and have it say ranges in words."""
+    """Remove Python's types from a command's help, and describe ranges in words."""
     from typer import Context
 
     for command in (parser, *getattr(parser, "commands", {}).values()):
-        for one in command.get_params(Context(command)):
-            shown = one.display_type_rich
-            one.display_type_rich = lambda ctx, shown=shown: TYPES.sub("", shown(ctx) or "")
-            least, most = getattr(one, "min", None), getattr(one, "max", None)
-            if least is not None:
-                text = f"{least:g} or more" if most is None else f"{least:g} to {most:g}"
-                one._get_number_range_help_str = lambda text=text: text
+        for parameter in command.get_params(Context(command)):
+            show = parameter.display_type_rich
+            parameter.display_type_rich = lambda ctx, show=show: TYPES.sub("", show(ctx) or "")
+            low, high = getattr(parameter, "min", None), getattr(parameter, "max", None)
+            if low is not None:
+                text = f"{low:g} or more" if high is None else f"{low:g} to {high:g}"
+                parameter._get_number_range_help_str = lambda text=text: text
 
 
 def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
-    """Run a typer app with `argv` (the process's own by default); returns the exit code."""
+    """Run a typer app with `argv` (by default that of the process); returns the exit code."""
     from typer import Abort, Exit
     from typer.exceptions import TyperException
     from typer.main import get_command
@@ -131,22 +132,22 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
             with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
                 code = parser.invoke(context)
             return code if isinstance(code, int) else None
-        except Exit as ended:
-            return ended.exit_code
+        except Exit as error:
+            return error.exit_code
         except TyperException as error:
-            raise UserError(f"{_complaint(error)}; see `{command} --help`.") from None
+            raise UserError(f"{_usage_error(error)}; see `{command} --help`.") from None
         except Abort:
             raise KeyboardInterrupt from None
 
     code = run(command, work)
     if argv is None:
-        gc.freeze()  # the process ends: to look for garbage once more took a third of a second
+        gc.freeze()  # the process ends: a last garbage collection would take 0.3 s
     if argv is None and code > 128:
         Lossy(sys.stdout).write("")
-        os._exit(code)  # all is put away; threads deep in numbers would still be waited for
+        os._exit(code)  # without waiting for threads that still calculate
     return code
 
 
 def _print_error(command: str, sentence: str) -> None:
-    """On one line, whatever the names in it are made of: they come from files."""
+    """Print an error on one line, even if it contains the name of a file with line breaks."""
     print(f"{command}: {printable(' '.join(sentence.split()))}", file=Lossy(sys.stderr))

@@ -1,4 +1,4 @@
-"""How a command is stopped: Ctrl-C, SIGTERM and SIGHUP end its work with a KeyboardInterrupt."""
+"""Stop a command by Ctrl-C, SIGTERM or SIGHUP: each raises KeyboardInterrupt in it."""
 
 import signal
 import sys
@@ -15,37 +15,41 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-RETRY = 0.01  # seconds until a stop that came at a bad moment is sent again
+RETRY = 0.01  # seconds until a signal that could not be handled is sent again
 
 
 def uninterrupted(
     function: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
 ) -> Result:
-    """Call native code that calls Python in turn, and crashes if that raises: a stop waits."""
+    """Call native code that crashes if Python code that it calls raises an exception.
+
+    A stop signal is handled after the call.
+    """
     return function(*arguments, **named)
 
 
-# What Popen and TemporaryDirectory begin, nobody knows of before they return, and nobody would end.
-UNDISTURBED = {one.__code__ for one in (uninterrupted, Popen.__init__, TemporaryDirectory.__init__)}
+# An exception in the latter two would leave a process or folder that nobody could remove.
+UNINTERRUPTED = {f.__code__ for f in (uninterrupted, Popen.__init__, TemporaryDirectory.__init__)}
 
 
 def until_interrupted(work: Callable[[], int | None], received: list[int]) -> int | None:
-    """Do `work`; the first signal to stop is a KeyboardInterrupt in it and told in `received`.
+    """Call `work`; the first stop signal raises KeyboardInterrupt in it and is added to `received`.
 
-    Later ones are ignored: things are being put away. Python drops an exception that is raised in
-    ``__del__``, extensions may swallow one that is raised while they load, and a process or folder
-    that is just being made would stay: then, as in `uninterrupted`, the signal is sent again. Those
-    that the process was started to ignore, as by nohup, stay ignored.
+    Later signals are ignored, so that files can be removed. The signal is sent again where the
+    exception would be lost (in ``__del__``, or while a module is imported) or do harm (in
+    `UNINTERRUPTED`). Signals that the process was started to ignore, as by nohup, stay ignored.
     """
     main_thread = threading.main_thread()
     if threading.current_thread() is not main_thread:
         return work()
 
     def on_signal(number: int, frame: FrameType | None) -> None:
-        codes = (above.f_code for above, _ in walk_stack(frame))
-        work = takewhile(lambda code: code is not until_interrupted.__code__, codes)
-        loading = "<frozen importlib._bootstrap>"
-        if not received and any(c in UNDISTURBED or c.co_filename == loading for c in work):
+        codes = (outer.f_code for outer, _ in walk_stack(frame))
+        running = takewhile(lambda code: code is not until_interrupted.__code__, codes)
+        importing = "<frozen importlib._bootstrap>"
+        if not received and any(
+            code in UNINTERRUPTED or code.co_filename == importing for code in running
+        ):
             send_again(number)
         elif not received:
             received.append(number)

@@ -1,4 +1,4 @@
-"""How far work is, on stderr: bars on a terminal, plain lines in a pipe, nothing when quiet."""
+"""Show progress on stderr: bars in a terminal, lines in a pipe or log, nothing when quiet."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 class ProgressBars:
-    """What reports progress derives from this; its bars are shown while it is a context.
+    """Base class of progress reports; the bars are shown while the context is active.
 
-    Standard output and error stay as they are: a worker process forked meanwhile never meets a lock
-    of rich's console. That nobody reads the progress, or its log is full, does not end the work.
+    stdout and stderr are not redirected, since a process forked meanwhile could wait forever for a
+    lock of rich's console. Errors in writing the progress are ignored.
     """
 
     def __init__(self, quiet: bool, *columns: str | ProgressColumn) -> None:
@@ -24,10 +24,10 @@ class ProgressBars:
 
         stderr: Any = Lossy(sys.stderr)
         self._console = Console(file=stderr, quiet=quiet, soft_wrap=True)
-        bars = self._console.is_terminal and not quiet
-        self.plain = not quiet and not bars  #: whether lines take the bars' place
-        apart: Any = {"redirect_stdout": False, "redirect_stderr": False}
-        self.bars = Progress(*columns, console=self._console, disable=not bars, **apart)
+        has_bars = self._console.is_terminal and not quiet
+        self.plain = not quiet and not has_bars  #: whether lines are printed instead of bars
+        redirect: Any = {"redirect_stdout": False, "redirect_stderr": False}
+        self.bars = Progress(*columns, console=self._console, disable=not has_bars, **redirect)
 
     def __enter__(self) -> Self:
         self.bars.start()
@@ -37,5 +37,5 @@ class ProgressBars:
         self.bars.stop()
 
     def say(self, sentence: str) -> None:
-        """Print a line that stays, above the bars."""
+        """Print a line above the bars."""
         self._console.print(printable(sentence), markup=False, highlight=False)

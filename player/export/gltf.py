@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from player.export.film import Film, Progress
 from player.view.camera import axes
 from player.view.dates import date_at
@@ -100,7 +100,7 @@ def _add(document: Any, store: _Store, clip: Clip, part: Part, seconds: float) -
     import pygltflib as gltf
 
     interval, box = clip.intervals[part.interval], clip.intervals[part.interval].box
-    check_whole(interval.tracks)
+    check_not_truncated(interval.tracks)
     low, step = (np.zeros(3), np.ones(3)) if box is None else (np.asarray(box.low), box.step)
     start, *others = (p[part.movers].astype(np.float64) for p in interval.curve)
     attributes = gltf.Attributes(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import positions_on_curve, srgb_to_linear
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
@@ -87,7 +87,7 @@ def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length:
     if group.motion is Motion.REMOVE or not group.count:
         return
     interval, movers = clip.intervals[index], slice(group.first, group.stop)
-    check_whole(interval.tracks)
+    check_not_truncated(interval.tracks)
     prim = UsdGeom.Points.Define(stage, f"/plant/interval_{index:04d}_{group.motion.value}")
     straight = interval.degree == 1 and group.motion is not Motion.FALL
     places, extents = prim.CreatePointsAttr(), prim.CreateExtentAttr()

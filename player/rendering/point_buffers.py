@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gclip import Interval
 from gclip.evaluate import Layer
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory, check_context
 
 MAX_BUFFER = 96 << 20  # bytes of a chunk's positions, within OpenGL's smallest limit: 16 M points
@@ -116,7 +116,7 @@ class ChunkBuffers:
         stop = min(count, self._chunk.count, self.resident + SLICE)
         if stop <= self.resident:
             return 0
-        check_whole(self._interval.tracks)
+        check_not_truncated(self._interval.tracks)
         some = slice(self._chunk.first + self.resident, self._chunk.first + stop)
         came = 0
         for values, (buffer, *_) in zip(buffers_of(self._interval), self._buffers, strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 
 from gclip import Interval
 from gclip.errors import ClipError
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from player.rendering.point_buffers import buffers_of
 
 STEP = 4096  # pages between looks at whether the interval is still wanted
@@ -49,7 +49,7 @@ class Prefetch:
                 if self._wanted != index:
                     return False
                 try:
-                    check_whole(buffer)
+                    check_not_truncated(buffer)
                 except ClipError:  # who uploads it tells
                     return False
                 pages[first : first + STEP].max(initial=0)

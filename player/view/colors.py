@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Interval, PointField
 from gclip.evaluate import locate, palette_at, srgb_to_linear
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 from player.errors import PlayerError
 from player.view.camera import axes, outline
 from player.view.holdout_error import Errors
@@ -250,7 +250,7 @@ class Colors:
             moving = [group for group in interval.groups if group.motion == "move"]
             count = sum(group.count for group in moving)
             some = slice(0, count, max(count // SAMPLE, 1))
-            check_whole(interval.tracks)
+            check_not_truncated(interval.tracks)
             start, end = (
                 np.asarray(points[some], float)
                 for points in (interval.start_positions, interval.end_positions)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.corrections import Place
-from gclip.places import in_file
+from gclip.places import to_file_coordinates
 from player.view.camera import Camera
 
 UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked
@@ -28,7 +28,7 @@ def organ_place(
         points = frame.local[frame.tracks == track].astype(np.float64)
         if len(points):
             point = points[_clicked(points, *seen) if seen else _middle(points)]
-            x, y, z = in_file(clip, scan.name, point).tolist()
+            x, y, z = to_file_coordinates(clip, scan.name, point).tolist()
             return Place(scan.name, (x, y, z), clip.track_table[track].name)
     return None
 

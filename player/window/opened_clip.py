@@ -9,7 +9,7 @@ from gclip import Clip
 from gclip.clip import open_as_baked
 from gclip.corrections import corrections_file, read_corrections, write_corrections
 from gclip.errors import UserError
-from gclip.places import baked_corrections, with_names
+from gclip.places import baked_corrections, rename_organs
 from player.view.choices import Edits
 from player.view.state import Scene
 
@@ -81,7 +81,7 @@ class KeptEdits:
             return replace(scene, edits=None).with_notice(str(error))
         try:
             if scene.edits and scene.edits.now != self._saved.now:
-                clip = with_names(self._opened, scene.edits.now)
+                clip = rename_organs(self._opened, scene.edits.now)
                 write_corrections(self._file, scene.edits.now)
                 self.clip = clip
                 self._watch.changed()
@@ -95,7 +95,7 @@ class KeptEdits:
 
     def _read(self, scene: Scene, file: Path) -> Scene:
         now = read_corrections(file) if file.exists() else ()
-        self.clip = with_names(self._opened, now)
+        self.clip = rename_organs(self._opened, now)
         before = scene.edits or Edits()
         edits = before if now == before.now else before.changed(now)
         self._saved = replace(edits, baked=self._baked)

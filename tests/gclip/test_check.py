@@ -47,7 +47,7 @@ def test_a_whole_clip_is_whole(saved: Path) -> None:
     report = check(saved)
     assert report.whole
     size = f"{saved.stat().st_size:,} bytes"
-    assert report.holds == f"3 scans, 2 intervals, 12 buffers, {size}, 13 checksums agree"
+    assert report.contents == f"3 scans, 2 intervals, 12 buffers, {size}, 13 checksums agree"
 
 
 def test_checksums_are_what_the_format_says(saved: Path) -> None:

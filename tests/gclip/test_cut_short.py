@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 
 import gclip
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 
 
 def test_a_clip_cut_short_while_open_is_a_sentence(make_clip, tmp_path: Path) -> None:
     path = tmp_path / "c.gclip"
     make_clip().save(path)
     clip = gclip.open(path)
-    check_whole(clip.intervals[0].tracks)
+    check_not_truncated(clip.intervals[0].tracks)
     os.truncate(path, 100)
     for interval in clip.intervals:
         for buffer in (*interval.curve, interval.tracks):
             with pytest.raises(gclip.ClipError, match="cut short while it was open") as refusal:
-                check_whole(buffer)
+                check_not_truncated(buffer)
     assert str(refusal.value).startswith(str(path))
     with pytest.raises(gclip.ClipError, match="cut short"):
         clip.at(1.0)
@@ -41,7 +41,7 @@ def test_replacing_the_file_leaves_an_open_clip_whole(make_clip, tmp_path: Path)
 
 
 def test_a_clip_in_memory_is_whole(make_clip) -> None:
-    check_whole(make_clip().intervals[0].tracks)
+    check_not_truncated(make_clip().intervals[0].tracks)
 
 
 def test_it_is_a_sentence_and_not_a_signal(make_clip, tmp_path: Path) -> None:

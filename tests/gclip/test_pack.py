@@ -58,13 +58,13 @@ def test_track_ids_widen_when_they_must(count):
 
 def test_raising_the_degree_changes_no_curve():
     from gclip.evaluate import bernstein
-    from gclip.pack import raised
+    from gclip.pack import elevate_degree
 
     curve = tuple(np.random.default_rng(0).random((3, 5, 3)))
     for low in (1, 2):
         for high in (2, 3):
             for share in (0.0, 0.3, 1.0):
-                before, after = curve[: low + 1], raised(curve[: low + 1], max(high, low))
+                before, after = curve[: low + 1], elevate_degree(curve[: low + 1], max(high, low))
                 assert len(after) == max(high, low) + 1
                 expected = np.tensordot(bernstein(low, share), before, 1)
                 found = np.tensordot(bernstein(len(after) - 1, share), after, 1)

@@ -1,6 +1,6 @@
 """Read meshes and sample points evenly on their surface.
 
-Open3D reads OBJ, STL, GLB and glTF. OFF is read here, since Open3D's reader crashes on damaged files
+Open3D reads OBJ, STL, GLB and glTF. OFF is read here: Open3D crashes on damaged files
 (docs/method.md).
 """
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Interval
-from gclip.file import check_whole
+from gclip.file import check_not_truncated
 
 FINE = 1 / 32  # largest step of the positions, as a share of the point spacing, where 16 bits allow
 LEVELS = 65535
@@ -37,7 +37,7 @@ def pack(interval: Interval, spacing: float) -> Packed:
     the interval's side where that is more. Raises ClipError where the clip's file was cut short
     after it was opened.
     """
-    check_whole(interval.tracks)
+    check_not_truncated(interval.tracks)
     (start, *controls, end), low, step = _quantised(interval, spacing)
     columns = [start, end - start]
     for j, control in enumerate(controls, start=1):

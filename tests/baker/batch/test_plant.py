@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from baker.batch.command import MIN_BYTES_TO_KEEP
+from baker.batch.command import MIN_BYTES_TO_CACHE
 from baker.cli import main
 from gclip import Clip
 
@@ -30,7 +30,7 @@ def test_a_long_bake_that_was_stopped_goes_on(command, tmp_path, monkeypatch, ca
     assert main(command) == 0
     clean = (tmp_path / "plant.gclip").read_bytes()
     with Path(command[0], "notes.bin").open("wb") as file:
-        file.truncate(MIN_BYTES_TO_KEEP)  # no scan, but the folder is as large as a long bake's
+        file.truncate(MIN_BYTES_TO_CACHE)  # no scan, but the folder is as large as a long bake's
     with monkeypatch.context() as stopped:
         stopped.setattr(Clip, "save", _stop)
         assert main(command) == 130

@@ -15,7 +15,7 @@ from baker.interpolation.resampling import (
     with_even_density,
 )
 from gclip import Motion
-from gclip.pack import Movers, raised
+from gclip.pack import Movers, elevate_degree
 
 
 def task(start, end, area=1.0, track=0, motion=Motion.MOVE):
@@ -129,8 +129,10 @@ def test_a_bud_has_no_area():
 @pytest.mark.parametrize("degree", [2, 3])
 def test_raised_curves_are_the_same_curves(degree):
     curve = (np.float32([[0, 0, 0]]), np.float32([[2, 4, 6]]))
-    assert position_at(raised(curve, degree), 0.5) == pytest.approx(position_at(curve, 0.5))
-    assert position_at(raised(raised(curve, 2), 3), 0.5) == pytest.approx(position_at(curve, 0.5))
+    assert position_at(elevate_degree(curve, degree), 0.5) == pytest.approx(position_at(curve, 0.5))
+    assert position_at(elevate_degree(elevate_degree(curve, 2), 3), 0.5) == pytest.approx(
+        position_at(curve, 0.5)
+    )
 
 
 @pytest.mark.parametrize("even", [0.0, 1.0])

@@ -16,7 +16,7 @@ from baker.cli import main
 from baker.report import write_report
 from baker.report.page import largest_organs, ticks
 from baker.report.verification import verify
-from baker.verdict import Doubt, provenance_of
+from baker.verdict import Doubt, verdict_provenance
 from gclip import Clip, ClipError
 from gclip.errors import UserError
 from traits.curves import TraitCurve, trait_curves
@@ -81,7 +81,9 @@ def test_everything_is_there_and_nothing_comes_from_outside(report):
 def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, player_draws):
     clip, record = baked
     doubts = [Doubt(2.0, 4.0, 1, "leaf 1 tears", 2.0), Doubt(2.0, 4.0, 2, "leaf 2 tears", 1.0)]
-    judged = replace(clip, provenance={**clip.provenance, "verdict": provenance_of(clip, doubts)})
+    judged = replace(
+        clip, provenance={**clip.provenance, "verdict": verdict_provenance(clip, doubts)}
+    )
     write_report(tmp_path / "r.html", judged, record, verify(judged, record), title="plant.gclip")
     html = (tmp_path / "r.html").read_text()
     text = " ".join(Page(html).text.split())

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from baker.report.summary import summary_lines, verdict_line
-from baker.verdict import Doubt, provenance_of
+from baker.verdict import Doubt, verdict_provenance
 from gclip import Clip
 
 
@@ -49,7 +49,7 @@ def test_an_inexact_transport_is_put_in_terms_of_the_film(saved, tmp_path):
 def test_the_last_line_is_the_verdict_and_where_to_look(saved, tmp_path):
     assert verdict_line(saved, tmp_path / "x.gclip") == "All 2 intervals look right."
     doubts = [Doubt(0.0, 2.0, 1, "leaf 1 tears", 2.0)]
-    provenance = {**saved.provenance, "verdict": provenance_of(saved, doubts)}
+    provenance = {**saved.provenance, "verdict": verdict_provenance(saved, doubts)}
     assert verdict_line(replace(saved, provenance=provenance), Path("x.gclip")) == (
         "1 of 2 intervals looks right; day 0 to 2: leaf 1 tears. Look: play x.gclip --day 1"
     )

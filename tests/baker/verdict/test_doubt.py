@@ -10,8 +10,8 @@ import pytest
 
 from baker import Options
 from baker.pipeline import bake_recorded
-from baker.verdict import Doubt, provenance_of
-from baker.verdict.doubt import command_for, doubts_in, line_of
+from baker.verdict import Doubt, verdict_provenance
+from baker.verdict.doubt import command_for, describe_verdict, doubts_in
 from gclip import Clip
 
 
@@ -21,7 +21,7 @@ def clip(write_scans) -> Clip:
 
 
 def test_a_clean_film_is_said_to_be_right(clip):
-    assert line_of(clip, []) == "All 4 intervals look right."
+    assert describe_verdict(clip, []) == "All 4 intervals look right."
 
 
 def test_what_is_wrong_is_named_by_time_the_worst_of_each_first(clip):
@@ -30,7 +30,7 @@ def test_what_is_wrong_is_named_by_time_the_worst_of_each_first(clip):
         Doubt(1, 2, 1, "organ 1 tears", 1.5),
         Doubt(3, 4, 1, "parts of organ 1 change places", 3.0),
     ]
-    assert line_of(clip, doubts) == (
+    assert describe_verdict(clip, doubts) == (
         "2 of 4 intervals look right; day 1 to 2: organ 1 tears; "
         "day 3 to 4: parts of organ 1 change places, organ 2 tears."
     )
@@ -44,14 +44,14 @@ def test_the_command_shows_the_interval_half_way(start: float, day: str):
 
 def test_of_many_doubts_the_line_names_a_few(clip):
     doubts = [Doubt(k, k + 1, n, f"{n} tears", 1.0 + n) for k in range(4) for n in range(4)]
-    line = line_of(clip, doubts)
+    line = describe_verdict(clip, doubts)
     assert line.startswith("None of 4 intervals looks right; day 0 to 1: 3 tears, 2 tears, and 2")
     assert line.endswith("; and 1 more interval.")
 
 
 def test_dates_stay_whole(clip):
     scans = [replace(scan, date=f"2024-05-0{k + 1}") for k, scan in enumerate(clip.scans)]
-    line = line_of(replace(clip, scans=tuple(scans)), [Doubt(1, 2, 0, "it tears", 1.0)])
+    line = describe_verdict(replace(clip, scans=tuple(scans)), [Doubt(1, 2, 0, "it tears", 1.0)])
     assert line == "3 of 4 intervals look right; 2024-05-02 to 2024-05-03: it tears."
 
 
@@ -59,8 +59,8 @@ def test_the_clips_provenance_holds_the_verdict(clip, tmp_path):
     import gclip
 
     doubts = [Doubt(0, 1, 1, "organ 1 tears", 1.25, identity=True)]
-    verdict = json.loads(json.dumps(provenance_of(clip, doubts)))
+    verdict = json.loads(json.dumps(verdict_provenance(clip, doubts)))
     judged = replace(clip, provenance={**clip.provenance, "verdict": verdict})
     judged.save(tmp_path / "x.gclip")
     assert doubts_in(gclip.open(tmp_path / "x.gclip")) == doubts
-    assert verdict["line"] == line_of(clip, doubts)
+    assert verdict["line"] == describe_verdict(clip, doubts)

@@ -33,26 +33,26 @@ def turned(points: np.ndarray, degrees: float) -> np.ndarray:
 def test_growing_and_bending_is_nothing_wrong(leaf, degrees, growth):
     motion = moved(leaf, turned(leaf * [growth, growth, 1], degrees))
     assert motion.is_measurable
-    assert motion.torn == 0.0
-    assert motion.order_kept([BASE, BASE]) > 0.95
+    assert motion.torn_share == 0.0
+    assert motion.order_correlation([BASE, BASE]) > 0.95
     assert abs(motion.size_change) < 0.1
 
 
 def test_an_organ_that_is_slit_tears_and_so_does_one_that_comes_together(leaf):
     slit = leaf.copy()
     slit[leaf[:, 1] > 1] += [0, 0, 8]
-    assert moved(leaf, slit).torn > 0.02
-    assert moved(slit, leaf).torn == moved(leaf, slit).torn
+    assert moved(leaf, slit).torn_share > 0.02
+    assert moved(slit, leaf).torn_share == moved(leaf, slit).torn_share
 
 
 def test_a_tip_that_becomes_the_base_is_out_of_order(leaf):
-    assert moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]).order_kept([BASE, BASE]) < -0.9
+    assert moved(leaf, [10, 0, 0] - leaf * [1, -1, -1]).order_correlation([BASE, BASE]) < -0.9
 
 
 def test_the_order_counts_from_the_attachment_wherever_that_is(leaf):
     tip = BASE + np.array([10, 0, 0])
-    assert moved(leaf, leaf).order_kept([tip, tip]) > 0.95
-    assert moved(leaf, leaf).order_kept([BASE, tip]) < -0.9
+    assert moved(leaf, leaf).order_correlation([tip, tip]) > 0.95
+    assert moved(leaf, leaf).order_correlation([BASE, tip]) < -0.9
 
 
 def test_an_organ_that_passes_through_itself_is_smaller_on_the_way(leaf):
