@@ -55,7 +55,7 @@ class Choice:
 
 
 def _color_by(scene: Scene, mode: ColorMode) -> Scene:
-    if mode is ColorMode.ERROR and not scene.has_errors:
+    if mode is ColorMode.ERROR and not scene.clip.held_out:
         return scene.with_notice(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
     return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
 
@@ -76,8 +76,8 @@ def _size_name(size: tuple[int, int] | None) -> str:
 
 COLOR = Choice(lambda s: s.color_mode, lambda s: s.color_modes, lambda mode: mode.label, _color_by)
 FIELD = Choice(
-    lambda s: s.style.field or s.fields[0],
-    lambda s: s.fields,
+    lambda s: s.style.field or s.clip.fields[0].name,
+    lambda s: [field.name for field in s.clip.fields],
     str,
     lambda s, name: s.with_style(f"Coloured by {name}", field=name),
 )
@@ -212,11 +212,9 @@ def pick_next(step: int) -> Move:
     """Pick the organ that comes after, or before, the picked one."""
 
     def pick_it(scene: Scene) -> Scene:
-        if not scene.organs:
-            return scene
-        now = scene.style.picked
-        start = (-1 if step > 0 else scene.organs) if now is None else now
-        return pick((start + step) % scene.organs)(scene)
+        organs, now = len(scene.clip.track_table), scene.style.picked
+        start = (-1 if step > 0 else organs) if now is None else now
+        return pick((start + step) % organs)(scene) if organs else scene
 
     return pick_it
 

@@ -13,7 +13,7 @@ from player.ui.curves import draw_curve, strip_height
 from player.ui.gui import Gui
 from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
-from player.ui.panel import Panel, panel_place, panel_width
+from player.ui.panel import draw_panel, panel_place, panel_width
 from player.ui.pen import Pen
 from player.ui.theme import CLEAR, faint, packed, theme_of
 from player.ui.timeline import TimelineView
@@ -72,12 +72,11 @@ class Facts:
 class Interface:
     """Belongs to one clip in one window, where the user calls it `name`.
 
-    clip: may be replaced by one whose organs have other names.
     popup: whether a list is open that Esc is to close.
     """
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
-        self._gui, self.clip, self._name = gui, clip, name
+        self._gui, self._name = gui, name
         self.timeline = TimelineView(clip)
         self.mouse = PlantMouse()
         self.popup = False
@@ -113,7 +112,7 @@ class Interface:
                 scene = _draw_wipe(pen, scene)
             if shown.panel:
                 place = panel_place(size, (TOP, BOTTOM))
-                scene = Panel(self.clip).draw(scene, self._gui, theme, place, facts.exporting)
+                scene = draw_panel(scene, self._gui, theme, place, facts.exporting)
         if shown.help:
             scene = draw_help(scene, self._gui, theme, size)
         if shown.notice:
@@ -143,7 +142,7 @@ class Interface:
         room = pen.size[0] - width - 2 * margin - 12.0
         name = pen.fitted(self._name, 20.0, room, bold=True)
         pen.write(margin, margin + 9.0, name, 20.0, theme.text, bold=True)
-        scans, organs = len(self.clip.scans), len(self.clip.track_table)
+        scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
         text = pen.fitted(f"{scans} scans, {organs} organs", 15.0, room)
         pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
         with bare_window("tools", (pen.size[0] - margin - width, margin), (width, BUTTON)):
@@ -180,7 +179,7 @@ class Interface:
             least = 8.0 if width >= NARROW else x
             ends = x - GAP + margin, right - margin
             if facts.curves and strip_height(scene, height):
-                color = self.clip.track_table[facts.curves[0].track].color
+                color = scene.clip.track_table[facts.curves[0].track].color
                 scene = draw_curve(pen, scene, facts.curves, color, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends, least)
         if width >= ROOMY:
@@ -188,7 +187,7 @@ class Interface:
         return scene
 
     def _draw_annotations(self, pen: Pen, scene: Scene, facts: Facts) -> None:
-        clip, picked = self.clip, scene.style.picked
+        clip, picked = scene.clip, scene.style.picked
         bottom = BOTTOM + strip_height(scene, pen.size[1])
         draw_captions(pen, facts.panes, bottom)
         if pen.size[0] >= ANNOTATED[0] and pen.size[1] >= ANNOTATED[1]:
@@ -201,7 +200,7 @@ class Interface:
     def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
         """The date, and nothing that could be pressed."""
         x, y = _margin(pen.size) + 8.0, pen.size[1] - _margin(pen.size) - 16.0
-        date = date_at(self.clip.scans, scene.timeline.day)
+        date = date_at(scene.clip.scans, scene.timeline.day)
         pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
         pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
 

@@ -5,7 +5,6 @@ from typing import Any
 
 from imgui_bundle import imgui, imgui_ctx
 
-from gclip import Clip
 from player.export.formats import FORMATS
 from player.ui import actions, keys
 from player.ui.actions import Choice
@@ -51,89 +50,84 @@ def panel_place(
     return left, top, width - left, between
 
 
-class Panel:
-    """Of one clip."""
+def draw_panel(
+    scene: Scene,
+    gui: Gui,
+    theme: Theme,
+    place: tuple[float, float, float, float],
+    exporting: Exporting | None = None,
+) -> Scene:
+    """Draw it at (left, top, width, height), and give the scene as the mouse changed it."""
+    imgui.set_next_window_pos(place[:2])
+    imgui.set_next_window_size(place[2:])
+    flags = imgui.WindowFlags_
+    unmoved = (flags.no_decoration & ~flags.no_scrollbar) | flags.no_move | flags.no_nav
+    with imgui_ctx.begin("panel", None, unmoved | flags.no_saved_settings):
+        pen = Pen(gui, theme, imgui.get_window_draw_list(), place[2:])
+        for title, section in (
+            ("Look", _look),
+            ("View", _view),
+            ("Compare", _compare),
+            ("Export", lambda scene, pen: _export(scene, pen, exporting)),
+            ("Corrections", draw_corrections),
+            ("Organs", _organs),
+        ):
+            with imgui_ctx.push_font(gui.bold, 15.0):
+                opened = title in ("Look", "Export", "Organs")
+                imgui.set_next_item_open(opened, imgui.Cond_.once)
+                if title == "Corrections" and len(scene.chosen) > 1:
+                    imgui.set_next_item_open(True)
+                shown = imgui.collapsing_header(title)
+            if shown:
+                scene = section(scene, pen)
+    return scene
 
-    def __init__(self, clip: Clip) -> None:
-        self._clip = clip
 
-    def draw(
-        self,
-        scene: Scene,
-        gui: Gui,
-        theme: Theme,
-        place: tuple[float, float, float, float],
-        exporting: Exporting | None = None,
-    ) -> Scene:
-        """Draw it at (left, top, width, height), and give the scene as the mouse changed it."""
-        imgui.set_next_window_pos(place[:2])
-        imgui.set_next_window_size(place[2:])
-        flags = imgui.WindowFlags_
-        unmoved = (flags.no_decoration & ~flags.no_scrollbar) | flags.no_move | flags.no_nav
-        with imgui_ctx.begin("panel", None, unmoved | flags.no_saved_settings):
-            pen = Pen(gui, theme, imgui.get_window_draw_list(), place[2:])
-            for title, section in (
-                ("Look", _look),
-                ("View", _view),
-                ("Compare", _compare),
-                ("Export", lambda scene, pen: _export(scene, pen, exporting)),
-                ("Corrections", draw_corrections),
-                ("Organs", self._organs),
-            ):
-                with imgui_ctx.push_font(gui.bold, 15.0):
-                    opened = title in ("Look", "Export", "Organs")
-                    imgui.set_next_item_open(opened, imgui.Cond_.once)
-                    if title == "Corrections" and len(scene.chosen) > 1:
-                        imgui.set_next_item_open(True)
-                    shown = imgui.collapsing_header(title)
-                if shown:
-                    scene = section(scene, pen)
-        return scene
+def _organs(scene: Scene, pen: Pen) -> Scene:
+    names = [("hide", "Hide"), ("alone", "Alone"), ("show all", "Show all")]
+    active = "alone" if scene.style.alone is not None else ""
+    scene = _buttons(scene, pen.theme, names, active)
+    table = scene.clip.track_table
+    scene = draw_name(scene, table)
+    with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.0, 0.0)):
+        clipper = imgui.ListClipper()
+        clipper.begin(len(table), ROW)
+        while clipper.step():
+            for row in range(clipper.display_start, clipper.display_end):
+                with imgui_ctx.push_id(str(row)):
+                    scene = _organ(scene, pen, row)
+    return scene
 
-    def _organs(self, scene: Scene, pen: Pen) -> Scene:
-        names = [("hide", "Hide"), ("alone", "Alone"), ("show all", "Show all")]
-        active = "alone" if scene.style.alone is not None else ""
-        scene = _buttons(scene, pen.theme, names, active)
-        table = self._clip.track_table
-        scene = draw_name(scene, table)
-        with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.0, 0.0)):
-            clipper = imgui.ListClipper()
-            clipper.begin(len(table), ROW)
-            while clipper.step():
-                for row in range(clipper.display_start, clipper.display_end):
-                    with imgui_ctx.push_id(str(row)):
-                        scene = self._organ(scene, pen, row)
-        return scene
 
-    def _organ(self, scene: Scene, pen: Pen, number: int) -> Scene:
-        """A row of the list: a click on the name picks the organ, one on the eye hides it."""
-        style, theme, organ = scene.style, pen.theme, self._clip.track_table[number]
-        visible = style.alone == number if style.alone is not None else number not in style.hidden
-        x, y = imgui.get_cursor_screen_pos()
-        width = imgui.get_content_region_avail().x - KEY
-        imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*faint(theme.accent, 0.22)))
-        if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
-            place = organ_place(self._clip, number, scene.timeline.day)
-            scene = actions.pick(number, place, imgui.get_io().key_shift)(scene)
-        imgui.pop_style_color()
-        imgui.same_line()
-        icon = EYE if visible else EYE_CLOSED
-        imgui.push_style_color(imgui.Col_.button, CLEAR)
-        imgui.push_style_color(imgui.Col_.text, theme.muted)
-        if imgui.button(f"{icon}##eye", (KEY, ROW)):
-            scene = actions.switch_organ(number)(scene)
-        imgui.pop_style_color(2)
-        dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
-        pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
-        name = pen.fitted(organ.name, 15.0, width - 34.0)
-        pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
-        return scene
+def _organ(scene: Scene, pen: Pen, number: int) -> Scene:
+    """A row of the list: a click on the name picks the organ, one on the eye hides it."""
+    style, theme, organ = scene.style, pen.theme, scene.clip.track_table[number]
+    visible = style.alone == number if style.alone is not None else number not in style.hidden
+    x, y = imgui.get_cursor_screen_pos()
+    width = imgui.get_content_region_avail().x - KEY
+    imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*faint(theme.accent, 0.22)))
+    if imgui.selectable("##name", style.picked == number, 0, (width, ROW))[0]:
+        place = organ_place(scene.clip, number, scene.timeline.day)
+        scene = actions.pick(number, place, imgui.get_io().key_shift)(scene)
+    imgui.pop_style_color()
+    imgui.same_line()
+    icon = EYE if visible else EYE_CLOSED
+    imgui.push_style_color(imgui.Col_.button, CLEAR)
+    imgui.push_style_color(imgui.Col_.text, theme.muted)
+    if imgui.button(f"{icon}##eye", (KEY, ROW)):
+        scene = actions.switch_organ(number)(scene)
+    imgui.pop_style_color(2)
+    dot = packed(rgb(organ.color, 1.0 if visible else 0.3))
+    pen.sheet.add_circle_filled((x + 11.0, y + ROW / 2), 5.5, dot)
+    name = pen.fitted(organ.name, 15.0, width - 34.0)
+    pen.write(x + 25.0, y + ROW / 2, name, 15.0, theme.text if visible else theme.muted)
+    return scene
 
 
 def _look(scene: Scene, pen: Pen) -> Scene:
-    absent = () if scene.has_errors else (ColorMode.ERROR,)  # the answer tells how to get it
+    absent = () if scene.clip.held_out else (ColorMode.ERROR,)  # the answer tells how to get it
     scene = _choice(scene, pen, "Colour", actions.COLOR, "color", absent)
-    if scene.color_mode is ColorMode.FIELD and len(scene.fields) > 1:
+    if scene.color_mode is ColorMode.FIELD and len(scene.clip.fields) > 1:
         scene = _choice(scene, pen, "Field", actions.FIELD, "color")
     if scene.color_mode.colormap:
         scene = _choice(scene, pen, "Colours", actions.COLOR_MAP, "colormap")
@@ -173,7 +167,7 @@ def _view(scene: Scene, pen: Pen) -> Scene:
 
 
 def _compare(scene: Scene, pen: Pen) -> Scene:
-    label = "Other clip" if scene.clips > 1 else "With scan"
+    label = "Other clip" if len(scene.clips) > 1 else "With scan"
     return _choice(scene, pen, label, actions.COMPARE, "compare")
 
 

@@ -38,13 +38,15 @@ class Pair:
     """Two clips, seen alike."""
 
     #: of each the camera that shows all of it, at the same scale if they are of like size
-    homes: tuple[Camera, Camera]
+    homes: tuple[Camera, ...]
     #: from the first one's local coordinates to the second's, where both show the same plant in the
     #: same place; None where they show different ones
     shift: tuple[float, float, float] | None
 
     @classmethod
-    def of(cls, first: Clip, second: Clip, homes: tuple[Camera, Camera]) -> Self:
+    def of(cls, clips: tuple[Clip, ...], homes: tuple[Camera, ...]) -> Self:
+        """homes: of each clip the camera that shows all of it."""
+        first, second = clips
         if _same_place(first, second):
             shift = _triple(np.asarray(first.origin) - np.asarray(second.origin))
             return cls((homes[0], homes[0]), shift)
@@ -70,19 +72,17 @@ class Pair:
         )
 
 
-def panes_of(
-    scene: Scene, clips: Sequence[Clip], names: Sequence[str], pair: Pair | None = None
-) -> tuple[Pane, ...]:
+def panes_of(scene: Scene, names: Sequence[str], pair: Pair | None = None) -> tuple[Pane, ...]:
     """The panes of a scene, from left to right.
 
-    names: of the clips; pair: of two of them.
+    names: of its clips; pair: of two of them.
     """
-    day, first = scene.timeline.day, clips[0]
+    day, first = scene.timeline.day, scene.clip
     if scene.compare is Compare.OFF:
         return (Pane(0, day, scene.camera),)
     if pair is not None:
         left = Pane(0, day, scene.camera, caption=names[0])
-        other = matched_day(first, clips[1], day)
+        other = matched_day(first, scene.clips[1], day)
         right = Pane(1, other, pair.transferred(scene.camera), caption=names[1])
     else:
         left = _nearest_scan(first, day, scene.camera)

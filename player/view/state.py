@@ -1,6 +1,6 @@
 """Everything that the window shows and does, as one frozen value: equal scenes, equal pictures."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -11,7 +11,7 @@ from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Edits, Output, Wish
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
-from traits.curves import PLOTTED, plotted
+from traits.curves import plotted
 
 
 @dataclass(frozen=True)
@@ -22,12 +22,9 @@ class Scene:
     camera: Camera
     home: Camera  #: the camera that shows the whole plant in the window's present shape
     style: Style
-    has_colors: bool  #: whether the clip carries the scans' own colours
-    has_errors: bool = False  #: whether it carries scans that were left out, to compare with
-    fields: tuple[str, ...] = ()  #: names of the clip's fields
-    curves: tuple[str, ...] = tuple(PLOTTED)  #: what may be plotted of an organ
-    organs: int = 0  #: how many tracks the clip has
-    clips: int = 1  #: how many are shown, 1 or 2
+    #: those that are shown, 1 or 2; the first one's organs have the names that they were given,
+    #: and where those change, `edits` do
+    clips: tuple[Clip, ...] = field(compare=False)
     chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
     edits: Edits | None = None  #: what was put right about organs; None for clips from no file
     turning: bool = False  #: the camera goes round the plant by itself
@@ -40,7 +37,7 @@ class Scene:
     panel: bool = False
     guides: bool = True  #: scale bar and axes
     legend: bool = True  #: what the colours mean
-    curve: str = "length"  #: the one of `curves` that is plotted of the picked organ; "" for none
+    curve: str = "length"  #: the trait that is plotted of the picked organ; "" for none
     help: bool = False
     fullscreen: bool = False
     kiosk: bool = False  #: nothing but the plant and the date
@@ -49,18 +46,29 @@ class Scene:
     closed: bool = False
 
     @property
+    def clip(self) -> Clip:
+        return self.clips[0]
+
+    @property
+    def curves(self) -> list[str]:
+        """What may be plotted of an organ."""
+        return plotted(self.clip)
+
+    @property
     def color_mode(self) -> ColorMode:
         """The colouring on screen."""
-        return ColorMode(self.style.color_by).resolved(self.has_colors)
+        return ColorMode(self.style.color_by).resolved(self.clip.has_colors)
 
     @property
     def color_modes(self) -> tuple[ColorMode, ...]:
         """What can be chosen."""
-        absent = {ColorMode.AUTO}
-        absent |= set() if self.has_colors else {ColorMode.SCAN}
-        absent |= set() if self.has_errors else {ColorMode.ERROR}
-        absent |= set() if self.fields else {ColorMode.FIELD}
-        return tuple(mode for mode in ColorMode if mode not in absent)
+        has = {
+            ColorMode.AUTO: False,
+            ColorMode.SCAN: self.clip.has_colors,
+            ColorMode.ERROR: bool(self.clip.held_out),
+            ColorMode.FIELD: bool(self.clip.fields),
+        }
+        return tuple(mode for mode in ColorMode if has.get(mode, True))
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
@@ -90,39 +98,29 @@ class Exporting:
     ended: str = ""
 
 
-def clamped(scene: Scene, clips: Sequence[Clip]) -> Scene:
-    """What these clips don't have is no longer shown, picked or compared with."""
-    clip, style = clips[0], scene.style
-    organs, compare, curves = len(clip.track_table), scene.compare, tuple(plotted(clip))
-    if scene.organs != organs and style.marked:
-        scene = scene.with_style(scene.notice, picked=None, second=None, alone=None)
-        scene = replace(scene.with_style(scene.notice, hidden=frozenset()), chosen=())
-    lacks = {"error": not clip.held_out, "field": not clip.fields}
-    if lacks.get(style.color_by):
-        scene = scene.with_style(scene.notice, color_by=ColorMode.AUTO)
-    if len(clips) != scene.clips:
+def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
+    """The scene with other clips (fresh), or with the same ones as they were baked anew: then on
+    the same day, and with the same camera path. What these clips don't have is no longer shown,
+    picked or compared with.
+    """
+    clip, style, path = clips[0], scene.style, CameraPath() if fresh else scene.path
+    timeline = replace(scene.timeline, times=tuple(clip.times), begin=None, end=None)
+    if len(clip.track_table) != len(scene.clip.track_table):
+        style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
+    if {"error": not clip.held_out, "field": not clip.fields}.get(style.color_by):
+        style = replace(style, color_by=ColorMode.AUTO)
+    compare = scene.compare
+    if len(clips) != len(scene.clips):
         compare = Compare.BESIDE if len(clips) > 1 else Compare.OFF
     return replace(
         scene,
-        has_colors=clip.has_colors,
-        has_errors=bool(clip.held_out),
-        fields=tuple(field.name for field in clip.fields),
-        curves=curves,
-        curve=scene.curve if scene.curve in (*curves, "") else curves[0],
-        organs=organs,
-        clips=len(clips),
+        clips=clips,
+        timeline=timeline.at(clip.times[0] if fresh else timeline.day),
+        style=style,
         compare=compare,
+        chosen=(),
+        edits=None if fresh else scene.edits,
+        path=path,
+        following=bool(path and scene.following),
+        curve=scene.curve if scene.curve in (*plotted(clip), "") else "length",
     )
-
-
-def reopened(scene: Scene, clips: Sequence[Clip], fresh: bool) -> Scene:
-    """The scene with other clips (fresh), or with the same ones as they were baked anew: then on
-    the same day, and with the same camera path.
-    """
-    times = tuple(clips[0].times)
-    timeline = replace(scene.timeline, times=times, begin=None, end=None)
-    timeline = timeline.at(times[0] if fresh else timeline.day)
-    path = CameraPath() if fresh else scene.path
-    following = bool(path and scene.following)
-    scene = replace(scene, chosen=(), edits=None if fresh else scene.edits)
-    return clamped(replace(scene, timeline=timeline, path=path, following=following), clips)

@@ -11,6 +11,7 @@ from typing import Any
 
 import glfw
 
+from gclip import Clip
 from gclip.errors import ClipError, UserError
 from player.export.formats import FORMATS
 from player.gl.context import from_window
@@ -27,7 +28,7 @@ from player.view.dates import date_at
 from player.view.organ_place import organ_place
 from player.view.playback import Timeline
 from player.view.split_view import Pair, Pane, panes_of
-from player.view.state import Scene, clamped, reopened
+from player.view.state import Scene, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
@@ -82,12 +83,11 @@ class Window:
         self._drawn: Picture | None = None
         self._unsettled, self._moved_at = 0, 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
-        self._show(clips)
-        camera = home_camera(clips[0].clip, (16.0, 9.0))
-        timeline = Timeline.of(clips[0].clip.times).played()
+        bare = self._show(clips)
+        camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
         formats = tuple(one.example for one in FORMATS)
-        scene = Scene(timeline, camera, camera, style, False, formats=formats)
-        self.scene = prepare(clamped(scene, self._bare))
+        scene = Scene(timeline, camera, camera, style, bare[:1], formats=formats)
+        self.scene = prepare(reopened(scene, bare, fresh=True))
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
@@ -109,7 +109,6 @@ class Window:
             then = now
             self._look_at_files()
             self.scene = self._kept.written(self.scene)
-            self._bare[0] = self._interface.clip = self._organs.clip = self._kept.clip
             self._follow_window()
             self._draw()
             if self._lively:
@@ -126,10 +125,9 @@ class Window:
         self._gui.release()
         self.viewports.release()
 
-    def _show(self, clips: tuple[OpenClip, ...]) -> None:
+    def _show(self, clips: tuple[OpenClip, ...]) -> tuple[Clip, ...]:
         """Make what draws these clips."""
-        self.clips = clips
-        self._bare = bare = [one.clip for one in clips]
+        self.clips, bare = clips, tuple(one.clip for one in clips)
         self.viewports = Viewports(self._context, bare)
         self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
         self._resolution = DynamicResolution(
@@ -141,6 +139,7 @@ class Window:
         self._pair: Pair | None = None
         self._fitted: tuple[float, float, float] | None = None
         self._drawn = None
+        return bare
 
     @property
     def _lively(self) -> bool:
@@ -179,7 +178,7 @@ class Window:
         try:
             paths = [name for name in dropped if name.lower().endswith(".json")]
             if paths:
-                path = load_path(Path(paths[0]), self._bare[0])
+                path = load_path(Path(paths[0]), self.scene.clip)
                 scene = replace(self.scene, path=path, following=True, turning=False)
                 self.scene = scene.with_notice(f"Camera path of {len(path.keys)} keys")
             elif dropped:
@@ -197,9 +196,9 @@ class Window:
         scene = self.scene
         self._organs.release()
         self.viewports.release()
-        self._show(tuple(clips))
+        bare = self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(scene, self._bare, fresh).with_notice(told)
+        self.scene = reopened(scene, bare, fresh).with_notice(told)
         self._fit()
         if fresh or scene.camera == scene.home:
             self.scene = replace(self.scene, camera=self.scene.home)
@@ -215,7 +214,7 @@ class Window:
         switch_fullscreen(self._handle, self.scene.fullscreen)
         self._measures = Measures.of(self._handle)
         self._fit()
-        date = date_at(self._bare[0].scans, self.scene.timeline.day)
+        date = date_at(self.scene.clip.scans, self.scene.timeline.day)
         title = f"{date} · {self.clips[0].name}"
         if title != self._title:
             glfw.set_window_title(self._handle, title)
@@ -230,7 +229,7 @@ class Window:
         if self._measures.visible and self._fitted != (width, height, plot):
             before = self._fitted[2] if self._fitted else plot
             self._fitted = (width, height, plot)
-            self.scene, self._pair = fitted(self.scene, self._bare, (width, height), plot, before)
+            self.scene, self._pair = fitted(self.scene, (width, height), plot, before)
 
     @property
     def _aside(self) -> float:
@@ -239,7 +238,7 @@ class Window:
 
     def _draw(self) -> None:
         measures, area, now = self._measures, self._measures.beside(self._aside), glfw.get_time()
-        panes = panes_of(self.scene, self._bare, [one.name for one in self.clips], self._pair)
+        panes = panes_of(self.scene, [one.name for one in self.clips], self._pair)
         wanted = Picture(self.scene, measures, self._facts(panes), Detail(), self._gui.events)
         moves = self._drawn is None or wanted.view != self._drawn.view
         if moves and self.scene.wish is None:
@@ -282,15 +281,17 @@ class Window:
         if found := self.viewports.organ_under(panes, self.scene.style, at, area):
             pane, track, aspect, spot = found
             seen = pane.camera, aspect, spot
-            place = None if track is None else organ_place(self._bare[0], track, pane.day, seen)
+            place = None if track is None else organ_place(self.scene.clip, track, pane.day, seen)
             self.scene = actions.pick(track, place, self._interface.mouse.more)(self.scene)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
-        style, day = self.scene.style, self.scene.timeline.day
-        organ = () if style.picked is None else tuple(self._organs.lines(style.picked, day))
-        curves = () if style.picked is None else self._organs.curves(style.picked)
-        compared, job = panes if len(panes) > 1 else (), self._exports.progress
-        return Facts(self._colors.color_scale(style), organ, compared, job, curves)
+        scene, picked = self.scene, self.scene.style.picked
+        colors, compared = self._colors.color_scale(scene.style), panes if len(panes) > 1 else ()
+        facts = Facts(colors, panes=compared, exporting=self._exports.progress)
+        if picked is None:
+            return facts
+        organ = tuple(self._organs.lines(scene.clip, picked, scene.timeline.day))
+        return replace(facts, organ=organ, curves=self._organs.curves(picked))
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

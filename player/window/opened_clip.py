@@ -7,7 +7,7 @@ from typing import Self
 
 from gclip import Clip
 from gclip.clip import open_as_baked
-from gclip.corrections import corrections_file, read_corrections, write_corrections
+from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
 from gclip.errors import UserError
 from gclip.places import baked_corrections, rename_organs
 from player.view.choices import Edits
@@ -57,20 +57,19 @@ def _mark(file: Path) -> tuple[int, int, int] | None:
 
 
 class KeptEdits:
-    """Of one clip: a file that people may edit while the window is open.
-
-    clip: the clip, whose organs have the names that they were given.
-    """
+    """Of one clip: a file that people may edit while the window is open."""
 
     def __init__(self, opened: OpenClip) -> None:
         self._file = None if opened.file is None else corrections_file(opened.file)
         self._baked = baked_corrections(opened.clip)
         self._watch = FileWatch([] if self._file is None else [self._file])
         self._saved: Edits | None = None
-        self._opened = self.clip = opened.clip
+        self._opened = opened.clip
 
     def written(self, scene: Scene) -> Scene:
-        """Write what the scene changed, or take over what the file says now."""
+        """Write what the scene changed, or take over what the file says now: the organs of the
+        scene's clip have the names that they were given.
+        """
         if self._file is None:
             return scene
         try:
@@ -81,10 +80,10 @@ class KeptEdits:
             return replace(scene, edits=None).with_notice(str(error))
         try:
             if scene.edits and scene.edits.now != self._saved.now:
-                clip = rename_organs(self._opened, scene.edits.now)
+                named = self._named(scene, scene.edits.now)
                 write_corrections(self._file, scene.edits.now)
-                self.clip = clip
                 self._watch.changed()
+                scene = named
         except UserError as error:
             return replace(scene, edits=self._saved).with_notice(str(error))
         except OSError as error:
@@ -95,8 +94,11 @@ class KeptEdits:
 
     def _read(self, scene: Scene, file: Path) -> Scene:
         now = read_corrections(file) if file.exists() else ()
-        self.clip = rename_organs(self._opened, now)
+        scene = self._named(scene, now)
         before = scene.edits or Edits()
         edits = before if now == before.now else before.changed(now)
         self._saved = replace(edits, baked=self._baked)
         return replace(scene, edits=self._saved)
+
+    def _named(self, scene: Scene, now: tuple[Correction, ...]) -> Scene:
+        return replace(scene, clips=(rename_organs(self._opened, now), *scene.clips[1:]))

@@ -14,13 +14,10 @@ PAUSE = 0.7  # seconds between measurements while time goes on
 
 
 class OrganInfo:
-    """Measures organs in a thread; the window never waits for it.
-
-    clip: may be replaced by one whose organs have other names.
-    """
+    """Measures organs of one clip in a thread; the window never waits for it."""
 
     def __init__(self, clip: Clip) -> None:
-        self.clip = clip
+        self._clip = clip
         self._pool = ThreadPoolExecutor(1)
         self._running: Future[None] | None = None
         self._asked: tuple[int, float] | None = None
@@ -34,17 +31,18 @@ class OrganInfo:
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; none until they are measured."""
         if track not in self._curves:
-            self._curves[track] = self._pool.submit(trait_curves, self.clip, [track])
+            self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         found = self._curves[track]
         failed = not found.done() or found.cancelled() or found.exception() is not None
         return () if failed else tuple(found.result())
 
-    def lines(self, track: int, day: float) -> list[tuple[str, str]]:
+    def lines(self, clip: Clip, track: int, day: float) -> list[tuple[str, str]]:
         """What to tell about an organ, by its row in the clip's table, on a day: (what, value).
 
+        clip: the same one, whose organs may have other names by now.
         The length may be of a moment ago while the plant grows.
         """
-        clip, organ = self.clip, self.clip.track_table[track]
+        organ = clip.track_table[track]
         self._ask(track, day)
         facts = [("kind", organ.kind)] if organ.kind not in ("organ", "") else []
         if organ.parent is not None:
@@ -62,7 +60,7 @@ class OrganInfo:
     def _measured(self, found: Measurement | None) -> list[tuple[str, str]]:
         if found is None:
             return [("length now", "not there")]
-        unit = self.clip.unit or "units"
+        unit = self._clip.unit or "units"
         values = [("length", found.length, unit), ("area", found.area, f"{unit}²")]
         return [
             (f"{name} now", f"{'' if name in found.sure else 'about '}{value:.4g} {of}")
@@ -81,6 +79,6 @@ class OrganInfo:
 
     def _measure(self, track: int, day: float) -> None:
         with suppress(ClipError):  # cut short while it is open: who draws it tells
-            found = measure(self.clip, day, only=[track])
+            found = measure(self._clip, day, only=[track])
             self._found = (track, found[0] if found else None)
         self._ended = time.monotonic()

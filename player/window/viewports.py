@@ -33,11 +33,7 @@ def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Cam
 
 
 def fitted(
-    scene: Scene,
-    clips: Sequence[Clip],
-    size: tuple[float, float],
-    plot: float = 0.0,
-    before: float = 0.0,
+    scene: Scene, size: tuple[float, float], plot: float = 0.0, before: float = 0.0
 ) -> tuple[Scene, Pair | None]:
     """The scene with the home camera of a window, and its camera as it stood beside the last one;
     and how two clips are seen alike.
@@ -45,8 +41,8 @@ def fitted(
     size: (width, height) in units of what a plant has of the window.
     plot, before: the height of the plot above the timeline, now and with the last home camera.
     """
-    homes = [home_camera(clip, size, plot) for clip in clips]
-    pair = Pair.of(clips[0], clips[1], (homes[0], homes[1])) if len(clips) > 1 else None
+    homes = tuple(home_camera(clip, size, plot) for clip in scene.clips)
+    pair = Pair.of(scene.clips, homes) if len(homes) > 1 else None
     home = homes[0] if pair is None else pair.homes[0]
     flat = scene.camera.orthographic
     last, now = scene.home.with_orthographic(flat), home.with_orthographic(flat)

@@ -18,7 +18,7 @@ from player.ui.interface import Facts, Interface
 from player.ui.timeline import Line
 from player.view.camera import Camera
 from player.view.playback import Timeline
-from player.view.state import Scene, clamped
+from player.view.state import Scene
 from player.view.style import Style
 
 GROUND = (30, 60, 90)
@@ -32,7 +32,7 @@ def scene_of(clip: Clip, day: float = 0.0, **changes: Any) -> Scene:
     camera, style = Camera.home(clip), Style(**changes)
     formats = tuple(one.example for one in FORMATS)
     timeline = Timeline.of(clip.times).at(day)
-    return clamped(Scene(timeline, camera, camera, style, False, formats=formats), [clip])
+    return Scene(timeline, camera, camera, style, (clip,), formats=formats)
 
 
 class Places:

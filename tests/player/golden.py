@@ -34,7 +34,7 @@ from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
-from player.view.state import Scene, clamped
+from player.view.state import Scene
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Viewports, home_camera
@@ -151,9 +151,9 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         clip = clip_of(plant)
         size = (round(WINDOW[0] * DENSITY), round(WINDOW[1] * DENSITY))
         camera = home_camera(clip, WINDOW)
-        plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, False)
-        shown = replace(clamped(plain, [clip]), **scene)
-        panes = panes_of(shown, [clip], [plant])
+        plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, (clip,))
+        shown = replace(plain, **scene)
+        panes = panes_of(shown, [plant])
         facts = Facts(Colors(clip).color_scale(style), panes=panes if len(panes) > 1 else ())
         with _screen(size) as (context, screen):
             stage, gui = Viewports(context, [clip]), Gui()

@@ -13,6 +13,7 @@ from player.view.choices import Compare, Edits
 from player.view.playback import AtEnd, Timeline
 from player.view.state import Scene
 from player.view.style import Style
+from tests.player.shown import small_clip
 
 TIMES = [0.0, 2.0, 3.0]
 
@@ -20,7 +21,7 @@ TIMES = [0.0, 2.0, 3.0]
 @pytest.fixture
 def scene() -> Scene:
     camera = Camera()
-    return Scene(Timeline.of(TIMES), camera, camera, Style(), has_colors=True, organs=2)
+    return Scene(Timeline.of(TIMES), camera, camera, Style(), (small_clip("abc", TIMES),))
 
 
 def pressed(scene: Scene, *names: str) -> Scene:
@@ -96,7 +97,8 @@ def test_c_goes_through_the_colourings_that_the_clip_has(scene: Scene) -> None:
         scene = pressed(scene, "c")
         seen.append(scene.color_mode)
     assert seen == ["track", "age", "growth", "speed", "height", "scan"]
-    scene = replace(scene, has_colors=False)
+    bare = [replace(one, start_colors=None, end_colors=None) for one in scene.clip.intervals]
+    scene = replace(scene, clips=(replace(scene.clip, intervals=tuple(bare)),))
     assert scene.color_mode == "track"
     for _ in range(5):
         scene = pressed(scene, "c")

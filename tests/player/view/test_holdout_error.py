@@ -100,10 +100,10 @@ def test_the_window_s_stage_shows_errors_and_goes_back(
 
 def test_a_scan_left_out_is_compared_with_where_it_is_nearest(clip: Clip) -> None:
     camera = Camera.home(clip, 4 / 3)
-    scene = Scene(Timeline.of(clip.times), camera, camera, Style(), True, compare=Compare.BESIDE)
+    scene = Scene(Timeline.of(clip.times), camera, camera, Style(), (clip,), compare=Compare.BESIDE)
     seen = {}
     for day in (0.2, 1.2, 1.8):
-        left, right = panes_of(scene.with_timeline(lambda t, day=day: t.at(day)), [clip], ["p"])
+        left, right = panes_of(scene.with_timeline(lambda t, day=day: t.at(day)), ["p"])
         assert (right.day, right.left_out) == (day, None)
         seen[day] = (left.day, left.left_out, left.caption)
     assert seen[0.2] == (0.0, None, "Scan of day 0")
@@ -167,9 +167,10 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     assert [path.name for path in tmp_path.iterdir()] == ["p.gclip"]
     with pytest.raises(PlayerError, match="left out"):
         Colors(clip).color_scale(ERROR)
-    scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), has_colors=False)
+    scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), (clip,))
     told = actions.COLOR.choose(scene, ColorMode.ERROR)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
     assert "error" not in scene.color_modes
-    assert "error" in replace(scene, has_errors=True).color_modes
+    held = replace(clip, held_out=(HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local),))
+    assert "error" in replace(scene, clips=(held,)).color_modes

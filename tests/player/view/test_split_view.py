@@ -17,19 +17,19 @@ from tests.player.conftest import ClipMaker
 def scene_of(clip: object, day: float, compare: Compare) -> Scene:
     camera = Camera.home(clip, 4 / 3)  # type: ignore[arg-type]
     timeline = Timeline.of(clip.times).at(day)  # type: ignore[attr-defined]
-    return Scene(timeline, camera, camera, Style(), False, compare=compare)
+    return Scene(timeline, camera, camera, Style(), (clip,), compare=compare)
 
 
 def test_the_nearest_scan_stands_beside_the_day(make_clip: ClipMaker) -> None:
     clip = make_clip()
     for day, scan in ((0.9, 0.0), (1.1, 2.0), (4.0, 5.0)):
-        left, right = panes_of(scene_of(clip, day, Compare.BESIDE), [clip], ["a"])
+        left, right = panes_of(scene_of(clip, day, Compare.BESIDE), ["a"])
         assert (left.day, right.day) == (scan, day)
         assert (left.left, left.right, right.left, right.right) == (0.0, 0.5, 0.5, 1.0)
         assert f"day {scan:g}" in left.caption
-    assert len(panes_of(scene_of(clip, 1.0, Compare.OFF), [clip], ["a"])) == 1
+    assert len(panes_of(scene_of(clip, 1.0, Compare.OFF), ["a"])) == 1
     wiped = replace(scene_of(clip, 1.0, Compare.WIPE), wipe=0.3)
-    left, right = panes_of(wiped, [clip], ["a"])
+    left, right = panes_of(wiped, ["a"])
     assert (left.right, right.left, left.own) == (0.3, 0.3, False)
 
 
@@ -49,13 +49,13 @@ def test_the_same_plant_is_seen_from_the_same_place(make_clip: ClipMaker) -> Non
     moved = replace(clip, origin=(5.0, 0.0, 0.0))
     homes = (Camera.home(clip), Camera.home(moved))
     camera = homes[0].orbit(0.4, 0.1).pan(0.1, 0.2)
-    seen = Pair.of(clip, moved, homes).transferred(camera)
+    seen = Pair.of((clip, moved), homes).transferred(camera)
     assert np.allclose(seen.eye + moved.origin, camera.eye + clip.origin)
 
 
 def test_another_plant_is_seen_from_its_own_side_at_the_same_scale(make_clip: ClipMaker) -> None:
     first, second = make_clip(), replace(make_clip(up="y"), origin=(9000.0, 0.0, 0.0))
-    pair = Pair.of(first, second, (Camera.home(first), Camera.home(second)))
+    pair = Pair.of((first, second), (Camera.home(first), Camera.home(second)))
     seen = pair.transferred(pair.homes[0])
     assert seen.up == "y"
     assert seen.distance == pair.homes[0].distance

@@ -82,7 +82,7 @@ def test_fewer_pixels_show_the_same_picture_over_the_whole_window(
 ) -> None:
     clip, size = small_clip(), (200, 100)
     scene = replace(scene_of(clip, 1.2), compare=compare)
-    panes = panes_of(scene, [clip], ["plant"])
+    panes = panes_of(scene, ["plant"])
     viewports, pictures = Viewports(context, [clip]), []
     for pixels in (1.0, detail):
         viewports.paint(size, panes, scene.style, Detail(pixels), None)

@@ -67,7 +67,7 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
     ) -> tuple:
         timeline = Timeline.of((0.0, 1.0))
         camera = Camera.fit((np.zeros(3), np.ones(3)))
-        scene = prepare(Scene(timeline, camera, camera, style, False))
+        scene = prepare(Scene(timeline, camera, camera, style, ()))
         seen.append(scene.panel)
         return scene, size
 
