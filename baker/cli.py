@@ -1,7 +1,6 @@
 """The command `bake`: scans in, a growth clip out."""
 
 import gc
-import os
 from collections.abc import Callable
 from dataclasses import fields
 from inspect import Parameter, Signature, signature
@@ -94,9 +93,5 @@ def bake_command(
 
 def main(argv: list[str] | None = None) -> int:
     """Run `bake` with these arguments (by default those of the process); returns the exit code."""
-    # Read when numpy is loaded. The rounding of a sum depends on the number of threads, but the
-    # bytes of a clip must not depend on the machine; other threads use all cores anyway.
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
     gc.set_threshold(10_000)  # a bake makes few cycles of objects
     return run_app(app, "bake", argv)

@@ -230,7 +230,7 @@ class Options:
                 "--transport whole; --corrections none bakes without them."
             )
         named = [name for name in self.columns.split(",") if name not in ("-", "_", "")]
-        if named and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
+        if self.columns and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
             raise InputError(
                 f"--columns is {self.columns}; x, y, z and other names, each once, are needed, and "
                 "- for a column that is not used."

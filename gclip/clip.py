@@ -190,17 +190,21 @@ class Clip:
         cloud.colors = utility.Vector3dVector(frame.colors[:, :3] / 255.0)
         return cloud
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], force: bool = True) -> None:
         """Write the clip to a file; if that fails, an existing file stays unchanged.
 
         Parameters
         ----------
         path : str or path-like
+        force : bool, optional
+            Whether an existing file is replaced.
 
         Raises
         ------
         ClipError
             If `path` can't be written, or `gclip.open` would refuse the clip.
+        UserError
+            If `path` exists, and is not to be replaced.
         """
         arrays: dict[str, NDArray[Any]] = {
             HELD_OUT % i: np.asarray(s.positions, np.float32) for i, s in enumerate(self.held_out)
@@ -214,7 +218,7 @@ class Clip:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
         except ClipError as error:
             raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
-        write_container(text, buffers, Path(path))
+        write_container(text, buffers, Path(path), force)
 
 
 def open(path: str | os.PathLike[str]) -> Clip:

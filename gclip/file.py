@@ -128,13 +128,15 @@ def _read_header(
     return text, buffers
 
 
-def write_container(text: str, buffers: Mapping[str, NDArray[Any]], path: Path) -> None:
-    """Write a file atomically. Raises ClipError if it can't be written."""
+def write_container(
+    text: str, buffers: Mapping[str, NDArray[Any]], path: Path, force: bool = True
+) -> None:
+    """Write a file as `atomic_file` does. Raises ClipError if it can't be written."""
     from safetensors import SafetensorError
     from safetensors.numpy import save_file
 
     try:
-        with atomic_file(path) as part:
+        with atomic_file(path, force) as part:
             save_file(dict(buffers), part, {KEY: text})
     except (OSError, SafetensorError) as error:
         reason = getattr(error, "strerror", None) or str(error)

@@ -16,17 +16,17 @@ PROBE = 1 << 20  # bytes
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, force: bool = True) -> Iterator[Path]:
     """A temporary file, which takes the place of `path` when the work is done, else is removed.
 
-    Raises UserError where it can't be written.
+    Raises UserError where it can't be written, or would overwrite a file unless that is forced.
     """
-    with writing(path), atomic_file(path) as part:
+    with writing(path), atomic_file(path, force) as part:
         yield part
 
 
 @contextmanager
-def whole_files(path: Path) -> Iterator[Path]:
+def whole_files(path: Path, force: bool = True) -> Iterator[Path]:
     """As `whole_file`, for files numbered as the name says: all take their places in the end.
 
     The folder that they go to is made if only itself is missing. What else is in it stays.
@@ -34,6 +34,8 @@ def whole_files(path: Path) -> Iterator[Path]:
     home = path.parent
     with writing(path), folder_beside(path if home.exists() else home) as draft:
         yield draft / path.name
+        if not force:
+            check_sequence(path, force)
         parts = sorted(draft.iterdir())
         for part in parts:
             sync(part)

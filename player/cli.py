@@ -213,7 +213,7 @@ def _export(
     if camera is not None:
         film = replace(film, path=player.view.load_path(camera, clip))
     with player.export.FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
-        player.export.export(clip, film, output, progress)
+        player.export.export(clip, film, output, progress, force)
     if not quiet:
         typer.echo(f"wrote {output}", err=True)
 

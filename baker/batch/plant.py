@@ -83,6 +83,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         state: Literal["baked", "unchanged"] = "unchanged" if clip else "baked"
         if clip is None:
             cache = Cache(outputs.cache) if outputs.cache else None
+            outputs = replace(outputs, force=True)
             clip, _ = bake_into(outputs, [job.folder], job.options, cache, solve)
         table = io.StringIO()
         if outputs.traits and provenance(clip) != job.known:
@@ -130,7 +131,7 @@ def bake_into(
         solve = cache.kept_intervals(solve)
     clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
-    clip.save(outputs.clip)
+    clip.save(outputs.clip, outputs.force)  # another bake may have been faster
     progress("writing", 1, 1)
     errors = verify(clip, survey, progress)
     if outputs.report is not None:

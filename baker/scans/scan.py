@@ -28,7 +28,8 @@ class Finding:
     @property
     def remark(self) -> str:
         """The doubt and the option that settles it; "" where nothing is in doubt."""
-        return self.doubt + (f"; say it with {self.option}" if self.doubt and self.option else "")
+        remedy = f"; to change it, use {self.option}" if self.doubt and self.option else ""
+        return self.doubt + remedy
 
     @property
     def sentence(self) -> str:

@@ -4,6 +4,7 @@ The folder, `.NAME.xxxxxxxx.part`, is removed even after an error or Ctrl-C, but
 is killed.
 """
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,6 +39,8 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        if error.errno in (None, errno.ENOMEM):  # a library that can't be loaded, or no memory
+            raise
         raise UserError(f"{path} can't be written: {error.strerror or error}.") from None
 
 
@@ -50,10 +53,11 @@ def folder_beside(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def atomic_file(path: Path) -> Iterator[Path]:
+def atomic_file(path: Path, force: bool = True) -> Iterator[Path]:
     """A temporary file to write, of the same name, which replaces `path` if no exception is raised.
 
-    Raises OSError if it can't be written.
+    Raises OSError if it can't be written, and UserError if a file has appeared at `path` meanwhile,
+    unless `force` is given.
     """
     with folder_beside(path) as folder:
         part = folder / path.name
@@ -62,6 +66,8 @@ def atomic_file(path: Path) -> Iterator[Path]:
         umask = os.umask(0)
         os.umask(umask)
         part.chmod(0o666 & ~umask)  # the usual mode; libraries may have set another one
+        if not force:
+            check_output(path, force)
         os.replace(part, path)
 
 

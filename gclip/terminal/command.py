@@ -8,7 +8,10 @@ import io
 import os
 import re
 import sys
+import warnings
 from collections.abc import Callable
+from functools import partial
+from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
 from gclip.errors import UserError
@@ -41,7 +44,9 @@ def run(command: str, work: Callable[[], int | None]) -> int:
         sys.stdout.reconfigure(errors="replace")  # for letters that the terminal can't encode
     signals: list[int] = []
     try:
-        return until_interrupted(work, signals) or DONE
+        with warnings.catch_warnings():
+            warnings.showwarning = partial(_print_warning, command)
+            return until_interrupted(work, signals) or DONE
     except KeyboardInterrupt:
         _print_error(command, "stopped; nothing half-written is left behind.")
         return 128 + signals[0] if signals else INTERRUPTED
@@ -68,12 +73,25 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, f"{name}: {error.strerror or error}."
     if isinstance(error, OSError) and error.errno in LIMITS:
         return BAD_INPUT, f"{error.strerror or error}."
-    if isinstance(error, (ImportError, OSError)) and "shared object" in str(error):  # as ld.so says
-        return BAD_INPUT, f"a library of the system can't be loaded: {error}."
-    if isinstance(error, MemoryError):
+    reason = str(error).rstrip(".")
+    if isinstance(error, (ImportError, OSError)) and "shared object" in reason:  # as ld.so says
+        return BAD_INPUT, f"a library of the system can't be loaded: {reason}."
+    if isinstance(error, ValueError) and (module := _module_in_loading(error)):
+        return BAD_INPUT, f"{module} can't be loaded in this environment: {reason}."
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return BAD_INPUT, "out of memory; try fewer points, for example with `bake --voxel SIZE`."
+    if isinstance(error, FileNotFoundError):  # without a file's name: from os.getcwd()
+        return BAD_INPUT, "the folder that the command was started in is gone."
     fault = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
     return OUR_FAULT, f"{fault}, please report it (set GCLIP_TRACEBACK=1 to see where)."
+
+
+def _module_in_loading(error: Exception) -> str:
+    """The module whose import raised an error, for example for a wrong environment variable."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    if not any(frame.f_code.co_filename.startswith("<frozen importlib") for frame in frames):
+        return ""
+    return str(frames[-1].f_globals["__name__"])
 
 
 def _usage_error(error: Any) -> str:
@@ -139,6 +157,10 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
         except Abort:
             raise KeyboardInterrupt from None
 
+    # Read when numpy is loaded. The rounding of a sum depends on the number of threads, but the
+    # bytes of a file must not depend on the machine; other threads use all cores anyway.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = "1"
     code = run(command, work)
     if argv is None:
         gc.freeze()  # the process ends: a last garbage collection would take 0.3 s
@@ -146,6 +168,11 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
         Lossy(sys.stdout).write("")
         os._exit(code)  # without waiting for threads that still calculate
     return code
+
+
+def _print_warning(command: str, message: Warning | str, *where: object) -> None:
+    """Print the first line of a library's warning, without the place in its code."""
+    _print_error(command, f"warning: {str(message).partition(chr(10))[0]}")
 
 
 def _print_error(command: str, sentence: str) -> None:

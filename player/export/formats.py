@@ -46,14 +46,18 @@ class Format:
 
 
 def export(
-    clip: Clip, film: Film, path: Path, progress: Progress = lambda done, total: None
+    clip: Clip,
+    film: Film,
+    path: Path,
+    progress: Progress = lambda done, total: None,
+    force: bool = True,
 ) -> None:
     """Write a clip's film, picture, page, geometry or table to `path`: whole or not at all.
 
     Raises PlayerError for an unknown suffix, a missing folder, a size or speed that the format
-    can't hold, no OpenGL, or an encoder that fails.
+    can't hold, no OpenGL, or an encoder that fails; unless it is forced, for what is there already.
     """
-    chosen = format_of(path, film)
+    chosen = format_of(path, film, force)
     count = film.frame_count(clip)
     if count > MOST:
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
@@ -61,7 +65,7 @@ def export(
         check_annotations(film, clip)
     colors = Colors(clip)
     coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
-    with (whole_files if chosen.sequence else whole_file)(path) as part:
+    with (whole_files if chosen.sequence else whole_file)(path, force) as part:
         chosen.write(coloring(film.style), film, part, progress)
 
 

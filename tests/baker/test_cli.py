@@ -78,6 +78,7 @@ def test_wrong_usage(capsys, out):
     refused(["x", "-o", out, "--root", "1,2"], capsys, "--root", "1,2")
     refused(["x", "-o", out, "--workers", "-1"], capsys, "workers")
     refused(["x", "-o", out, "--columns", "x,y,label"], capsys, "x,y,label", "x, y, z")
+    refused(["x", "-o", out, "--columns", ","], capsys, "--columns is ,", "x, y, z")
     refused(["x", "-o", out, "--scale", "0"], capsys, "scale is 0")
 
 

@@ -62,7 +62,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     if header is None:
         if width > 3 and len(rows) > MIN_COUNTED and (np.diff(rows[:, 0]) == 1).all():
             example = ",".join(["-", *"xyz", *["-"] * (width - 5), *["label"] * (width > 4)])
-            reason = f"its first column counts the rows; say it with --columns {example}."
+            reason = f"its first column counts the rows; name the columns: --columns {example}."
             raise FormatError(reason)
         for i, name in zip(numbers, usual_names(rows, is_leica=count is not None), strict=True):
             # `usual_names` counts columns of numbers only; names[i] counts columns of words, too.

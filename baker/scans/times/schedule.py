@@ -195,7 +195,7 @@ def _require_clear_order(names: Sequence[str]) -> None:
         )
         if any(a > b for a, b in zip(before, after, strict=False)):
             raise InputError(
-                "The order of '{}' and '{}' can't be told from their names; say it with --times "
+                "The order of '{}' and '{}' can't be told from their names; give it by --times "
                 "FILE, with dates such as 2020-03-08 in the names, or by naming the files in "
                 "order.".format(*pair)
             )

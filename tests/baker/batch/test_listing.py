@@ -14,7 +14,7 @@ def test_a_doubt_names_the_option_that_settles_it():
     doubtful = Finding("up", "z", "y is nearly as likely", "--up y")
     assert finding_lines([doubtful, sure]) == [
         "days    sure          day 0 to day 3",
-        "up      look at this  z: y is nearly as likely; say it with --up y",
+        "up      look at this  z: y is nearly as likely; to change it, use --up y",
     ]
 
 

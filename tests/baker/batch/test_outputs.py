@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from baker.batch import plant
 from baker.batch.outputs import check_output
 from baker.cli import main
 from gclip.errors import UserError
@@ -25,6 +26,26 @@ def test_what_is_there_is_kept_unless_forced(tmp_path):
     check_output(path, True, "a clip", ".gclip")
     with pytest.raises(UserError, match=f"{re.escape(str(path))} exists; --force overwrites it."):
         check_output(path, False, "a clip", ".gclip")
+
+
+def test_of_two_bakes_at_once_the_slower_one_overwrites_nothing(
+    write_scans, tmp_path, monkeypatch, capsys
+):
+    path, bake = tmp_path / "plant.gclip", plant.bake_recorded
+
+    def bake_slowly(*arguments, **named):
+        clip, survey = bake(*arguments, **named)
+        path.write_text("the other's")
+        return clip, survey
+
+    monkeypatch.setattr(plant, "bake_recorded", bake_slowly)
+    words = [str(write_scans(days=(0, 1))), "-o", str(path), "-q", "--align", "none"]
+    assert main(words) == 2
+    assert capsys.readouterr().err == f"bake: {path} exists; --force overwrites it.\n"
+    assert path.read_text() == "the other's"
+    assert {entry.name for entry in tmp_path.iterdir()} == {"scans", "plant.gclip"}
+    assert main([*words, "--force"]) == 0
+    assert path.read_bytes() != b"the other's"
 
 
 def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypatch):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -35,6 +36,8 @@ def raising(error: BaseException) -> Callable[[], None]:
         ),
         (FileNotFoundError(2, "No such file", b"x\xff"), 2, "bake: x\ufffd: No such file.\n"),
         (OSError(28, "No space left"), 2, "bake: No space left.\n"),
+        (OSError(12, "Cannot allocate memory"), 2, "out of memory; try fewer points"),
+        (FileNotFoundError(2, "No such file"), 2, "the folder that the command was started in is"),
         (OSError(22, "Invalid argument"), 1, "internal error (OSError: [Errno 22]"),
         (
             OSError("libusb-1.0.so.0: cannot open shared object file: No such file or directory"),
@@ -59,6 +62,32 @@ def test_outcomes(
     assert out == ""
     assert words in err
     assert (err.startswith("bake: "), err.count("\n")) == (True, 1)
+
+
+@pytest.mark.parametrize(
+    ("module", "variable", "value", "said"),
+    [
+        (
+            "numpy.f2py",
+            "SOURCE_DATE_EPOCH",
+            "then",
+            "can't be loaded in this environment: .*'then'",
+        ),
+        ("numba", "NUMBA_NUM_THREADS", "0", "can't be loaded in this environment: .* must be > 0"),
+        ("numba", "NUMBA_NUM_THREADS", "many", "warning: .*'NUMBA_NUM_THREADS'.*'many'.*parsed"),
+        ("traits.neighborhoods", "NUMBA_DISABLE_JIT", "1", "NUMBA_DISABLE_JIT is set .* unset it"),
+    ],
+)
+def test_a_wrong_variable_of_the_environment_is_one_sentence(
+    module: str, variable: str, value: str, said: str
+) -> None:
+    code = (
+        "from importlib import import_module; from gclip.terminal.command import run;"
+        f"run('bake', lambda: import_module('{module}') and None)"
+    )
+    command, environment = [sys.executable, "-c", code], {**os.environ, variable: value}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert re.fullmatch(f"bake: .*{said}.*\\.\n", done.stderr)
 
 
 def test_what_is_done_is_done(capsys: pytest.CaptureFixture[str]) -> None:

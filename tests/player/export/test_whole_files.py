@@ -46,3 +46,18 @@ def test_a_missing_folder_is_said_at_once(make_clip: Any, tmp_path: Path, exampl
     with pytest.raises(UserError, match="does not exist"):
         export(make_clip(), SMALL, tmp_path / "no" / "where" / example)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["plant.glb", "clouds/%04d.ply"])
+def test_what_another_one_wrote_meanwhile_stays(make_clip: Any, tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    other = path.with_name(path.name.replace("%04d", "0001"))
+
+    def write_the_other(done: int, total: int) -> None:
+        other.parent.mkdir(exist_ok=True)
+        other.write_text("the other's")
+
+    with pytest.raises(UserError, match="exists; --force overwrites it"):
+        export(make_clip(), SMALL, path, write_the_other, force=False)
+    assert [entry for entry in tmp_path.rglob("*") if entry.is_file()] == [other]
+    assert other.read_text() == "the other's"
