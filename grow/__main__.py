@@ -1,4 +1,4 @@
-"""`python -m grow`, the same as the command `grow`."""
+"""`python -m grow` runs `grow`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""The command `grow`: scans of a plant that never was, and the truth about it."""
+"""The command `grow`: write scans of a procedural plant, and its true shape."""
 
 from enum import StrEnum
 from math import isfinite
@@ -19,7 +19,7 @@ PANELS = {
     "Scanner": "noise unlabelled shuffle_labels pose colors suffix truth",
     "Depth camera": "per_day size label_shift",
 }
-"""The options by what they are about, in the order of `grow --help`."""
+"""Panel of `grow --help` -> names of its options, in their order there."""
 
 
 class Kind(StrEnum):
@@ -127,8 +127,8 @@ def grow_command(
 
     def report_progress(name: str, count: int) -> None:
         if not quiet:
-            what = "labelled pixels" if kind is Kind.komatsuna else "points"
-            print(f"{name}  {count:,} {what}", flush=True)
+            unit = "labelled pixels" if kind is Kind.komatsuna else "points"
+            print(f"{name}  {count:,} {unit}", flush=True)
 
     if kind is Kind.komatsuna:
         from grow import images
@@ -159,14 +159,14 @@ def grow_command(
 
 
 def _refuse(kind: Kind, options: dict[str, object]) -> None:
-    """Raise InputError for options that were given, but mean nothing for this plant."""
+    """Raise InputError for options that were given but do not apply to this plant."""
     for name, value in options.items():
         if value is not None and value is not False:
             raise InputError(f"{name} means nothing for {kind.value}; see grow --help.")
 
 
 def _given(**values: Any) -> dict[str, Any]:
-    """The values that were given; what is None stays as usual."""
+    """The values that are not None, for which defaults are not used."""
     return {name: value for name, value in values.items() if value is not None}
 
 
@@ -205,5 +205,5 @@ def _numbers(option: str, text: str) -> tuple[float, ...]:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run `grow` with `argv` (the process's own by default); returns the exit code."""
+    """Run `grow` with `argv` (by default that of the process); returns the exit code."""
     return run_app(app, "grow", argv)

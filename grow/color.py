@@ -1,4 +1,4 @@
-"""The colours a scanner with a camera would give each point."""
+"""Colours of the points, as a scanner with a camera would measure them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ SUN = np.array([0.35, -0.30, 0.89])
 def shade(
     body: Body, pose: Pose, material: Material, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Colours (N, 3) sRGB: young tissue bright, grown tissue deep, old leaves yellow, soft sun."""
+    """(N, 3) sRGB colours by the age of the tissue, shaded by soft sunlight."""
     part = material.part
     young, mature, old, rib = (_palette(body, name) for name in ("young", "mature", "old", "rib"))
     grown = at_node(pose.growth, part, material.along)[:, None]
@@ -26,14 +26,14 @@ def shade(
     veins = 0.03 * np.cos(2 * np.pi * 6 * material.across)
 
     facing = unit(normals(body, pose, material)) @ SUN
-    # A leaf lets light through from behind; a stem does not.
+    # Leaves are translucent, stems are not.
     light = np.where(body.tube[part], 0.5 + 0.5 * facing, np.abs(facing) ** 0.8)
     brightness = 0.68 + 0.42 * light + veins + rng.normal(0, 0.025, len(part))
     return np.clip(255 * tissue * brightness[:, None], 0, 255).astype(np.uint8)
 
 
 def _palette(body: Body, name: str) -> Array:
-    """One colour of every part, (P, 3); a part without a midrib's colour has its own."""
+    """(P, 3) one of the colours of every part; a part without a midrib's colour has its own."""
     return np.array(
         [getattr(part, name) or (part.young if name == "rib" else ()) for part in body.parts]
     )

@@ -1,7 +1,7 @@
-"""What a depth camera and a tired annotator get wrong (the paper on the Komatsuna data, section 4).
+"""Errors of a depth camera and of manual labels (section 4 of the paper, Komatsuna).
 
-Depth edges don't sit where the colour image's edges are, and smear; thin stalks get lost in what is
-behind them; some pixels get no depth; labels may be a little misplaced.
+Depth edges are displaced from those of the colour image and blurred; thin stalks get the depth of
+the background; some pixels have no depth; labels may be displaced.
 """
 
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Faults:
-    """How far it goes wrong.
+    """Sizes of the errors.
 
-    shift:   pixels, standard deviation of the depth image's displacement, part of it uneven.
+    shift:   pixels, standard deviation of the displacement of the depth image, partly uneven.
     smear:   pixels, standard deviation of the blur over depth edges.
     noise:   mm, standard deviation, of every pixel.
     dropout: share of the pixels at depth edges without any depth.
@@ -31,7 +31,7 @@ class Faults:
 def spoil_depth(
     depth: NDArray[np.float64], faults: Faults, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """The depth (H, W) mm that the camera measures, 0 where it measures nothing."""
+    """Add the errors of a camera to (H, W) depth in mm; 0 where nothing is measured."""
     from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter, minimum_filter
 
     moved = map_coordinates(
@@ -47,22 +47,22 @@ def spoil_depth(
 def misplace_labels(
     label: NDArray[np.int64], faults: Faults, rng: np.random.Generator
 ) -> NDArray[np.int64]:
-    """The labels (H, W) that someone has painted."""
+    """Displace (H, W) labels, as in a manual annotation."""
     from scipy.ndimage import map_coordinates
 
     if not faults.labels:
         return label
-    where = _displaced(label.shape, faults.labels, rng)
-    return map_coordinates(label, where, order=0, mode="nearest")
+    coordinates = _displaced(label.shape, faults.labels, rng)
+    return map_coordinates(label, coordinates, order=0, mode="nearest")
 
 
 def _displaced(
     shape: tuple[int, ...], amount: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Pixel coordinates (2, H, W), displaced by one shift for all and a slowly changing one."""
+    """(2, H, W) pixel coordinates, displaced by a constant and by a smoothly varying shift."""
     from scipy.ndimage import zoom
 
-    together = rng.normal(0, amount, 2)
+    constant = rng.normal(0, amount, 2)
     coarse = rng.normal(0, amount / 2, (2, 6, 8))
-    uneven = zoom(coarse, (1, shape[0] / 6, shape[1] / 8), order=1)[:, : shape[0], : shape[1]]
-    return np.indices(shape) + together[:, None, None] + uneven
+    varying = zoom(coarse, (1, shape[0] / 6, shape[1] / 8), order=1)[:, : shape[0], : shape[1]]
+    return np.indices(shape) + constant[:, None, None] + varying

@@ -1,6 +1,6 @@
-"""Write a point cloud: one function a format, behind one table.
+"""Write point clouds: one function for each format, listed in `WRITERS`.
 
-Without labels or colours the fields are left out. Same cloud, same bytes.
+Fields of missing labels or colours are left out. Equal clouds give equal bytes.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ def record(
     labels: NDArray[np.int64] | None,
     colors: NDArray[np.uint8] | None,
 ) -> Record:
-    """The points as an array (N,) with fields x y z [red green blue] [label]."""
+    """(N,) structured array of the points, with fields x y z [red green blue] [label]."""
     fields: list[tuple[str, str]] = [(axis, "<f4") for axis in "xyz"]
     columns: list[NDArray] = list(points.T)
     if colors is not None:
@@ -33,7 +33,7 @@ def record(
 
 
 def write_ply(path: Path, rows: Record) -> None:
-    """Binary little-endian PLY."""
+    """Write binary little-endian PLY."""
     kinds = {"f4": "float", "u1": "uchar", "i4": "int"}
     properties = [
         f"property {kinds[rows.dtype[name].str[1:]]} {name}\n" for name in rows.dtype.names or ()
@@ -46,7 +46,7 @@ def write_ply(path: Path, rows: Record) -> None:
 
 
 def write_pcd(path: Path, rows: Record) -> None:
-    """Binary PCD 0.7; colours as three fields of one byte."""
+    """Write binary PCD 0.7, with colours as three fields of one byte."""
     names = rows.dtype.names or ()
     kinds = [rows.dtype[name] for name in names]
     header = (
@@ -62,7 +62,7 @@ def write_pcd(path: Path, rows: Record) -> None:
 
 
 def write_table(path: Path, rows: Record) -> None:
-    """Text, one point a line; comma-separated with a header line if the suffix is .csv."""
+    """Write text with one point on each line, and as CSV with a header if the suffix is .csv."""
     names = rows.dtype.names or ()
     comma = path.suffix == ".csv"
     with path.open("w", encoding="ascii", newline="\n") as file:
@@ -77,7 +77,7 @@ def write_table(path: Path, rows: Record) -> None:
 
 
 def write_las(path: Path, rows: Record) -> None:
-    """LAS 1.2, or LAZ by the suffix; labels in an extra dimension `label`, unit mm."""
+    """Write LAS 1.2, or LAZ by the suffix, in mm; labels are an extra dimension `label`."""
     from datetime import date
 
     import laspy

@@ -1,4 +1,4 @@
-"""A series of colour, depth and label images of a rosette, as the Komatsuna data has them."""
+"""Write a series of colour, depth and label images of a rosette, like the Komatsuna dataset."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -21,7 +21,10 @@ LARGEST = 4096  # pixels along a side
 
 @dataclass(frozen=True)
 class ImagePlan:
-    """days x per_day images of (width, height) pixels; labels: whether to write label images."""
+    """Which images to write: `per_day` on each of `days`, of `size` (width, height) pixels.
+
+    labels: whether to write label images.
+    """
 
     days: int = 10
     per_day: int = 6
@@ -32,7 +35,7 @@ class ImagePlan:
 
 
 def rosette(seed: int) -> Plant:
-    """The plant in the images; its leaf of label n is the images' label n."""
+    """The plant in the images; a leaf has the same label in both."""
     if seed < 0:
         raise InputError(f"the seed is {seed}; it must be 0 or more.")
     return Plant("komatsuna", seed, komatsuna.grow(np.random.default_rng([seed, *b"komatsuna"])))
@@ -46,11 +49,11 @@ def write_images(
 ) -> None:
     """Write camera.toml, rgb_00_DDD_SS.png, depth_… (16 bits) and label_… to `folder`.
 
-    DDD is the day, SS the number of the image in that day. `folder`/truth holds true depth and
-    labels under the same names.
+    DDD is the day, SS the number of the image in that day. The true depth and labels are in
+    `folder`/truth, with the same names.
 
-    wrote: called with each frame's name and its number of labelled pixels.
-    Raises InputError for a plan that can't be, or a folder that can't be written or holds images.
+    wrote: called with the name of each frame and its number of labelled pixels.
+    Raises InputError if the plan is impossible, or the folder can't be written or has images.
     """
     plant = rosette(plan.seed)
     _check(plan, plant)
@@ -105,7 +108,7 @@ def _save(image: NDArray, path: Path) -> None:
 
 
 def _save_labels(label: NDArray[np.int64], path: Path) -> None:
-    """Numbers to read, in colours to look at: a palette, which imageio does not write."""
+    """Write labels as a PNG with a palette of colours, which imageio does not support."""
     from PIL import Image
 
     image = Image.fromarray(label.astype(np.uint8))

@@ -1,6 +1,6 @@
-"""Komatsuna (Brassica rapa): a rosette of spoon-shaped leaves in a golden spiral, on no real stem.
+"""Komatsuna (Brassica rapa): a rosette of spoon-shaped leaves in a golden spiral, almost stemless.
 
-Its leaves overlap one another from above, as in the data of Uchiyama et al. (2017).
+Seen from above, its leaves overlap, as in the data of Uchiyama et al. (2017).
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ YOUNG, MATURE, RIB = (0.58, 0.80, 0.30), (0.20, 0.52, 0.17), (0.72, 0.86, 0.55)
 
 
 def grow(rng: np.random.Generator) -> Species:
-    """A seedling of three leaves that has ten of them ten days later; the stem's label is 0."""
+    """A seedling that grows from three to ten leaves in ten days; the label of the stem is 0."""
     parts = [_stem()]
     turn = rng.uniform(0, 2 * np.pi)
     for rank in range(LEAVES):

@@ -1,4 +1,4 @@
-"""Maize: a stem of nodes, leaves in two ranks that rise from the whorl, unroll, turn and droop."""
+"""Maize: a stem with leaves in two ranks, which rise from the whorl, unroll, turn and droop."""
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
         label=rank + 1,
         kind="leaf",
         parent=0,
-        # A leaf appears where the stem's tissue has just begun to stretch.
+        # A leaf is attached to tissue of the stem that has just started to elongate.
         at=(birth - 1.8 - STEM_BIRTH) / (APICAL * STEM_DAYS),
         azimuth=azimuth,
         birth=birth,

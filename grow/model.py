@@ -1,4 +1,4 @@
-"""A plant as a function of time: clouds, organs, and the track of every point of its tissue."""
+"""A plant as a function of time: point clouds, organs, and the position of any tissue."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,17 +14,17 @@ from grow.pose import Body, Pose
 from grow.species import Species
 from grow.surface import Material, areas, positions, sample
 
-SMALLEST = 8  # points; no scan shows an organ with fewer
+MIN_ORGAN_POINTS = 8  # no scan has an organ with fewer points
 
 
 @dataclass(frozen=True)
 class Cloud:
-    """What a scanner sees of a plant at one moment.
+    """A scan of a plant at one time.
 
-    points:   (N, 3) float32, mm, z up, the stem's base at the origin.
-    labels:   (N,) int64, the organ of each point, the same organ the same label at every time.
+    points:   (N, 3) float32, mm, z up, the base of the stem at the origin.
+    labels:   (N,) int64, the organ of each point; an organ has the same label at all times.
     colors:   (N, 3) uint8 sRGB, or None.
-    material: the tissue under each point, before noise.
+    material: the tissue of each point, without noise.
     """
 
     points: NDArray[np.float32]
@@ -38,14 +38,14 @@ class Cloud:
 
 @dataclass(frozen=True)
 class Organ:
-    """One organ at one moment, mm and mm².
+    """One organ at one time, in mm and mm².
 
-    parent:    the label of the organ that it grows from, -1 for the stem or trunk.
-    length:    along the main axis, from the base to the tip: of a leaf with a stalk along that and
-               on through the blade at its end, the leaflets beside it left out.
-    area:      of all surfaces, each counted once.
-    reach:     from the base along its axes to the farthest tip of all, leaflets and leaves too.
-    base, tip: ends of the main axis; the base lies on the parent's surface.
+    parent:    label of the organ that it grows from, -1 for the stem or trunk.
+    length:    along the main axis from base to tip; of a compound leaf, along the stalk and its
+               terminal leaflet.
+    area:      of the surface, one side of leaves.
+    reach:     from the base along the axes of all parts to the farthest tip.
+    base, tip: ends of the main axis; the base is on the surface of the parent.
     """
 
     label: int
@@ -60,11 +60,11 @@ class Organ:
 
 
 class Plant:
-    """A plant whose every point is known at every time.
+    """A plant whose points are known at every time.
 
-    days:           first and last day at which the plant is meant to be seen; other days work.
-    default_days:   the days of the usual series of scans.
-    default_noise:  the usual noise, mm.
+    days:           first and last day for which the plant is designed; other days work, too.
+    default_days:   days of the default series of scans.
+    default_noise:  default standard deviation of the noise, mm.
     """
 
     def __init__(self, kind: str, seed: int, species: Species) -> None:
@@ -84,16 +84,16 @@ class Plant:
         noise: float | None = None,
         colors: bool = True,
     ) -> Cloud:
-        """Scan the plant: exactly `points` points, evenly by area, with Gaussian noise.
+        """Scan the plant: exactly `points` points, even by area, with Gaussian noise.
 
-        points: default: as in the usual series, by the surface there is at `day`.
-        seed:   of this scan; clouds of different seeds or days share nothing but the plant.
-        noise:  standard deviation in mm, default `default_noise`.
+        points: by default those of the default series, in proportion to the surface at `day`.
+        seed:   of the scan; scans of different seeds or days are sampled independently.
+        noise:  standard deviation in mm, by default `default_noise`.
         """
         count = self.default_points(day) if points is None else points
         pose = self._body.pose(day)
         rng = np.random.default_rng([self.seed, seed, _bits(day)])
-        material = sample(self._seen(day, count), count, rng)
+        material = sample(self._visible_area(day, count), count, rng)
         exact = positions(self._body, pose, material)
         deviation = self.default_noise if noise is None else noise
         noisy = exact + rng.normal(0, 1, exact.shape) * deviation
@@ -101,20 +101,20 @@ class Plant:
         return Cloud(noisy.astype(np.float32), self.label_of(material), paint, material)
 
     def track(self, material: Material, day: float) -> NDArray[np.float64]:
-        """Where tissue is at `day`, (N, 3) mm; unborn tissue is where its organ will be born."""
+        """(N, 3) positions of tissue at `day`, mm; before its birth that of its organ's birth."""
         return positions(self._body, self._body.pose(day), material)
 
     def label_of(self, material: Material) -> NDArray[np.int64]:
-        """The organ of each point of tissue, (N,)."""
+        """(N,) label of the organ of each point of tissue."""
         return self._body.label[material.part]
 
     def born(self, material: Material, day: float) -> NDArray[np.bool_]:
-        """Whether each point's part has been born by `day`, (N,)."""
+        """(N,) whether the part of each point was born before `day`."""
         return self._body.column("birth")[material.part] < day
 
     @property
     def labels(self) -> NDArray[np.int64]:
-        """Labels of all organs there will ever be, 0, 1, 2, ..."""
+        """Labels of all organs at any time, 0, 1, 2, ..."""
         return np.unique(self._body.label)
 
     def organs(self, day: float) -> list[Organ]:
@@ -140,7 +140,7 @@ class Plant:
         ]
 
     def _reach(self, label: int, pose: Pose) -> float:
-        """From an organ's base along its axes to its farthest tip, mm."""
+        """Distance from an organ's base along its axes to its farthest tip, mm."""
         body, begin, farthest = self._body, dict[int, float](), 0.0
         for part in np.flatnonzero(body.label == label).tolist():
             parent, passed = int(body.parent[part]), 0.0
@@ -153,7 +153,7 @@ class Plant:
         return farthest
 
     def _main_axis(self, first: int) -> list[int]:
-        """An organ's parts from its base to its tip, each at the end of the one before."""
+        """The parts of an organ's main axis from base to tip, each at the end of the previous."""
         chain, parts = [first], self._body.parts
         while True:
             after = [
@@ -166,7 +166,7 @@ class Plant:
             chain.append(after[0])
 
     def default_points(self, day: float) -> int:
-        """Points of the usual scan at `day`: first and last as given, between them by surface."""
+        """Number of points of a default scan at `day`, interpolated by surface area."""
         few, many = self._scan_points
         first, last = self._default_areas
         return max(round(few + (many - few) * (self.area(day) - first) / (last - first)), 1)
@@ -176,29 +176,29 @@ class Plant:
         return self.area(self.default_days[0]), self.area(self.default_days[-1])
 
     def area(self, day: float) -> float:
-        """The whole surface at `day`, mm²; it never shrinks."""
+        """The surface area at `day`, mm²; it never shrinks."""
         return float(self._area(day).sum())
 
-    def _seen(self, day: float, count: int) -> NDArray[np.float64]:
-        """Areas, less those of organs too small yet to show a handful among `count` points."""
+    def _visible_area(self, day: float, count: int) -> NDArray[np.float64]:
+        """Areas, with 0 for organs that would have too few of `count` points."""
         area = self._area(day)
         of_organ = np.bincount(self._body.label, area.sum((1, 2)))
-        seen = of_organ * count >= SMALLEST * of_organ.sum()
-        seen[np.argmax(of_organ)] = True
-        return area * seen[self._body.label][:, None, None]
+        is_visible = of_organ * count >= MIN_ORGAN_POINTS * of_organ.sum()
+        is_visible[np.argmax(of_organ)] = True
+        return area * is_visible[self._body.label][:, None, None]
 
     def _area(self, day: float) -> NDArray[np.float64]:
         return areas(self._body, self._body.pose(day))
 
 
 def plant(kind: str, seed: int = 0) -> Plant:
-    """Grow a plant from a seed; the same kind and seed give the same plant, at every time.
+    """Make a plant; the same kind and seed give the same plant.
 
     Parameters
     ----------
     kind : str
-        One of `KINDS`. tree1 and tree2 are the bare trees of the paper's Table 1 and Figure 11:
-        four scans of 778 to 2,253 points; two scans of 77,448 and 326,032 points.
+        One of `KINDS`. tree1 and tree2 are bare trees like those of the paper's Table 1: four
+        scans of 778 to 2,253 points; two scans of 77,448 and 326,032 points.
     seed : int
 
     Returns

@@ -1,4 +1,4 @@
-"""A folder of what `grow` makes: it appears whole, or the one before stays as it was."""
+"""Write a folder of scans atomically: completely, or not at all."""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -14,27 +14,27 @@ LARGEST_NOISE = 1e6  # mm
 
 @contextmanager
 def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Iterator[Path]:
-    """A draft folder beside `folder`; what is in it when the work is done is moved there.
+    """A temporary folder whose content is moved to `folder` at the end.
 
-    ours:  whether a file is one that `grow` writes, by its path.
-    force: replace such files, and the folder of truths, that are there already.
-    Raises UserError where they are and `force` is not given, or where nothing can be written.
+    ours:  whether `grow` writes files with such a path.
+    force: replace such files, and the folder of truths, if they exist.
+    Raises UserError if they exist and `force` is not given, or if `folder` can't be written.
     """
-    earlier = _earlier(folder, ours)
-    if earlier and not force:
-        raise InputError(f"{earlier[0]} exists; --force overwrites it.")
+    existing = _existing_output(folder, ours)
+    if existing and not force:
+        raise InputError(f"{existing[0]} exists; --force overwrites it.")
     with writing(folder):
         folder.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(folder) as draft:
             yield draft
-            for path in earlier:
+            for path in existing:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
             folder.mkdir(exist_ok=True)
             for path in sorted(draft.iterdir()):
                 path.replace(folder / path.name)
 
 
-def _earlier(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:
+def _existing_output(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:
     if not folder.exists():
         return []
     if not folder.is_dir():

@@ -1,4 +1,4 @@
-"""A plant as a camera straight above it sees it: colour, depth and organ of every pixel."""
+"""Render a plant from above: colour, depth and organ of every pixel."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from grow.color import shade
 from grow.model import Plant
 from grow.surface import Material, positions
 
-ROWS, COLUMNS = 97, 33  # of the grid on every part between which is interpolated
+ROWS, COLUMNS = 97, 33  # of the grid on every part, which is then interpolated
 DENSITY = 1.7  # surface samples per pixel, along and across
 SOIL = np.array([92.0, 72.0, 55.0])
 
 
 @dataclass(frozen=True)
 class View:
-    """A pinhole camera over the plant, looking down; pixels, and mm above the ground."""
+    """A pinhole camera above the plant, looking down; in pixels, and mm above the ground."""
 
     width: int
     height: int
@@ -29,7 +29,7 @@ class View:
 
     @staticmethod
     def over(size: tuple[int, int], across: float = 215.0, distance: float = 500.0) -> View:
-        """Shows `across` mm of the ground along the picture's shorter side, not quite centred."""
+        """A view of `across` mm of the ground along the shorter side, slightly off-centre."""
         width, height = size
         focal = min(size) * distance / across
         return View(width, height, focal, 0.507 * width - 0.5, 0.495 * height - 0.5, distance)
@@ -37,7 +37,7 @@ class View:
 
 @dataclass(frozen=True)
 class Picture:
-    """color: (H, W, 3) uint8; depth: (H, W) float64 mm; label: (H, W) int64, 0 is no leaf."""
+    """color: (H, W, 3) uint8; depth: (H, W) float64 mm; label: (H, W) int64, 0 outside leaves."""
 
     color: NDArray[np.uint8]
     depth: NDArray[np.float64]
@@ -45,9 +45,9 @@ class Picture:
 
 
 def take_picture(plant: Plant, day: float, view: View, rng: np.random.Generator) -> Picture:
-    """The plant on flat soil at z = 0, hidden surfaces hidden.
+    """Render the plant on flat soil at z = 0, with hidden surfaces removed.
 
-    rng: of the grain in the colours; depth and labels don't depend on it.
+    rng: for the noise of the colours; depth and labels don't depend on it.
     """
     size = view.height * view.width
     color = SOIL * (1 + 0.12 * rng.standard_normal(size))[:, None]
@@ -56,9 +56,9 @@ def take_picture(plant: Plant, day: float, view: View, rng: np.random.Generator)
 
     samples = _surface(plant, day, view)
     u, v = (np.rint(samples[:, axis]).astype(np.intp) for axis in (0, 1))
-    seen = (u >= 0) & (u < view.width) & (v >= 0) & (v < view.height)
-    samples, pixel = samples[seen], (v * view.width + u)[seen]
-    # Of equal indices the last one is kept: the nearest to the camera.
+    inside = (u >= 0) & (u < view.width) & (v >= 0) & (v < view.height)
+    samples, pixel = samples[inside], (v * view.width + u)[inside]
+    # Assignment to equal indices keeps the last value, that of the sample nearest to the camera.
     far_first = np.argsort(-samples[:, 2], kind="stable")
     samples, pixel = samples[far_first], pixel[far_first]
     depth[pixel] = samples[:, 2]
@@ -72,7 +72,7 @@ def take_picture(plant: Plant, day: float, view: View, rng: np.random.Generator)
 
 
 def _surface(plant: Plant, day: float, view: View) -> NDArray[np.float64]:
-    """Samples (S, 7) of all surfaces, closer than pixels: u, v, depth, red, green, blue, label."""
+    """(S, 7) samples of all surfaces, closer than pixels: u, v, depth, red, green, blue, label."""
     body = plant._body
     pose = body.pose(day)
     along, across = np.meshgrid(np.linspace(0, 1, ROWS), np.linspace(-1, 1, COLUMNS), indexing="ij")
@@ -92,7 +92,7 @@ def _surface(plant: Plant, day: float, view: View) -> NDArray[np.float64]:
 
 
 def _refine(grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A grid (ROWS, COLUMNS, C) of one part as samples (S, C) that leave no pixel between them."""
+    """Interpolate the (ROWS, COLUMNS, C) grid of one part to (S, C) samples without gaps."""
     steps = [
         int(np.ceil(DENSITY * np.hypot(*np.diff(grid[..., :2], axis=axis).T).sum(1 - axis).max()))
         for axis in (0, 1)
@@ -103,11 +103,11 @@ def _refine(grid: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _interpolation(count: int, steps: int) -> NDArray[np.float64]:
-    """The matrix (steps + 1, count) that interpolates linearly between `count` values."""
-    place = np.linspace(0, count - 1, steps + 1)
-    node = np.minimum(place.astype(np.intp), count - 2)
+    """The (steps + 1, count) matrix that interpolates linearly between `count` values."""
+    position = np.linspace(0, count - 1, steps + 1)
+    node = np.minimum(position.astype(np.intp), count - 2)
     matrix = np.zeros((steps + 1, count))
-    each = np.arange(steps + 1)
-    matrix[each, node] = 1 - (place - node)
-    matrix[each, node + 1] = place - node
+    row = np.arange(steps + 1)
+    matrix[row, node] = 1 - (position - node)
+    matrix[row, node + 1] = position - node
     return matrix

@@ -1,4 +1,4 @@
-"""Every part's axis, frame and cross-section at one moment, for all parts at once."""
+"""The pose of a plant: axes, frames and cross-sections of all parts at one time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ COLUMNS = (
 
 
 def sigmoid(x: Array) -> Array:
-    """A logistic curve stretched to be exactly 0 at 0 and exactly 1 at 1, constant outside."""
+    """A logistic curve, scaled to be exactly 0 at 0 and 1 at 1, constant outside."""
     steep = 2.5
     edge = 1 / (1 + np.exp(steep))
     return (1 / (1 + np.exp(-steep * (2 * np.clip(x, 0, 1) - 1))) - edge) / (1 - 2 * edge)
@@ -27,16 +27,16 @@ def sigmoid(x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Pose:
-    """All P parts at one moment, sampled at K nodes along their axes; mm, z up.
+    """All P parts at one time, sampled at K nodes along their axes; mm, z up.
 
     axis:     (P, K, 3) the midrib of a strip, the centre line of a tube.
     frame:    (P, K, 3, 3) unit rows: along the axis, across the strip, normal to it.
     spread:   (P, K) half-width of the strip, measured over its surface.
     roll:     (P, K) half of the angle over which the cross-section is bent.
     ruffle:   (P, K) height of the waves along the margins.
-    growth:   (P, K) how grown the tissue is, 0 to 1.
+    growth:   (P, K) share of its final size that the tissue has reached, 0 to 1.
     age:      (P,) days since birth, negative before it.
-    length:   (P,) of the axis.
+    length:   (P,) length of the axis.
     """
 
     axis: Array
@@ -50,7 +50,7 @@ class Pose:
 
 
 class Body:
-    """A plant's P parts, parents before their children, as arrays (P,)."""
+    """The P parts of a plant, parents before their children, as (P,) arrays."""
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self.parts = tuple(parts)
@@ -63,12 +63,12 @@ class Body:
         self.phase = self.column("phase")
 
     def column(self, name: str) -> Array:
-        """One field of all parts, (P,)."""
+        """(P,) values of one field of all parts."""
         return np.array([getattr(part, name) for part in self.parts], np.float64)
 
     @cached_property
     def generations(self) -> list[Index]:
-        """Part indices by their distance from the ground."""
+        """Indices of the parts, grouped by their number of ancestors."""
         depth = np.zeros(len(self.parts), np.intp)
         for index, parent in enumerate(self.parent):
             if parent >= 0:
@@ -77,7 +77,7 @@ class Body:
 
     @cached_property
     def _law(self) -> dict[str, Array]:
-        """The parts' numbers as columns (P, 1), to meet the nodes of the axes in a row."""
+        """Parameters of the parts as (P, 1) columns, to be broadcast over the nodes."""
         law = {name: self.column(name)[:, None] for name in COLUMNS}
         none = np.zeros((NODES, 2))
         law["width"] = np.array([part.width for part in self.parts])
@@ -91,7 +91,7 @@ class Body:
         return young + (mature - young) * progress
 
     def pose(self, day: float) -> Pose:
-        """Where everything is at `day`; unborn parts have length 0, at their point of birth."""
+        """The pose at `day`; parts that are not born yet have length 0."""
         law = self._law
         along = np.linspace(0, 1, NODES)[None]
         age = day - law["birth"]
@@ -100,7 +100,7 @@ class Body:
         growth = sigmoid(local)
         step = law["length"] * (growth[:, 1:] + growth[:, :-1]) / 2 / (NODES - 1)
 
-        # A stem is thin where its tissue is young; a grass leaf comes out of the whorl full wide.
+        # Young tissue of a stem is thin; a leaf of grass leaves the whorl in its full width.
         thickness = np.where(law["gradient"] > 0, growth, sigmoid(age / law["duration"]))
         thickness = thickness ** law["lag"]
         spread = law["width"] * thickness * np.where(self.tube[:, None], np.pi, 1)
@@ -119,7 +119,7 @@ class Body:
         return Pose(axis, frame, spread, roll, ruffle, growth, age[:, 0], step.sum(1))
 
     def _bare_axes(self, along: Array, step: Array, opened: Array) -> tuple[Array, Array]:
-        """Axes and frames in each part's own base: x away from the parent, z along it."""
+        """Axes and frames relative to each part's base: x away from the parent, z along it."""
         law = self._law
         angle = self._change("lean", opened)
         angle = angle + self._change("bend", opened) * along ** law["bend_power"]
@@ -145,7 +145,7 @@ class Body:
     def _bases(
         self, members: Index, axis: Array, frame: Array, spread: Array, opened: Array
     ) -> tuple[Array, Array]:
-        """Base frames (rows x, y, z) and positions of parts whose parents are placed already."""
+        """Base frames (rows x, y, z) and positions of parts whose parents' axes are known."""
         parent = self.parent[members]
         if parent[0] < 0:
             count = len(members)
@@ -167,10 +167,10 @@ class Body:
 
 
 def at_node(values: Array, part: Index, along: Array) -> Array:
-    """Values (P, K, ...) of parts at material coordinates, linear between nodes."""
-    place = np.clip(along, 0, 1) * (NODES - 1)
-    node = np.minimum(place.astype(np.intp), NODES - 2)
-    share = (place - node).reshape(place.shape + (1,) * (values.ndim - 2))
+    """Interpolate (P, K, ...) values of parts linearly at material coordinates."""
+    position = np.clip(along, 0, 1) * (NODES - 1)
+    node = np.minimum(position.astype(np.intp), NODES - 2)
+    share = (position - node).reshape(position.shape + (1,) * (values.ndim - 2))
     return (1 - share) * values[part, node] + share * values[part, node + 1]
 
 

@@ -1,4 +1,4 @@
-"""A series of scans of one plant, with its truth, in a folder: all of it, or nothing."""
+"""Write a series of scans of one plant, and the truth about it, to a folder."""
 
 import csv
 from collections.abc import Callable, Sequence
@@ -19,14 +19,14 @@ MOST_POINTS = 1_000_000_000  # of a scan
 
 @dataclass(frozen=True)
 class Plan:
-    """What to write; None means as usual for the plant.
+    """What to write; None is the default of the plant.
 
-    days:     how many days the series spans.
-    points:   of the first and of the last scan; those between follow the surface.
+    days:     length of the series.
+    points:   of the first and of the last scan; in between, in proportion to the surface.
     noise:    standard deviation, mm.
-    truth:    days at which to write the true cloud: no noise, true labels, the plant's own frame.
+    truth:    days at which the true points are written, without noise, in the plant's frame.
     shuffle:  renumber the organs at random in every scan.
-    pose:     turn and shift every scan but the first at random.
+    pose:     rotate and shift every scan but the first at random.
     """
 
     kind: str
@@ -49,21 +49,21 @@ def write_series(
     force: bool = False,
     wrote: Callable[[str, int], None] = lambda name, points: None,
 ) -> None:
-    """Write the scans of a series, and in the folder "truth" beside them what is true of them.
+    """Write the scans of a series, and the truth about them to a subfolder.
 
     Parameters
     ----------
     plan : Plan
     folder : Path
     force : bool
-        Replace the scans and the truth that are there.
+        Replace existing scans and truth.
     wrote : callable, optional
-        Called with each file's name and points.
+        Called with the name of each file and its number of points.
 
     Raises
     ------
     InputError
-        For a plan that can't be, or a folder that can't be written or holds scans.
+        If the plan is impossible, or the folder can't be written or has scans.
     """
     _check(plan)
     subject = plant(plan.kind, plan.seed)
@@ -75,7 +75,7 @@ def write_series(
 
 
 def scan_days(subject: Plant, plan: Plan) -> list[float]:
-    """When the scans are taken: as usual for the plant, or evenly spread; as written in names."""
+    """The days of the scans, to the precision of their names: the default ones, or even steps."""
     if plan.scans is None and plan.days is None:
         return list(subject.default_days)
     first, usual_last = subject.default_days[0], subject.default_days[-1]
@@ -89,7 +89,7 @@ def scan_days(subject: Plant, plan: Plan) -> list[float]:
 
 
 def day_names(days: Sequence[float]) -> list[str]:
-    """Names such as day05 or day05.25, from which the times can be read back exactly."""
+    """Names such as day05 or day05.25, which give the days exactly."""
     decimals = max(len(f"{day:.3f}".rstrip("0").partition(".")[2]) for day in days)
     digits = max(len(str(int(day))) for day in days)
     width = max(digits, 2) + (decimals + 1 if decimals else 0)
@@ -169,7 +169,7 @@ def _write(
 
 
 def _points_at(subject: Plant, plan: Plan, days: Sequence[float], day: float) -> int:
-    """Points of a cloud at `day`."""
+    """Number of points of a scan at `day`."""
     if plan.points is None:
         return subject.default_points(day)
     few, many = plan.points
@@ -200,7 +200,7 @@ def _write_organs(
     names: Sequence[str],
     numbers: Sequence[NDArray[np.intp]],
 ) -> None:
-    """Which organ each scan's label stands for, and what is true of it in the plant's frame."""
+    """Write the true organ of each label in each scan, in the frame of the plant."""
     head = "scan day label organ kind parent birth length area base_x base_y base_z tip_x tip_y"
     rows = [
         (

@@ -1,4 +1,4 @@
-"""What a plant module hands over: the parts, the organs' parents, and the usual scans."""
+"""The result of a plant module: the parts of a plant and its default scans."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from grow.part import Part
 
 @dataclass(frozen=True)
 class Species:
-    """A plant before it is posed.
+    """The parameters of a plant.
 
-    parts:       parents before children; the first part of a label is its organ's main axis.
-    days:        first and last day at which the plant is meant to be seen.
-    scan_days:   the usual scan days, in order.
-    scan_points: points of the smallest and the largest of the usual scans.
-    noise:       the usual scanner noise, standard deviation in mm.
+    parts:       parents before children; the first part of an organ is on its main axis.
+    days:        first and last day for which the plant is designed.
+    scan_days:   days of the default scans, ascending.
+    scan_points: numbers of points of the first and last default scan.
+    noise:       default standard deviation of the noise in mm.
     """
 
     parts: tuple[Part, ...]

@@ -1,4 +1,4 @@
-"""From material coordinates to positions, areas and evenly spread samples."""
+"""Positions, normals and areas of tissue by material coordinates, and even samples of it."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from grow.part import NODES
 from grow.pose import Array, Body, Index, Pose, at_node
 
-STRIPES = 10  # across every strip, for areas
+STRIPES = 10  # cells across every strip, for areas
 
 
 @dataclass(frozen=True)
 class Material:
-    """Points of tissue, told apart for ever.
+    """Points of tissue, identified at all times by their material coordinates.
 
     part:   (N,) index of the part.
     along:  (N,) float64, 0 at the part's attachment to 1 at its tip.
@@ -30,7 +30,7 @@ class Material:
 
 
 def positions(body: Body, pose: Pose, material: Material) -> Array:
-    """Where tissue is, (N, 3) mm."""
+    """(N, 3) positions of tissue, mm."""
     part, along = material.part, material.along
     axis, frame, spread, roll, ruffle = (
         at_node(values, part, along)
@@ -43,7 +43,7 @@ def positions(body: Body, pose: Pose, material: Material) -> Array:
 
 
 class Section(NamedTuple):
-    """Cross-sections of parts, each field of any one shape; see `Pose` and `Part`."""
+    """Cross-sections of parts, in arrays of one shape; see `Pose` and `Part` for the fields."""
 
     spread: Array
     roll: Array
@@ -54,10 +54,10 @@ class Section(NamedTuple):
     def at(self, across: Array, turns: Array, along: Array) -> tuple[Array, Array]:
         """Offsets from the axis along the strip's width and its normal, mm.
 
-        An arc of length 2 * spread and angle 2 * roll, centred for a tube, plus the midrib's fold
-        and waves along the margins, out of step with one another, none at base and tip.
+        The section is an arc of length 2 * spread and angle 2 * roll, centred for a tube, plus the
+        fold at the midrib and waves along the margins, which vanish at base and tip.
         """
-        # np.sinc keeps the flat limit exact.
+        # np.sinc is exact for flat sections, too.
         sideways = self.spread * across * np.sinc(self.roll * across / np.pi)
         arc = self.roll * across**2 / 2 * np.sinc(self.roll * across / 2 / np.pi) ** 2
         valley = self.fold * (np.sqrt(across**2 + 0.02) - np.sqrt(0.02))
@@ -67,7 +67,7 @@ class Section(NamedTuple):
 
 
 def normals(body: Body, pose: Pose, material: Material) -> Array:
-    """Unit normals (N, 3): out of a tube, from the upper side of a strip."""
+    """(N, 3) unit normals: outward from a tube, on the upper side of a strip."""
     roll = at_node(pose.roll, material.part, material.along) * material.across
     fold = body.fold[material.part] * np.clip(material.across / 0.2, -1, 1)
     angle = roll + np.arctan(fold)
@@ -77,7 +77,7 @@ def normals(body: Body, pose: Pose, material: Material) -> Array:
 
 
 def areas(body: Body, pose: Pose) -> Array:
-    """Surface of every cell between the nodes, (P, NODES - 1, STRIPES) mm²."""
+    """(P, NODES - 1, STRIPES) areas of the cells between the nodes, mm²."""
     along = np.linspace(0, 1, NODES)[:, None]
     across = np.linspace(-1, 1, STRIPES + 1)
     fold, waves, phase = (v[:, None, None] for v in (body.fold, body.waves, body.phase))
@@ -86,21 +86,21 @@ def areas(body: Body, pose: Pose) -> Array:
     sideways, height = section.at(across, 2 * np.pi * waves * along + phase, along)
     grid = pose.axis[:, :, None] + sideways[..., None] * pose.frame[:, :, None, 1]
     grid += height[..., None] * pose.frame[:, :, None, 2]
-    one = grid[:, 1:, 1:] - grid[:, :-1, :-1]
-    other = grid[:, 1:, :-1] - grid[:, :-1, 1:]
-    # Spelled out: np.cross takes four times as long.
-    x = one[..., 1] * other[..., 2] - one[..., 2] * other[..., 1]
-    y = one[..., 2] * other[..., 0] - one[..., 0] * other[..., 2]
-    z = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+    a = grid[:, 1:, 1:] - grid[:, :-1, :-1]  # the diagonals of the cells
+    b = grid[:, 1:, :-1] - grid[:, :-1, 1:]
+    # Equivalent to the norm of np.cross(a, b), which takes four times as long.
+    x = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    y = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    z = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return np.sqrt(x * x + y * y + z * z) / 2
 
 
 def sample(area: Array, count: int, rng: np.random.Generator) -> Material:
-    """Draw exactly `count` points evenly by area, in random order.
+    """Draw exactly `count` points, even by area, in random order.
 
-    Each part gets its share (largest remainder), spread over it by the R2 sequence (Roberts 2018,
-    "The unreasonable effectiveness of quasirandom sequences"), shifted and shaken at random: as
-    even as a scanner's points, and without any correspondence between two calls.
+    The numbers of points of the parts are rounded by largest remainder. On each part, points are
+    spread by the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom
+    sequences") with a random shift and jitter, so that two calls are independent.
     """
     per_row = area.sum(2)
     per_part = per_row.sum(1)

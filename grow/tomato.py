@@ -1,4 +1,4 @@
-"""Tomato: a leaning stem, two cotyledons, and compound leaves in a spiral, leaflet by leaflet."""
+"""Tomato: a leaning stem, two cotyledons, and compound leaves with leaflets in a spiral."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ YOUNG, MATURE, RIB = (0.54, 0.76, 0.28), (0.16, 0.44, 0.16), (0.50, 0.68, 0.34)
 
 
 def grow(rng: np.random.Generator) -> Species:
-    """A tomato from its cotyledons to its ninth leaf in eight days."""
+    """A tomato that grows from its cotyledons to its ninth leaf in eight days."""
     parts = [_stem(rng)]
     turn = rng.uniform(0, 2 * np.pi)
     for side in range(2):
@@ -27,7 +27,7 @@ def grow(rng: np.random.Generator) -> Species:
 
 
 def _at(birth: float) -> float:
-    """Where on the stem an organ of this birthday sits: tissue that has just begun to stretch."""
+    """The position on the stem of an organ born at a time: where elongation has just started."""
     return (birth - 0.9 - STEM_BIRTH) / (APICAL * STEM_DAYS)
 
 
@@ -52,7 +52,7 @@ def _stem(rng: np.random.Generator) -> Part:
 
 
 def _cotyledon(rng: np.random.Generator, label: int, azimuth: float) -> list[Part]:
-    """A stalk and a plain blade; the stem is part 0 and each cotyledon takes two parts."""
+    """A stalk and a simple blade; the stem is part 0, and each cotyledon has two parts."""
     stalk = Part(
         label=label,
         kind="cotyledon",
@@ -94,7 +94,7 @@ def _cotyledon(rng: np.random.Generator, label: int, azimuth: float) -> list[Par
 
 
 def _leaf(rng: np.random.Generator, rank: int, first: int, azimuth: float) -> list[Part]:
-    """A stalk with pairs of leaflets and one at its end; `first` is the index of the stalk."""
+    """A stalk with pairs of leaflets and a terminal one; `first` is the index of the stalk."""
     birth = -4.2 + 1.12 * rank + rng.uniform(-0.2, 0.2)
     length = np.interp(rank, [0, 2, 5, LEAVES], [66, 110, 150, 150]) * rng.uniform(0.93, 1.07)
     stalk = Part(
@@ -134,7 +134,7 @@ def _leaf(rng: np.random.Generator, rank: int, first: int, azimuth: float) -> li
 def _leaflet(
     rng: np.random.Generator, stalk: Part, parent: int, at: float, side: int, length: float
 ) -> Part:
-    """A leaflet left (-1) or right (1) of the stalk, or at its end (0)."""
+    """A leaflet on the left (-1) or right (1) side of the stalk, or at its end (0)."""
     along = np.linspace(0, 1, NODES)
     droop = np.zeros((NODES, 2))
     droop[:, 1] = -side * rng.uniform(0.45, 0.8) * along
@@ -169,7 +169,7 @@ def _leaflet(
 
 
 def _lobed(half_width: float, lobes: int, depth: float) -> NDArray[np.float64]:
-    """Half-widths (NODES,) of a stalked, pointed leaflet with forward teeth."""
+    """(NODES,) half-widths of a stalked, pointed leaflet with teeth."""
     along = np.linspace(0, 1, NODES)
     inner = np.clip((along - 0.13) / 0.87, 0, 1)
     outline = 1.9 * inner**0.55 * (1 - inner) ** 0.95

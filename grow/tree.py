@@ -1,4 +1,4 @@
-"""Trees: a trunk, branches of branches born one after another, and leaves on the young twigs."""
+"""Trees: a trunk, several orders of branches, and leaves on the young twigs."""
 
 from dataclasses import dataclass, replace
 
@@ -17,9 +17,9 @@ LEAF_YOUNG, LEAF = (0.66, 0.82, 0.30), (0.24, 0.52, 0.16)
 class Habit:
     """How a tree branches; lengths in mm, times in days.
 
-    branches:  how many each trunk, branch, twig ... carries.
-    ratio:     length of the longest branches relative to what carries them.
-    leaves:    on every branch.
+    branches:  number of branches on each part of each order (trunk, branch, twig, ...).
+    ratio:     length of the longest branches relative to their parent.
+    leaves:    number on every branch.
     """
 
     height: float
@@ -39,13 +39,13 @@ def grow(rng: np.random.Generator) -> Species:
 
 
 def tree1(rng: np.random.Generator) -> Species:
-    """A bare sapling in the size of the paper's Synthetic Tree 1, thinner than its spacing."""
+    """A bare sapling of the size of the paper's Synthetic Tree 1, thinner than its spacing."""
     habit = Habit(2400.0, 6.0, (9, 4), (0.62, 0.55))
     return Species(_parts(rng, habit), (0.0, 34.0), (0.0, 10.0, 20.0, 30.0), (778, 2253), 2.0)
 
 
 def tree2(rng: np.random.Generator) -> Species:
-    """A bare tree in the size of the paper's Synthetic Tree 2."""
+    """A bare tree of the size of the paper's Synthetic Tree 2."""
     habit = Habit(6500.0, 95.0, (20, 9, 6), (0.56, 0.50, 0.45))
     return Species(_parts(rng, habit), (0.0, 34.0), (0.0, 30.0), (77448, 326032), 3.0)
 
@@ -86,7 +86,7 @@ def _parts(rng: np.random.Generator, habit: Habit) -> tuple[Part, ...]:
 def _branches(
     rng: np.random.Generator, parent: Part, index: int, number: int, ratio: float, order: int
 ) -> list[Part]:
-    """Branches of one parent, from its base to its tip; their labels are still to be given."""
+    """The branches of one parent, from its base to its tip, without their labels."""
     azimuth = rng.uniform(0, 2 * np.pi)
     branches = []
     for place in range(number):
@@ -125,7 +125,7 @@ def _branches(
 
 
 def _leaves(rng: np.random.Generator, branch: Part, index: int, number: int) -> list[Part]:
-    """Leaves of one branch; they carry its label, for a branch with its leaves is one organ."""
+    """The leaves of one branch, with its label, since a branch with its leaves is one organ."""
     azimuth = rng.uniform(0, 2 * np.pi)
     leaves = []
     for place in range(number):

@@ -1,1 +1,1 @@
-"""Neighbours, graphs, sampling and rigid motions of point clouds, thin on scipy and Open3D."""
+"""Neighbours, graphs, surfaces, sampling and rotations of point clouds, mostly with SciPy."""

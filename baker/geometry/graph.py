@@ -1,4 +1,4 @@
-"""The kNN graph of a point cloud: connected, its spanning tree, geodesic distances, merge trees."""
+"""The connected kNN graph of a point cloud, its spanning tree, geodesics and merge trees."""
 
 from dataclasses import dataclass
 from itertools import permutations
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.floating]
 
-MIN_LENGTH = float(np.finfo(np.float64).tiny)  # sparse sums drop edges of weight zero
+MIN_LENGTH = float(np.finfo(np.float64).tiny)  # of an edge; sparse sums drop those of weight 0
 
 
 @dataclass(frozen=True)
 class RootedTree:
     """A spanning tree of N points, its edges directed away from the root."""
 
-    order: NDArray[np.intp]  # (N,), from the root on, parents before their children (breadth first)
-    parent: NDArray[np.intp]  # (N,), each point's predecessor, -1 for the root
-    bridges: int  # gaps between parts of the cloud that were bridged
-    widest: float  # length of the longest of them
+    order: NDArray[np.intp]  # (N,) breadth first order, parents before their children
+    parent: NDArray[np.intp]  # (N,) predecessor of each point, -1 for the root
+    bridges: int  # number of edges between components of the kNN graph
+    widest: float  # length of the longest of these edges
 
 
 def spanning_tree(
@@ -34,9 +34,11 @@ def spanning_tree(
 
     Parameters
     ----------
-    points, root : (N, 3) float, index of the point at the root
+    points : (N, 3) float
+    root : int
+        Index of a point.
     k, neighbors : int, Neighbors, optional
-        As of `connected_knn_graph`.
+        As in `connected_knn_graph`.
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
@@ -47,9 +49,9 @@ def spanning_tree(
 
 
 def knn_graph(neighbors: Neighbors) -> "csr_matrix":
-    """The kNN graph, (N, N): an edge from each point to each neighbor, weighted by its length.
+    """The (N, N) kNN graph: an edge from each point to its neighbours, weighted by length.
 
-    It is not symmetric; ``scipy.sparse.csgraph`` takes it as undirected with ``directed=False``.
+    It is not symmetric; use it with ``directed=False`` in ``scipy.sparse.csgraph``.
     """
     from scipy.sparse import csr_matrix
 
@@ -66,15 +68,18 @@ def connected_knn_graph(
 
     Parameters
     ----------
-    points, k : (N, 3) float, neighbours of each point
+    points : (N, 3) float
+    k : int
+        Number of neighbours of each point.
     neighbors : Neighbors, optional
-        Of the points, where they are known; they are queried where these are fewer than k.
+        Used instead of a query if there are at least k.
 
     Returns
     -------
-    graph : (N, N) csr_matrix, as of `knn_graph`
+    graph : (N, N) csr_matrix
+        As `knn_graph` returns it.
     bridges, widest : int, float
-        Edges added, and the length of the longest of these.
+        The number of edges added, and the length of the longest one.
     """
     from scipy.sparse.csgraph import connected_components
 
@@ -84,9 +89,9 @@ def connected_knn_graph(
     count, component = connected_components(graph, directed=False)
     bridges, widest = count - 1, 0.0
     while count > 1:
-        joined, gaps = _shortest_bridges(points, count, component)
-        widest = max(widest, float(gaps.max()))
-        graph = graph + joined
+        added, lengths = _shortest_bridges(points, count, component)
+        widest = max(widest, float(lengths.max()))
+        graph = graph + added
         count, component = connected_components(graph, directed=False)
     return graph, bridges, widest
 
@@ -94,24 +99,25 @@ def connected_knn_graph(
 def geodesic_distances(
     graph: "csr_matrix", seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
 ) -> NDArray[np.float64]:
-    """Lengths of the shortest paths along an undirected graph from the nearest seed.
+    """Geodesic distances from the nearest seed, the shortest paths along an undirected graph.
 
     Parameters
     ----------
     graph, seeds : (N, N) csr_matrix, (s,) int
     offsets : (s,) float, optional
-        Distances at the seeds, not negative; 0 by default.
+        Distances at the seeds, at least 0; by default 0.
 
     Returns
     -------
-    (N,) float64, infinite where no path leads.
+    (N,) float64
+        Infinite where there is no path.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra
 
     if offsets is None:
         return np.asarray(dijkstra(graph, directed=False, indices=seeds, min_only=True))
-    # One more node, from which each seed is as far as its offset.
+    # A source node is added, whose distance to each seed is the seed's offset.
     count = graph.shape[0]
     lengths = np.concatenate([graph.data, np.maximum(offsets, MIN_LENGTH)])
     columns = np.concatenate([graph.indices, seeds])
@@ -121,12 +127,12 @@ def geodesic_distances(
 
 
 def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
-    """(n,) where each of n items comes to when it follows to the next one until that is itself."""
+    """(n,) the end of each item's chain: the item that follows itself, found by pointer jumping."""
     while True:
-        further = following[following]
-        if np.array_equal(further, following):
+        jumped = following[following]
+        if np.array_equal(jumped, following):
             return following
-        following = further
+        following = jumped
 
 
 def branches(
@@ -136,30 +142,33 @@ def branches(
     min_share: float = 0.0,
     min_points: int = 1,
 ) -> NDArray[np.intp]:
-    """Number the branches of the merge tree of a height on a graph, those of its superlevel sets.
+    """Number the branches of the merge tree of the superlevel sets of a height on a graph.
 
-    The connected components of all that is above a level grow as the level falls. Where two of them
-    meet, both are complete branches, unless the lower one is but a bump on the other: its rise
-    above the meeting point, its persistence, is too small.
+    The connected components above a level grow as the level falls. Where two of them merge, both
+    are complete branches, unless the persistence of the lower one, its height above the merge, is
+    too small; then it becomes part of the other one.
 
     Parameters
     ----------
-    height, graph : (N,) float, (N, N) sparse matrix with undirected edges at its non-zeros
+    height : (N,) float
+    graph : (N, N) sparse matrix
+        With undirected edges at its non-zeros.
     min_length, min_share : float
-        Persistence of a branch, at least: its length, and its share of that of the branch it
-        meets, if that has met none so far.
+        Least persistence of a branch: absolute, and relative to that of the branch it merges with,
+        if that one has not merged before.
     min_points : int
-        Points of a branch, at least.
+        Least number of points of a branch.
 
     Returns
     -------
-    (N,) intp, the branch of each point, from 0 on; -1 below all meeting points.
+    (N,) intp
+        The branch of each point, from 0 on; -1 below all merges.
 
     References
     ----------
     Edelsbrunner, Letscher, Zomorodian: Topological persistence and simplification (2002).
     """
-    # Points are counted from the highest on: the last of an edge's is the lower one.
+    # Points are ranked from the highest down: the lower end of an edge has the greater rank.
     count, descending = len(height), np.argsort(-height, kind="stable")
     rank = np.empty(count, np.intp)
     rank[descending] = np.arange(count)
@@ -168,27 +177,27 @@ def branches(
     uphill = np.arange(count)
     np.minimum.at(uphill, lower, upper)
     peak = chain_ends(uphill)
-    # Components grow from the peaks, and meet first where the pass between two peaks is highest.
-    between = np.flatnonzero(peak[upper] != peak[lower])
-    between = between[np.argsort(lower[between], kind="stable")]
-    sides = np.sort(peak[np.stack([upper[between], lower[between]])], axis=0)
+    # Two components merge at the highest edge between them, the pass of their peaks.
+    passes = np.flatnonzero(peak[upper] != peak[lower])
+    passes = passes[np.argsort(lower[passes], kind="stable")]
+    sides = np.sort(peak[np.stack([upper[passes], lower[passes]])], axis=0)
     first = np.sort(np.unique(sides[0] * count + sides[1], return_index=True)[1])
-    component = np.arange(count)  # of each peak, named by its highest
-    has_met = np.zeros(count, bool)
-    branch, found = np.full(count, -1, np.intp), 0
-    for *pair, level in zip(*sides[:, first], lower[between[first]], strict=True):
+    component = np.arange(count)  # of each peak, identified by its highest peak
+    has_merged = np.zeros(count, bool)
+    branch, branch_count = np.full(count, -1, np.intp), 0
+    for *pair, level in zip(*sides[:, first], lower[passes[first]], strict=True):
         high, low = np.sort(component[pair])
         if high == low:
             continue
         above = component[peak[: level + 1]]
-        length, rest = height[descending[[low, high]]] - height[descending[level]]
-        is_long = length >= min_length and (has_met[high] or length >= min_share * rest)
-        if has_met[low] or (is_long and (above == low).sum() >= min_points):
+        length, other_length = height[descending[[low, high]]] - height[descending[level]]
+        is_long = length >= min_length and (has_merged[high] or length >= min_share * other_length)
+        if has_merged[low] or (is_long and (above == low).sum() >= min_points):
             for side in (high, low):
-                if not has_met[side]:
-                    branch[: level + 1][above == side] = found
-                    found += 1
-            has_met[[high, low]] = True
+                if not has_merged[side]:
+                    branch[: level + 1][above == side] = branch_count
+                    branch_count += 1
+            has_merged[[high, low]] = True
         component[component == low] = high
     return branch[rank]
 
@@ -198,8 +207,8 @@ def _shortest_bridges(
 ) -> tuple["csr_matrix", NDArray[np.floating]]:
     """The shortest edge out of each component, and the lengths of these edges.
 
-    Any two components' numbers differ in some bit: so the nearest foreign point of each point is
-    found with one pair of trees for every bit, however many components there are.
+    The numbers of any two components differ in some bit, so the nearest point in another component
+    is found with one pair of KD-trees for each bit.
     """
     from scipy.sparse import coo_matrix
     from scipy.spatial import KDTree
@@ -209,13 +218,13 @@ def _shortest_bridges(
     for bit in range(int(components - 1).bit_length()):
         sides = [np.flatnonzero((component >> bit & 1) == value) for value in (0, 1)]
         for source, target in permutations(sides):
-            found, index = KDTree(points[target]).query(points[source])
-            nearer = found < distance[source]
-            distance[source[nearer]] = found[nearer]
-            foreign[source[nearer]] = target[index[nearer]]
+            to_target, index = KDTree(points[target]).query(points[source])
+            is_nearer = to_target < distance[source]
+            distance[source[is_nearer]] = to_target[is_nearer]
+            foreign[source[is_nearer]] = target[index[is_nearer]]
     by_component = np.lexsort((distance, component))
     best = by_component[np.unique(component[by_component], return_index=True)[1]]
-    # Two components may have chosen the same edge: it is entered once.
+    # Two components may have the same shortest edge, which is added once.
     edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
     weights = np.maximum(lengths, MIN_LENGTH)

@@ -1,7 +1,7 @@
-"""Map-like callables, by which stages loop over scans, organs or intervals.
+"""Map-like callables with which stages loop over scans, organs or intervals.
 
-A stage takes ``map: MapLike = map`` as `scipy.optimize` takes ``workers``: the builtin does the
-items one after another; the ``map`` of a `concurrent.futures` executor shares them out.
+A stage takes ``map: MapLike = map``, like the `workers` of `scipy.optimize`: the builtin is serial,
+the ``map`` of a `concurrent.futures` executor is parallel.
 """
 
 import os
@@ -11,38 +11,37 @@ from contextlib import contextmanager
 from typing import Any
 
 MapLike = Callable[..., Iterable[Any]]
-"""``map(function, *iterables)``: the results in the items' order. Executors of worker processes
-need a function and items that can be pickled."""
+"""``map(function, *iterables)``, with the results in the order of the items."""
 
 ReportProgress = Callable[[int, int], None]
 """``report_progress(done, total)``"""
 
 
 def worker_count(requested: int) -> int:
-    """`requested` cores, or where that is 0 as many as this process may use."""
+    """`requested` or, if that is 0, the number of cores that this process may use."""
     if requested:
         return requested
-    # Not every system can tie a process to some of its cores.
+    # Not every system can restrict a process to some cores.
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def thread_map(workers: int) -> Iterator[MapLike]:
-    """A map over `workers` threads, which pays where the function releases Python's lock."""
+    """A map with `workers` threads, for functions that release the GIL."""
     if workers <= 1:
         yield map
     else:
         executor = ThreadPoolExecutor(workers)
         try:
             yield executor.map
-        finally:  # after an error or Ctrl-C nobody waits for what is under way
+        finally:  # after an error or Ctrl-C, don't wait for running calls
             executor.shutdown(wait=False, cancel_futures=True)
 
 
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
-    """A map that reports after each item how many of `total` are done, and at once that none is.
+    """Wrap a map so that it reports the number of finished items, from 0 to `total`.
 
-    total: items of all calls of the map together; more than that are not reported.
+    total: the number of items of all calls together.
     """
     done = 0
     report_progress(0, total)

@@ -1,31 +1,33 @@
-"""Samples of a point cloud: one point a voxel, or the farthest from those chosen before."""
+"""Down-sample point clouds by voxels or by farthest points."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-SIZE_TOLERANCE = 1.02  # of the size of voxels that is searched for
+SIZE_TOLERANCE = 1.02  # of the voxel size that `voxel_size_for` finds
 
 
 def farthest_point_sample(
     points: NDArray[np.float64], count: int, first: int | None = None
 ) -> NDArray[np.intp]:
-    """Choose points one after another, each the farthest from those before it.
+    """Choose points one after another, each the farthest from those chosen before.
 
     Parameters
     ----------
-    points, count : (N, 3) float64, N > 0, and int
+    points : (N, 3) float64, N > 0
+    count : int
     first : int, optional
-        By default the point farthest from the mean.
+        Index of the first point; by default the point farthest from the mean.
 
     Returns
     -------
-    (n,) intp, at most `count`, fewer where there are no more different points
+    (n,) intp
+        Indices of `count` points, or of all distinct points if there are fewer.
 
     References
     ----------
     Eldar et al.: The farthest point strategy for progressive image sampling (1997).
     """
-    columns = np.ascontiguousarray(points.T)  # coordinate by coordinate is ten times as fast
+    columns = np.ascontiguousarray(points.T)  # contiguous coordinates are ten times as fast
     if first is None:
         first = int(np.argmax(((points - columns.mean(axis=1)) ** 2).sum(axis=1)))
     chosen = [first]
@@ -42,9 +44,9 @@ def farthest_point_sample(
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
-    """(M,) indices of the first of (N, 3) points in each voxel, ascending.
+    """(M,) indices, in ascending order, of the first of (N, 3) points in each voxel.
 
-    size: edge of a voxel, in length units; 0 keeps all points.
+    size: edge length of a voxel; 0 keeps all points.
     """
     if size <= 0.0:
         return np.arange(len(points))
@@ -52,7 +54,7 @@ def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.int
 
 
 def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
-    """The smallest size, to 2 %, of which at most `count` voxels have points in them."""
+    """The smallest voxel size, within 2 %, for which at most `count` voxels contain points."""
     if len(points) <= count:
         return 0.0
     large = float(np.ptp(points, axis=0).max())

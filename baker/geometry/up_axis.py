@@ -1,4 +1,4 @@
-"""Which way is up: heights along one of the six axis directions, without turning the cloud."""
+"""Heights along one of the six axis directions, without rotating the points."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Vertical:
-    """The growing direction as an axis (0, 1, 2) and a sign (+1, -1)."""
+    """The direction of growth as an axis (0, 1, 2) and a sign (+1, -1)."""
 
     axis: int
     sign: int
 
     @classmethod
     def named(cls, up: str) -> Self:
-        """From "x", "y", "z", "-x", "-y" or "-z"."""
+        """The direction "x", "y", "z", "-x", "-y" or "-z"."""
         return cls("xyz".index(up[-1]), -1 if up.startswith("-") else 1)
 
     def height(self, points: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -26,7 +26,7 @@ class Vertical:
     def at_height(
         self, points: NDArray[np.floating], height: float | NDArray[np.floating]
     ) -> NDArray[np.floating]:
-        """A copy of (N, 3) points, each moved straight up or down to `height`, or its (N,) own."""
+        """A copy of (N, 3) points, moved vertically to one height or to (N,) heights."""
         moved = points.copy()
         moved[:, self.axis] = self.sign * height
         return moved

@@ -1,8 +1,9 @@
-"""Hierarchies on given segmentations, by successive nearest neighbour searches (section 3.2.1).
+"""Build hierarchies from labelled segments by nearest neighbour searches (section 3.2.1).
 
-Where the paper is silent: the threshold is three times the median spacing, the nearest gap is
-bridged first, a segment never reached joins at its smallest gap, and where the root segment is far
-from all others (ten spacings) no label is the stem: all hang under a virtual, empty root.
+The paper leaves some choices open. Here, segments are adjacent within three median point spacings,
+the smallest gap is bridged first, and a segment that is adjacent to no other is joined to the
+nearest one. If the root segment is more than ten spacings away from all others, none of the labels
+is the stem, and all segments become children of a virtual, empty root.
 """
 
 from collections.abc import Sequence
@@ -26,8 +27,8 @@ Points = NDArray[np.floating]
 Labels = NDArray[np.integer]
 Indices = NDArray[np.intp]
 
-MAX_ROOT_GAP = 10.0  # in point spacings: the lowest segment, if farther, is no stem of the others
-COARSE_POINTS = 400  # of an organ, that its place in the coarse hierarchy is found by
+MAX_ROOT_GAP = 10.0  # in point spacings, from the root segment to the nearest other one
+COARSE_POINTS = 400  # of each organ, from which a coarse hierarchy is built
 
 
 def labelled_hierarchies(
@@ -41,71 +42,75 @@ def labelled_hierarchies(
     virtual_root: bool,
     map: MapLike = map,
 ) -> list[Hierarchy]:
-    """Segments by label (section 3.2.1).
+    """Build the hierarchy of each scan from the labels of its points.
 
     Parameters
     ----------
     clouds, labels, bases, neighbors : sequences
-        Of each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
+        For each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
     consistent : bool
-        Labels name organs, so the scans elect one root between them.
+        Whether an organ has the same label in all scans; they then have the same root.
     agreeing : bool
-        And they agree on who grows from whom.
+        Whether an organ with consistent labels has the same parent in all scans.
     virtual_root : bool
-        No label is a stem; all hang under an empty root.
-    map : MapLike
-        Maps a function over scans.
+        Whether no label is the stem: all segments become children of an empty root.
+    map : map-like callable
+        Maps over the scans.
+
+    References
+    ----------
+    Section 3.2.1 of the paper.
     """
     if virtual_root:
         return [under_virtual_root(names) for names in labels]
     adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
-    agreed = None
+    mean_gaps = None
     if consistent and agreeing:
-        agreed = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
+        mean_gaps = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
     at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
-    roots = _elected_roots(labels, at_base) if consistent else at_base
-    hang = partial(hierarchy_from_labels, agreed=agreed)
-    return list(map(hang, clouds, labels, roots, neighbors, adjacency))
+    roots = _majority_roots(labels, at_base) if consistent else at_base
+    build = partial(hierarchy_from_labels, mean_gaps=mean_gaps)
+    return list(map(build, clouds, labels, roots, neighbors, adjacency))
 
 
 def coarse_hierarchies(
     clouds: Sequence[Points], labels: Sequence[Labels], bases: Sequence[int]
 ) -> list[Hierarchy]:
-    """Hierarchies for following organs, by few points of each: a dense organ counts as a thin one.
+    """Build hierarchies for the tracking of organs, in which all organs are sampled equally.
 
     Parameters
     ----------
     clouds : sequence of (N, 3) float ndarray
     labels : sequence of (N,) int ndarray
-        The organ of each point; they need not be consistent.
+        The organ of each point; labels need not be consistent.
     bases : sequence of int
-        Point of each scan at the plant base.
+        Index of the point at the plant base, for each scan.
 
     Returns
     -------
     list of Hierarchy
-        Of all points; who grows from whom is found from `COARSE_POINTS` of each organ.
+        Of all points; the parents are found from `COARSE_POINTS` of each organ.
     """
     hierarchies = []
     for cloud, names, base in zip(clouds, labels, bases, strict=True):
-        values, members = split_by_label(names)
-        some = np.concatenate([own[:: -(-len(own) // COARSE_POINTS)] for own in members])
-        coarse = hierarchy_from_labels(cloud[some], names[some], int(names[base]))
-        empty = [np.empty(0, np.intp)] * (len(coarse.segments) - len(values))  # a virtual root
+        distinct, members = split_by_label(names)
+        sample = np.concatenate([each[:: -(-len(each) // COARSE_POINTS)] for each in members])
+        coarse = hierarchy_from_labels(cloud[sample], names[sample], int(names[base]))
+        empty = [np.empty(0, np.intp)] * (len(coarse.segments) - len(distinct))  # a virtual root
         hierarchies.append(replace(coarse, segments=(*members, *empty)))
     return hierarchies
 
 
-def _elected_roots(labels: Sequence[Labels], at_base: Sequence[int]) -> list[int]:
-    """The label that most scans have at their base; of scans that lack it, their own.
+def _majority_roots(labels: Sequence[Labels], at_base: Sequence[int]) -> list[int]:
+    """The label at the base of most scans; in a scan without it, the label at the scan's base.
 
-    In a late scan a drooping leaf may hang lower than the stem's base.
+    In a late scan, a drooping leaf may hang lower than the base of the stem.
     """
-    values, votes = np.unique(at_base, return_counts=True)
-    elected = int(values[np.argmax(votes)])
+    distinct, votes = np.unique(at_base, return_counts=True)
+    majority = int(distinct[np.argmax(votes)])
     return [
-        elected if (names == elected).any() else own
-        for names, own in zip(labels, at_base, strict=True)
+        majority if (names == majority).any() else lowest
+        for names, lowest in zip(labels, at_base, strict=True)
     ]
 
 
@@ -115,19 +120,25 @@ def hierarchy_from_labels(
     root_label: int,
     neighbors: Neighbors | None = None,
     gaps: Gaps | None = None,
-    agreed: Gaps | None = None,
+    mean_gaps: Gaps | None = None,
 ) -> Hierarchy:
-    """Hang the labelled segments of a cloud into a tree under the one of `root_label`.
+    """Build the hierarchy of one scan from the labels of its points, by Prim's algorithm.
 
-    points, labels: (N, 3) and (N,). neighbors, gaps: of the points and of the labels, where they
-    are known. agreed: `agreed_gaps` of all scans, which decide instead of this scan's which segment
-    grows from which.
+    Parameters
+    ----------
+    points, labels : (N, 3) float, (N,) int
+    root_label : int
+    neighbors : Neighbors, optional
+    gaps : Gaps, optional
+        As `segment_adjacency` returns them.
+    mean_gaps : Gaps, optional
+        Those of all scans, as `agreed_gaps` returns them, to use instead of `gaps`.
     """
     names, segments = split_by_label(labels)
     neighbors = neighbors or nearest_neighbors(points)
     gaps = segment_adjacency(labels, neighbors) if gaps is None else gaps
-    first = names.index(root_label)
-    is_reached = np.arange(len(segments)) == first
+    root = names.index(root_label)
+    is_reached = np.arange(len(segments)) == root
     if len(segments) > 2 and not any(root_label in pair for pair in gaps):
         gap, *_ = _smallest_gap(points, segments, is_reached)
         if gap > MAX_ROOT_GAP * neighbors.spacing:
@@ -135,12 +146,12 @@ def hierarchy_from_labels(
     number = {name: index for index, name in enumerate(names)}
     edges = sorted(
         (gap, number[a], number[b])
-        for (a, b), gap in (agreed or gaps).items()
+        for (a, b), gap in (mean_gaps or gaps).items()
         if a in number and b in number
     )
     lower, upper = np.array([edge[1:] for edge in edges], np.intp).reshape(-1, 2).T
     parents, notes = [NO_PARENT] * len(segments), []
-    while not is_reached.all():  # Prim's algorithm; what stays apart is bridged at its smallest gap
+    while not is_reached.all():
         touching = np.flatnonzero(is_reached[upper] & ~is_reached[lower])
         if len(touching):
             _, child, parent = edges[touching[0]]
@@ -152,29 +163,29 @@ def hierarchy_from_labels(
             )
         parents[child] = parent
         is_reached[child] = True
-    return Hierarchy(tuple(segments), tuple(names), tuple(parents), first, tuple(notes))
+    return Hierarchy(tuple(segments), tuple(names), tuple(parents), root, tuple(notes))
 
 
 def _smallest_gap(
     points: NDArray[np.floating], segments: Sequence[Indices], is_reached: NDArray[np.bool_]
 ) -> tuple[float, int, int]:
-    """The gap, the unreached segment and the reached segment that are nearest to each other."""
+    """The smallest gap between unreached and reached segments, and those two segments."""
     from scipy.spatial import KDTree
 
-    def gather(which: NDArray[np.bool_]) -> tuple[Indices, Indices]:
-        ids = np.flatnonzero(which).tolist()
+    def gather(chosen: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+        ids = np.flatnonzero(chosen).tolist()
         owner = np.repeat(ids, [len(segments[i]) for i in ids])
         return np.concatenate([segments[i] for i in ids]), owner
 
-    near, near_owner = gather(is_reached)
-    far, far_owner = gather(~is_reached)
-    distances, neighbors = KDTree(points[near]).query(points[far])
-    best = int(np.argmin(distances))
-    return float(distances[best]), int(far_owner[best]), int(near_owner[neighbors[best]])
+    reached, reached_owner = gather(is_reached)
+    unreached, unreached_owner = gather(~is_reached)
+    gaps, neighbors = KDTree(points[reached]).query(points[unreached])
+    best = int(np.argmin(gaps))
+    return float(gaps[best]), int(unreached_owner[best]), int(reached_owner[neighbors[best]])
 
 
 def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:
-    """All labelled segments as children of a virtual, empty root (the paper's Figure 5)."""
+    """Make all segments children of a virtual, empty root (Komatsuna in section 4 of the paper)."""
     names, segments = split_by_label(labels)
     virtual = len(segments)
     return Hierarchy(

@@ -1,7 +1,7 @@
-"""Segments and hierarchy at once, for thin structures without labels (paper section 3.2.2).
+"""Segment thin structures without labels and build their hierarchy (section 3.2.2 of the paper).
 
-The cloud's minimum spanning tree is walked from the root: where more than one branch goes on for
-longer than a threshold, the tree forks, and each of those branches begins a segment of its own.
+The minimum spanning tree of the points is traversed from the root. Where more than one branch is
+longer than a threshold, the tree bifurcates, and each of these branches is a new segment.
 """
 
 import numpy as np
@@ -27,13 +27,12 @@ def hierarchy_from_spanning_tree(
     ----------
     points : (N, 3) float ndarray
     root : int
-        The point at the plant base.
+        Index of the point at the plant base.
     neighbors : Neighbors, optional
-        Of the points, where they are known.
     k : int
-        Neighbors of a point in the graph that the tree spans.
+        Number of neighbours in the kNN graph.
     threshold : int, optional
-        The paper's c: branches whose longest path has more edges count. By default 18 % of the
+        The paper's c: the longest path of a segment has more edges. By default 18 % of the
         longest path from the root.
 
     References
@@ -47,7 +46,7 @@ def hierarchy_from_spanning_tree(
 
 
 def longest_paths(tree: RootedTree) -> NDArray[np.intp]:
-    """(N,) m_v: edges on the longest path from each point down to a leaf of its subtree."""
+    """(N,) the paper's m_v: number of edges of the longest path from each point to a leaf."""
     longest, parent = [0] * len(tree.order), tree.parent.tolist()
     for point in tree.order[:0:-1].tolist():
         longest[parent[point]] = max(longest[parent[point]], longest[point] + 1)
@@ -57,7 +56,7 @@ def longest_paths(tree: RootedTree) -> NDArray[np.intp]:
 def _segment_starts(
     tree: RootedTree, longest: NDArray[np.intp], threshold: int
 ) -> NDArray[np.bool_]:
-    """(N,) whether a point begins a segment: the root, and every long branch at a fork."""
+    """(N,) whether a segment starts at a point: at the root, and at long branches of a fork."""
     child = tree.order[1:]
     long = child[longest[child] > threshold]
     branches = np.bincount(tree.parent[long], minlength=len(tree.order))
@@ -68,7 +67,7 @@ def _segment_starts(
 
 
 def _hierarchy(tree: RootedTree, starts: NDArray[np.bool_]) -> Hierarchy:
-    """Segments numbered from the root on, each point in the segment that began above it last."""
+    """Number the segments from the root; a point is in the segment of its nearest start above."""
     heads = tree.order[starts[tree.order]]
     number = np.empty(len(starts), np.intp)
     number[heads] = np.arange(len(heads))

@@ -1,8 +1,8 @@
-"""Organs of scans without labels: stem with petioles, leaf blades, bare branches.
+"""Segment scans without labels into organs: stem with petioles, leaf blades, bare branches.
 
-The scans are segmented from the last one back, and what the next one shows at the same place counts
-too: a leaf that is plain on day 9 tells what was unfolding on day 5. What the scan before shows
-would be no help: where the tip of a new leaf is, it has at best a stem.
+The scans are segmented from the last one to the first, and the organs of the next scan at the same
+place are taken into account: a leaf that is unfolded on day 9 shows what the bud of day 5 is. The
+previous scan would not help, since it has a stem or nothing at the place of a new leaf.
 """
 
 from collections.abc import Sequence
@@ -15,31 +15,31 @@ from baker.geometry.parallel import MapLike
 from baker.segmentation.organ_classification import STEM, blade_scores, organs_of_nodes
 from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, sample_plant
 
-MIN_POINTS = 30  # points of a sample that shows organs
-NEIGHBORS = 10  # of a point in the graph that geodesic distances follow
-MAX_DISTANCE = 2.0  # of what the next scan shows of a point, in stem diameters
-NEXT_WEIGHT = 0.5  # of what the next scan shows, against what is seen in the scan itself
-MIN_TOUCHING_SHARE = 0.4  # of an organ's points beyond its base, that touch what it is part of
+MIN_POINTS = 30  # of a sample that is segmented
+NEIGHBORS = 10  # of the kNN graph
+MAX_DISTANCE = 2.0  # from a point to the next scan's, in stem diameters, where its weight is 0
+NEXT_WEIGHT = 0.5  # greatest weight of the next scan; that of the scan itself is 1
+MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
 MAX_GAP = 3.0  # between points that touch, in point spacings
-BASE_LENGTH = 2.0  # where any organ touches another, in level sets
+BASE_LENGTH = 2.0  # of an organ's base, in level sets
 TINY = np.finfo(np.float64).tiny
 
 
 @dataclass(frozen=True)
 class _Plant:
-    """A scan, ready to be cut into organs; tree None where it shows none."""
+    """The sample, Reeb tree and blade scores of a scan; the tree is None if it is too small."""
 
     sample: PlantSample
     tree: ReebTree | None
     scores: NDArray[np.float64]
 
-    def organs(self, from_later: NDArray[np.float64] | None) -> NDArray[np.intp]:
-        """(n,) organ of each point of the sample; from_later: scores added by the next scan."""
+    def organs(self, next_scores: NDArray[np.float64] | None) -> NDArray[np.intp]:
+        """(n,) organ of each point of the sample; next_scores: from the next scan, to be added."""
         if self.tree is None:
             return np.zeros(len(self.sample.points), np.intp)
-        node = self.tree.node
-        scores = self.scores if from_later is None else self.scores + from_later
-        return merge_strips(self.sample, organs_of_nodes(self.sample, self.tree, scores)[node])
+        scores = self.scores if next_scores is None else self.scores + next_scores
+        of_node = organs_of_nodes(self.sample, self.tree, scores)
+        return merge_strips(self.sample, of_node[self.tree.node])
 
 
 def segment_organs(
@@ -52,26 +52,26 @@ def segment_organs(
     clouds : sequence of (N, 3) float
         Aligned scans.
     bases : sequence of int
-        The point of each at the plant base.
-    map : MapLike
-        Maps a function over scans.
+        Index of the point at the plant base, for each scan.
+    map : map-like callable
+        Maps over the scans.
 
     Returns
     -------
     list of (N,) int64
-        The organ of each point, 0 for stem and petioles. Other numbers of one scan mean nothing in
-        another.
+        The organ of each point, 0 for stem and petioles. Other organs are numbered independently in
+        each scan.
     """
-    plants = list(map(_plant, clouds, bases))
-    numbers, from_later = [], None
-    for plant, earlier in zip(reversed(plants), [*reversed(plants[:-1]), None], strict=True):
-        organ = plant.organs(from_later)
+    plants = list(map(_prepare, clouds, bases))
+    numbers, next_scores = [], None
+    for plant, previous in zip(reversed(plants), [*reversed(plants[:-1]), None], strict=True):
+        organ = plant.organs(next_scores)
         numbers.append(organ[plant.sample.nearest].astype(np.int64))
-        from_later = _scores_from(earlier, plant, organ) if earlier else None
+        next_scores = _scores_from_next(previous, plant, organ) if previous else None
     return numbers[::-1]
 
 
-def _plant(cloud: NDArray[np.floating], base: int) -> _Plant:
+def _prepare(cloud: NDArray[np.floating], base: int) -> _Plant:
     sample = sample_plant(cloud, base, NEIGHBORS)
     if sample.diameter == 0.0 or len(sample.points) < MIN_POINTS:
         return _Plant(sample, None, np.zeros(len(sample.points)))
@@ -79,15 +79,15 @@ def _plant(cloud: NDArray[np.floating], base: int) -> _Plant:
     return _Plant(sample, tree, blade_scores(sample, tree))
 
 
-def _scores_from(
-    plant: _Plant, later: _Plant, organ: NDArray[np.intp]
+def _scores_from_next(
+    plant: _Plant, following: _Plant, organ: NDArray[np.intp]
 ) -> NDArray[np.float64] | None:
-    """(n,) blade scores of a plant's points by the organs of a later scan at the same place."""
+    """(n,) blade scores of the points of a scan, from the organs of the following scan there."""
     from scipy.spatial import KDTree
 
-    if later.tree is None:
+    if following.tree is None:
         return None
-    distance, nearest = KDTree(later.sample.points).query(plant.sample.points)
+    distance, nearest = KDTree(following.sample.points).query(plant.sample.points)
     largest = max(MAX_DISTANCE * plant.sample.diameter, TINY)
     weight = NEXT_WEIGHT * (1.0 - np.minimum(distance, largest) / largest)
     return np.where(organ[nearest] == STEM, -weight, weight)
@@ -96,30 +96,38 @@ def _scores_from(
 def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.intp]:
     """Merge organs that touch another one along most of their length, the smallest first.
 
-    An organ touches its parent at its base, and others here and there. What touches one all along
-    is a strip of it: sparse or patchy scans let a blade or stem look forked where it has a gap.
+    Such organs are strips of the other one: in sparse scans, a blade or stem with a gap seems to
+    fork there. Other organs touch their parent only at the base.
 
-    organ: (n,) numbers from 0, the stem, on.
+    Parameters
+    ----------
+    sample : PlantSample
+    organ : (n,) intp
+        The organ of each point of the sample; 0 is the stem.
+
+    Returns
+    -------
+    (n,) intp
     """
     edges = sample.graph.tocoo()
-    close = edges.data <= MAX_GAP * sample.spacing
-    one, other = edges.row[close], edges.col[close]
-    ends = np.concatenate([[one, other], [other, one]], axis=1)
+    is_close = edges.data <= MAX_GAP * sample.spacing
+    i, j = edges.row[is_close], edges.col[is_close]
+    ends = np.concatenate([[i, j], [j, i]], axis=1)
     organ = organ.copy()
     while True:
-        begin = np.full(organ.max() + 1, np.inf)
-        np.minimum.at(begin, organ, sample.distance)
-        far = sample.distance > begin[organ] + BASE_LENGTH * sample.thickness
-        beyond = np.bincount(organ[far], minlength=len(begin))
-        touching = ends[:, far[ends[0]] & (organ[ends[0]] != organ[ends[1]])]
-        points = np.unique(np.stack([touching[0], organ[touching[1]]]), axis=1)
+        base = np.full(organ.max() + 1, np.inf)
+        np.minimum.at(base, organ, sample.distance)
+        is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
+        beyond = np.bincount(organ[is_beyond], minlength=len(base))
+        touching = ends[:, is_beyond[ends[0]] & (organ[ends[0]] != organ[ends[1]])]
+        contacts = np.unique(np.stack([touching[0], organ[touching[1]]]), axis=1)
         pairs, counts = np.unique(
-            np.stack([organ[points[0]], points[1]]), axis=1, return_counts=True
+            np.stack([organ[contacts[0]], contacts[1]]), axis=1, return_counts=True
         )
-        strips = counts > MIN_TOUCHING_SHARE * beyond[pairs[0]]
-        strips &= beyond[pairs[0]] <= np.bincount(organ, minlength=len(begin))[pairs[1]]
-        strips &= pairs[0] != 0
-        if not strips.any():
+        is_strip = counts > MIN_TOUCHING_SHARE * beyond[pairs[0]]
+        is_strip &= beyond[pairs[0]] <= np.bincount(organ, minlength=len(base))[pairs[1]]
+        is_strip &= pairs[0] != STEM
+        if not is_strip.any():
             return organ
-        smallest = np.flatnonzero(strips)[np.argmin(beyond[pairs[0, strips]])]
+        smallest = np.flatnonzero(is_strip)[np.argmin(beyond[pairs[0, is_strip]])]
         organ[organ == pairs[0, smallest]] = pairs[1, smallest]

@@ -1,11 +1,11 @@
 """The Reeb graph of a plant: components of the level sets of the geodesic distance from its base.
 
-The plant is thinned to one point a voxel first. All lengths are in diameters of the stem, which is
-measured here: so it does not matter in what unit, how densely or how evenly a plant was scanned.
+The plant is down-sampled to one point in each voxel. Lengths are relative to the diameter of the
+stem, which is measured first, so that unit and density of the scan don't matter.
 
-Where leaves touch, the graph has loops; they are cut, each point staying with the component that it
-was reached through, so that a tree is left. A small loop is no touch of two organs but a hole in
-the scan, and is closed again.
+Where leaves touch, the graph has loops. They are cut to get a tree: each point stays in the
+component through which the shortest path from the base reaches it. A small loop is a hole in the
+scan instead, and is filled.
 """
 
 from dataclasses import dataclass
@@ -22,46 +22,46 @@ from baker.segmentation.hierarchy import split_by_label
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # points at most: to measure the stem, and to segment with
+COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points of the samples to measure the stem, to segment
 VOXEL_SIZE = 0.2  # in stem diameters
-LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters, in point spacings at least
-STEM_LENGTH = 6.0  # that the stem is measured over, in its diameters
+LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
+STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS_OF_SECTION = 6
-MAX_ROUNDS = 15
-MAX_HOLE = 2.0  # length of a loop that is but a hole, in stem diameters
+MAX_ITERATIONS = 15
+MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
 
 @dataclass(frozen=True)
 class PlantSample:
-    """A plant's points, one a voxel, and their geodesic distances from the plant base."""
+    """A sample of a plant's points, and their geodesic distances from the plant base."""
 
     points: NDArray[np.float64]  # (n, 3)
-    nearest: NDArray[np.intp]  # (N,) the sample's point nearest to each point of the cloud
+    nearest: NDArray[np.intp]  # (N,) index of the sample's point nearest to each point of the scan
     graph: "csr_matrix"  # (n, n) the connected kNN graph
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
-    predecessor: NDArray[np.intp]  # (n,) the point before on the path from there; -1 at the base
+    predecessor: NDArray[np.intp]  # (n,) previous point on the shortest path; -1 at the base
     spacing: float  # point spacing of the sample
-    diameter: float  # of the stem; 0 where the cloud is too small to tell
+    diameter: float  # of the stem; 0 if there are too few points
 
     @property
     def thickness(self) -> float:
-        """Of a level set of the distance."""
+        """The thickness of a level set of the distance."""
         return max(LEVEL_THICKNESS * self.diameter, MIN_LEVEL_THICKNESS * self.spacing)
 
 
 @dataclass(frozen=True)
 class ReebTree:
-    """Components of level sets, m nodes numbered from the base on: parents before children."""
+    """A tree of m nodes, the components of level sets; parents have smaller numbers."""
 
     node: NDArray[np.intp]  # (n,) the node of each point of the sample
     parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
-    count: NDArray[np.float64]  # (m,) points of each node
-    width: NDArray[np.float64]  # (m,) of each node's section
-    reach: NDArray[np.float64]  # (m,) distance from a node's beginning to the farthest tip beyond
+    count: NDArray[np.float64]  # (m,) number of points of each node
+    width: NDArray[np.float64]  # (m,) width of each node's section
+    reach: NDArray[np.float64]  # (m,) distance from the start of each node to its farthest tip
 
     def subtree_sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
-        """(m,) sums over each node and all nodes beyond it of (m,) values."""
+        """(m,) sums of (m,) values over the subtree of each node."""
         sums = np.array(values, np.float64)
         for node in range(len(self.parent) - 1, 0, -1):
             sums[self.parent[node]] += sums[node]
@@ -69,26 +69,26 @@ class ReebTree:
 
 
 def reeb_tree(sample: PlantSample) -> ReebTree:
-    """Cut the sample into level sets of its distance from the base and hang them into a tree."""
+    """Compute the Reeb graph of the geodesic distance from the base, with its loops cut."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
-    # Where the path to each point entered that point's level set.
-    before = sample.predecessor
-    is_inside = (before >= 0) & (level[before] == level)
-    entry = chain_ends(np.where(is_inside, before, np.arange(len(level))))
-    for members in _parts(sample.graph, level):
-        here = int(level[members[0]])
-        through = before[entry[members]]
-        source = np.where(through < 0, -1, node[through])
-        for origin, own in _by_origin(members, source, parent, depth, here, sample):
-            node[own] = len(parent)
+    # The first point of the shortest path to each point that is in the same level set.
+    previous = sample.predecessor
+    is_inside = (previous >= 0) & (level[previous] == level)
+    entry = chain_ends(np.where(is_inside, previous, np.arange(len(level))))
+    for members in _level_components(sample.graph, level):
+        member_level = int(level[members[0]])
+        before_entry = previous[entry[members]]
+        source = np.where(before_entry < 0, -1, node[before_entry])
+        for origin, points in _cut_loops(members, source, parent, depth, member_level, sample):
+            node[points] = len(parent)
             parent.append(origin)
-            depth.append(here)
-    return _measured(sample, node, parent)
+            depth.append(member_level)
+    return _measure_tree(sample, node, parent)
 
 
-def _parts(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """The connected parts of all level sets, from the base on."""
+def _level_components(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """The connected components of all level sets, sorted by level."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -96,12 +96,12 @@ def _parts(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp
     inside = level[edges.row] == level[edges.col]
     shape = edges.shape
     kept = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
-    _, part = connected_components(kept, directed=False)
-    order = np.lexsort((part, level))
-    return np.split(order, np.flatnonzero(np.diff(part[order])) + 1)
+    _, component = connected_components(kept, directed=False)
+    order = np.lexsort((component, level))
+    return np.split(order, np.flatnonzero(np.diff(component[order])) + 1)
 
 
-def _by_origin(
+def _cut_loops(
     members: NDArray[np.intp],
     source: NDArray[np.intp],
     parent: list[int],
@@ -109,30 +109,33 @@ def _by_origin(
     level: int,
     sample: PlantSample,
 ) -> list[tuple[int, NDArray[np.intp]]]:
-    """A part's points by the node that they were reached through, holes closed."""
+    """Split a component by the nodes that its points are reached from, unless they enclose a hole.
+
+    Returns pairs of a parent node and the indices of the points.
+    """
     origins, counts = np.unique(source, return_counts=True)
     if len(origins) == 1:
         return [(int(origins[0]), members)]
-    kept: dict[int, list[int]] = {}
+    groups: dict[int, list[int]] = {}
     for origin in origins[np.argsort(-counts, kind="stable")].tolist():
-        for other, joined in kept.items():
-            loop = level - depth[_fork(parent, origin, other)]
+        for larger, group in groups.items():
+            loop = level - depth[_common_ancestor(parent, origin, larger)]
             if loop * sample.thickness < MAX_HOLE * sample.diameter:
-                joined.append(origin)
+                group.append(origin)
                 break
         else:
-            kept[origin] = [origin]
-    return [(origin, members[np.isin(source, joined)]) for origin, joined in kept.items()]
+            groups[origin] = [origin]
+    return [(origin, members[np.isin(source, group)]) for origin, group in groups.items()]
 
 
-def _fork(parent: list[int], one: int, other: int) -> int:
-    """The last node that two nodes are both reached through; parents have smaller numbers."""
-    while one != other:
-        one, other = (parent[one], other) if one > other else (one, parent[other])
-    return one
+def _common_ancestor(parent: list[int], i: int, j: int) -> int:
+    """The lowest common ancestor of two nodes; parents have smaller numbers."""
+    while i != j:
+        i, j = (parent[i], j) if i > j else (i, parent[j])
+    return i
 
 
-def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) -> ReebTree:
+def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) -> ReebTree:
     children: list[list[int]] = [[] for _ in parent]
     reach = np.full(len(parent), sample.thickness)
     for child in range(len(parent) - 1, 0, -1):
@@ -145,16 +148,19 @@ def _measured(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) ->
 
 
 def sample_plant(points: NDArray[np.floating], base: int, k: int) -> PlantSample:
-    """Thin a cloud to voxels of a fifth of its stem's diameter, k neighbors a point."""
+    """Down-sample (N, 3) points to voxels of a fifth of the stem diameter, with a kNN graph.
+
+    base: index of the point at the plant base.
+    """
     cloud = np.asarray(points, np.float64)
-    coarse = _sampled(cloud, voxel_size_for(cloud, COARSE_SIZE), base, k)
+    coarse = _sample_voxels(cloud, voxel_size_for(cloud, COARSE_SIZE), base, k)
     if coarse.diameter == 0.0:
         return coarse
     size = max(VOXEL_SIZE * coarse.diameter, voxel_size_for(cloud, FINE_SIZE))
-    return _sampled(cloud, size, base, k)
+    return _sample_voxels(cloud, size, base, k)
 
 
-def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> PlantSample:
+def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int, k: int) -> PlantSample:
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import KDTree
 
@@ -174,36 +180,36 @@ def _sampled(cloud: NDArray[np.float64], size: float, base: int, k: int) -> Plan
 def _stem_diameter(
     points: NDArray[np.float64], graph: "csr_matrix", distance: NDArray[np.float64], spacing: float
 ) -> float:
-    """Median width of the sections up to six diameters above the base; 0 where there are none.
+    """Median width of the sections up to six diameters above the base, by fixed-point iteration.
 
-    A fixed point, found by iteration.
+    It is 0 if there are no sections.
     """
     if spacing == 0.0:
         return 0.0
     diameter = 8.0 * spacing
-    for _ in range(MAX_ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
         level = np.floor((distance - 0.5 * diameter) / thickness).astype(np.intp)
         last = np.ceil((STEM_LENGTH - 0.5) * diameter / thickness) - 1
         stem = np.flatnonzero((level >= 0) & (level <= last))
-        sections = [stem[part] for part in _parts(graph[stem][:, stem], level[stem])]
-        sections = [own for own in sections if len(own) >= MIN_POINTS_OF_SECTION]
+        components = _level_components(graph[stem][:, stem], level[stem])
+        sections = [stem[c] for c in components if len(c) >= MIN_POINTS_OF_SECTION]
         if not sections:
             return 0.0
-        widths = [section_width(points[own], distance[own]) for own in sections]
-        weights, before = [*map(len, sections)], diameter
+        widths = [section_width(points[section], distance[section]) for section in sections]
+        weights, previous = [*map(len, sections)], diameter
         diameter = float(np.quantile(widths, 0.5, weights=weights, method="inverted_cdf"))
-        if abs(diameter - before) < 0.02 * before:
+        if abs(diameter - previous) < 0.02 * previous:
             break
     return diameter
 
 
 def section_width(points: NDArray[np.float64], distance: NDArray[np.float64]) -> float:
-    """Diameter of the circle that the points of a section would lie on, seen along the way up."""
-    centred = points - points.mean(axis=0)
-    along = centred.T @ (distance - distance.mean())
-    length = np.linalg.norm(along)
+    """Root mean square diameter of a section, perpendicular to the gradient of the distance."""
+    centered = points - points.mean(axis=0)
+    gradient = centered.T @ (distance - distance.mean())
+    length = np.linalg.norm(gradient)
     if length > 0.0:
-        along /= length
-        centred = centred - np.outer(centred @ along, along)
-    return float(2.0 * np.sqrt((centred**2).sum(axis=1).mean()))
+        gradient /= length
+        centered = centered - np.outer(centered @ gradient, gradient)
+    return float(2.0 * np.sqrt((centered**2).sum(axis=1).mean()))
