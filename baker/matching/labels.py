@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
+from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
 from baker.scans.scan import Finding
+from baker.segmentation.from_labels import coarse_hierarchies
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
 
 Points = NDArray[np.floating]
@@ -156,13 +158,21 @@ def follow_labels(
     Returns
     -------
     LabelUse
-        The track number of every point, from 0 by first appearance. Where labels are consistent but
-        some scans have none, these get them by the tracks, from the nearest scan that has them.
+        The track number of every point, by first appearance; an organ that one scan cuts finer than
+        its neighbors is one organ again. Where labels are consistent but some scans have none,
+        these get them by the tracks, from the nearest scan that has them.
     """
     unlabelled = not use.given
     tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_completed(use.labels, tracks)))
+    if not unlabelled:
+        places = [place for correction in corrections for place in correction.places]
+        merged = merge_parts(clouds, tracks, {int(tracks[scan][point]) for scan, point in places})
+        if any(map(np.any, map(np.not_equal, merged, tracks))):
+            # A part may have taken the place of another organ in the next scan.
+            hierarchies = coarse_hierarchies(clouds, merged, root_points)
+            tracks = track_organs(clouds, hierarchies, root_points, corrections=corrections)
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 
