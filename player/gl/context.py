@@ -8,27 +8,18 @@ import moderngl
 from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
 
-# Many drivers give exactly the version that is asked for: the newest comes first. From 4.3 on there
-# are compute shaders; 3.3 is what every machine since 2010, and Mesa without a GPU, can do.
+# Many drivers return exactly the version that is requested, so the newest is requested first.
+# OpenGL 4.3 adds compute shaders; 3.3 runs on every GPU since 2010 and on Mesa without a GPU.
 VERSIONS = (460, 450, 430, 330)
-MAX_DEVICES = 16  # of EGL that are tried: GPUs, and the software renderer after them
+MAX_DEVICES = 16  # EGL devices that are tried
 
 
 def headless() -> moderngl.Context:
-    """A context without a screen, through EGL, on the first device that offers OpenGL 3.3.
+    """Create a context without a screen on the first EGL device that offers OpenGL 3.3.
 
-    EGL lists GPUs first, and Mesa's software renderer last: where no GPU can be used, it draws.
-    The context has no default framebuffer: draw into one of your own.
-
-    Returns
-    -------
-    moderngl.Context
-        Of the newest of VERSIONS that the device offers.
-
-    Raises
-    ------
-    PlayerError
-        Naming the system packages to install where EGL is missing.
+    EGL lists GPUs first and Mesa's software renderer last, which is used where there is no GPU. The
+    context has the newest of VERSIONS that the device offers, and no default framebuffer. Raises
+    PlayerError, which names the system packages to install, where EGL is missing.
     """
     reason = ""
     for device, version in product(range(MAX_DEVICES), VERSIONS):
@@ -44,7 +35,7 @@ def headless() -> moderngl.Context:
 
 
 def from_window() -> moderngl.Context:
-    """The context of the window that is current on this thread (made with `glfw`).
+    """Wrap the context of the window that `glfw` made current on this thread.
 
     Raises PlayerError where the window offers less than OpenGL 3.3.
     """

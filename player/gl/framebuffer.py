@@ -1,4 +1,4 @@
-"""Textures, and the framebuffers that the passes hand on to each other."""
+"""Textures, and the framebuffers that one pass writes and the next one reads."""
 
 from typing import Any
 
@@ -6,35 +6,24 @@ import moderngl
 
 from player.gl.shader import TILE, Passes
 
-TILE_UNIT = 5  # texture unit of which tiles hold something
-NOTHING = 1e4  # the relative depth where no point is (shaders/depth.glsl)
+TILE_UNIT = 5  # texture unit of the mask of occupied tiles
+NOTHING = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
 class GBuffer:
-    """What the passes over the points leave of each sample, and the filtered depths.
+    """Colour, depth and normal of each sample, as the passes over the points write them.
 
-    Parameters
-    ----------
-    context : moderngl.Context
-    size : (int, int)
-        Width and height in samples.
+    All framebuffers share a depth buffer that is 1 on the plant and 0 elsewhere.
 
-    Attributes
-    ----------
-    colors : moderngl.Texture
-        Linear light, and how much of the sample is covered.
-    depths : list of moderngl.Texture
-        Relative depths (shaders/depth.glsl): one is filtered into the other and back.
-    framebuffer : moderngl.Framebuffer
-        The colours, the first of the depths, and the normals.
-    mask : moderngl.Framebuffer
-        The depth buffer alone.
-    filtered : list of moderngl.Framebuffer
-        The depths, each alone.
-    light : moderngl.Texture
-        Light from the plant times cover, and cover; drawn by `lit`.
-
-    The framebuffers share a depth buffer that is 1 where the plant is, and 0 elsewhere.
+    size:        width and height in samples.
+    colors:      texture of linear light and coverage.
+    depths:      two textures of relative depths (shaders/depth.glsl); filtering writes one from the
+                 other and back.
+    light:       texture of the light from the plant times coverage, and coverage.
+    framebuffer: writes colours, the first of the depths, and normals.
+    mask:        writes the depth buffer only.
+    filtered:    write one of the depths each.
+    lit:         writes the light.
     """
 
     def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
@@ -56,7 +45,7 @@ class GBuffer:
             framebuffer.depth_mask = False
 
     def find_tiles(self, passes: Passes, name: str, reach: int, **uniforms: Any) -> None:
-        """Find the tiles that hold something; `reach`: how many samples aside a tile looks."""
+        """Mark the occupied tiles, including those within `reach` samples of a point."""
         self.framebuffer.ctx.enable_only(moderngl.NOTHING)
         self._occupied.use()
         passes.fill(name, reach=reach, **uniforms)
@@ -69,23 +58,14 @@ class GBuffer:
         framebuffer: moderngl.Framebuffer | None = None,
         **uniforms: Any,
     ) -> None:
-        """Run a pass that writes depths over the tiles that hold something.
+        """Run the fragment shader `name` on the occupied tiles; it has to write depths.
 
-        Parameters
-        ----------
-        passes : Passes
-        name : str
-            The fragment shader's.
-        reach : int
-            How many samples aside it looks.
-        framebuffer : moderngl.Framebuffer, optional
-            One of the same size, or the G-buffer's own.
-        **uniforms
-            The shader's.
+        reach:       how many samples around its own the shader reads.
+        framebuffer: one of the same size; the G-buffer's own by default.
         """
         target, (across, up) = framebuffer or self.framebuffer, self._tiles.size
         self._tiles.use(TILE_UNIT)
-        # OpenGL drops points whose centres lie outside of the viewport: the last tiles' may.
+        # OpenGL clips points by their centres; those of the last tiles may lie outside the picture.
         target.viewport = (0, 0, across * TILE, up * TILE)
         target.use()
         target.ctx.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
@@ -94,7 +74,7 @@ class GBuffer:
         target.viewport = (0, 0, *self.size)
 
     def clear(self) -> None:
-        """No plant anywhere."""
+        """Reset all buffers to a picture without a plant."""
         self.lit.clear()
         self.mask.clear(depth=0.0)
         for depths in self.filtered:
@@ -116,10 +96,10 @@ def texture(
     dtype: str,
     linear: bool = False,
 ) -> moderngl.Texture:
-    """A texture that ends at its edges.
+    """Create a texture that is clamped at its edges.
 
-    dtype: "f1" for bytes, "f2" and "f4" for floats, "u4" for whole numbers.
-    linear: smooth between texels.
+    dtype: "f1" for bytes, "f2" and "f4" for floats, "u4" for unsigned integers.
+    linear: whether to interpolate between texels.
     """
     made = context.texture(size, components, dtype=dtype)
     made.filter = (moderngl.LINEAR,) * 2 if linear else (moderngl.NEAREST,) * 2

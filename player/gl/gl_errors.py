@@ -1,6 +1,6 @@
-"""What a graphics driver reports when it fails, and what becomes of that: one sentence.
+"""Errors of the graphics driver, each reported in one sentence.
 
-OpenGL goes on after an error and draws nothing, so somebody has to ask.
+OpenGL continues after an error without drawing, so errors have to be queried.
 """
 
 from collections.abc import Iterator
@@ -11,21 +11,21 @@ import moderngl
 from player.errors import PlayerError
 from player.gl.gpu_memory import total
 
-SAMPLE = 78  # bytes of the GPU that one sample of a picture takes
+SAMPLE = 78  # bytes of GPU memory for one sample of a picture
 
 
 class OutOfGpuMemory(PlayerError):
-    """There may be room for less: fewer movers at a time, a coarser picture."""
+    """The GPU's memory is full; fewer points at a time or a smaller picture may still fit."""
 
 
 class ContextLost(PlayerError):
-    """The driver was reset: all that was on the GPU is gone, and a new context is needed."""
+    """The driver was reset: everything on the GPU is lost, and a new context is needed."""
 
 
 def check_context(context: moderngl.Context) -> None:
-    """Raise a PlayerError for what went wrong on the GPU since the last look.
+    """Raise PlayerError for an error on the GPU since the last call.
 
-    What OpenGL calls invalid is a fault of our own: a RuntimeError.
+    Invalid calls are bugs of the player and raise RuntimeError.
     """
     error = context.error
     if error == "GL_NO_ERROR":
@@ -41,10 +41,7 @@ def check_context(context: moderngl.Context) -> None:
 
 @contextmanager
 def pictures_of(size: tuple[int, int]) -> Iterator[None]:
-    """Around the making of textures and framebuffers of a size: the driver may refuse them.
-
-    Raises OutOfGpuMemory then.
-    """
+    """Raise OutOfGpuMemory where the driver refuses textures or framebuffers of a size."""
     try:
         yield
     except moderngl.Error:
@@ -55,9 +52,9 @@ def pictures_of(size: tuple[int, int]) -> Iterator[None]:
 
 
 def samples_within(context: moderngl.Context, size: tuple[int, int], wished: int) -> int:
-    """How many samples along each side of a pixel a picture may have here: `wished`, or fewer.
+    """The number of samples per pixel and direction that this GPU can hold, at most `wished`.
 
-    Raises PlayerError for a picture that is too large even with one.
+    Raises PlayerError for a picture that is too large even with one sample a pixel.
     """
     info = context.info
     longest = min(

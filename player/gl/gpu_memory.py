@@ -1,23 +1,23 @@
-"""How much of the GPU's memory movers may take up."""
+"""How much memory the GPU has for points."""
 
 import ctypes
 import os
 
 import moderngl
 
-SHARE = 0.6  # of the memory that is there: the rest is for pictures, and for others
+SHARE = 0.6  # of the GPU's memory; the rest is left to pictures and to other programs
 LEAST = 256 << 20
 TOTAL_NVIDIA = 0x9048  # GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, in KiB
 FREE_AMD = 0x87FC  # GL_VBO_FREE_MEMORY_ATI, in KiB
 
 
 def room(context: moderngl.Context) -> int:
-    """Bytes that movers may take up."""
+    """Bytes available for points."""
     return max(int(SHARE * total(context)), LEAST)
 
 
 def total(context: moderngl.Context) -> int:
-    """Bytes. Where the driver doesn't say, half of the machine's own memory."""
+    """The GPU's memory in bytes; half of the main memory where the driver does not report it."""
     told = 0
     if "GL_NVX_gpu_memory_info" in context.extensions:
         told = _integer(context, TOTAL_NVIDIA)
@@ -27,7 +27,7 @@ def total(context: moderngl.Context) -> int:
 
 
 def _integer(context: moderngl.Context, name: int) -> int:
-    """glGetIntegerv, which moderngl keeps to itself; 0 where it can't be had."""
+    """Call glGetIntegerv, which moderngl does not expose; 0 where it is not available."""
     try:
         address = context.mglo._context.load_opengl_function("glGetIntegerv")
     except AttributeError:

@@ -1,4 +1,4 @@
-"""Compiling shaders, setting their uniforms, and passes over the whole picture."""
+"""Compile shaders, set their uniforms, and run passes over the whole picture."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -45,9 +45,9 @@ def _compiling(name: str) -> Iterator[None]:
 
 
 def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:
-    """Set uniforms; those that the compiler found unused are left out.
+    """Set uniforms, except those that the compiler removed as unused.
 
-    Matrices come as numpy arrays for columns (M @ column) and go out in OpenGL's column order.
+    Matrices are numpy arrays that multiply columns (M @ column); OpenGL stores them by column.
     """
     import numpy as np
 
@@ -60,14 +60,14 @@ def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> N
             program[name].value = value  # type: ignore[union-attr]
 
 
-TILE = 16  # side in pixels of the tiles that the empty parts of a picture are skipped by
+TILE = 16  # side in pixels of the tiles by which empty parts of a picture are skipped
 
 
 class Passes:
-    """Fragment shaders over the framebuffer in use, each compiled when it is first needed.
+    """Runs fragment shaders over the current framebuffer, each compiled on first use.
 
-    timers:      what times them, if something does.
-    definitions: for all of them.
+    timers:      measure the passes, if given.
+    definitions: preprocessor definitions for all of the shaders.
     """
 
     def __init__(
@@ -79,9 +79,9 @@ class Passes:
         self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
     def fill(self, name: str, *, tiles: int = 0, reach: int = 0, **uniforms: Any) -> None:
-        """Run `<name>.frag` for every pixel, or for those of so many tiles (tile.vert).
+        """Run `<name>.frag` for every pixel, or for the pixels of a number of tiles (tile.vert).
 
-        reach: in pixels, of shaders that look around; they are compiled for it.
+        reach: how many pixels around its own the shader reads; a compile-time constant.
         """
         key = (name, reach)
         if key not in self._arrays:

@@ -1,4 +1,4 @@
-"""How long each pass over points or picture takes on the GPU, by timer queries."""
+"""GPU time of each pass, by timer queries."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -8,14 +8,10 @@ import moderngl
 
 
 class PassTimers:
-    """Times the passes of one renderer, frame by frame.
+    """Measures the passes of one renderer, frame by frame.
 
-    Attributes
-    ----------
-    frames : int
-        How many were timed.
-    totals : dict of str
-        Seconds that each pass took in all of them together, in the order of the first frame's.
+    frames: number of measured frames.
+    totals: seconds of each pass, summed over these frames, in the order of the first one.
     """
 
     def __init__(self, context: moderngl.Context) -> None:
@@ -27,15 +23,15 @@ class PassTimers:
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        """Around one pass; passes don't hold each other."""
+        """Measure one pass; passes must not be nested."""
         query = self._idle.pop() if self._idle else self._context.query(time=True)
         with query:
             yield
         self._running.append((name, query))
 
     def finish_frame(self) -> float:
-        """Seconds that the passes since the last call took. Waits for them: call it when they have
-        had the time of a frame.
+        """Seconds of the passes since the last call. Waits for passes that are still running, so it
+        is best called one frame later.
         """
         seconds = 0.0
         for name, query in self._running:
@@ -48,14 +44,14 @@ class PassTimers:
         return seconds
 
     def reset(self) -> None:
-        """Forget all that was timed so far."""
+        """Discard all measurements."""
         self.finish_frame()
         self.frames = 0
         self.totals.clear()
 
 
 def profile_table(timers: list[PassTimers]) -> str:
-    """Milliseconds of a frame, pass by pass, the mean of all that were timed."""
+    """A table of the mean milliseconds per frame of each pass."""
     frames = sum(one.frames for one in timers)
     names = dict.fromkeys(name for one in timers for name in one.totals)
     totals = [(name, sum(one.totals[name] for one in timers)) for name in names]

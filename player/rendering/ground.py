@@ -1,4 +1,4 @@
-"""What is behind the plant: wall, floor, and the plant's soft shadow on it."""
+"""The background: a wall, a floor, and the plant's soft shadow on the floor."""
 
 from typing import Any
 
@@ -15,9 +15,9 @@ from player.view.camera import Camera, axes, outline
 from player.view.style import GROUNDS, Style
 
 SIDE = 128  # texels along each side of the floor
-CONTACT_REACH = 0.12  # height over which a contact shadow fades, as a share of the floor's half
-SHADOW_POINTS = 10_000  # as many as are enough for a shadow
-MAX_CANDIDATES = 1 << 20  # of each range, that they are chosen from
+CONTACT_REACH = 0.12  # height over which contact shadows fade, as a share of half the floor's side
+SHADOW_POINTS = 10_000  # points that the shadow is computed from
+MAX_CANDIDATES = 1 << 20  # points of each range that these are sampled from
 
 
 class Ground:
@@ -28,14 +28,14 @@ class Ground:
         self._points = points
         self._passes = passes
         self._clip = points.clip
-        # Summed cover, then shares of the light: bytes are enough, and quickest to look up.
+        # First the summed coverage, then shares of the light, for which bytes are precise enough.
         kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
         self._textures = [texture(context, (SIDE, SIDE), *kind, linear=True) for kind in kinds]
         self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
-        """point_area: what one point covers, in the clip's unit, where all of them are drawn."""
+        """Render the shadow; point_area: area in the clip's unit that each of all points covers."""
         context, summed = self._points.context, self._framebuffers[0]
         summed.use()
         summed.clear()
@@ -58,7 +58,7 @@ class Ground:
             self._passes.fill("blur", source=0, direction=step, saturate=source == 0)
 
     def uniforms(self, camera: Camera, style: Style, unit: int) -> dict[str, Any]:
-        """Of ground.glsl; the shadow is bound to a texture unit."""
+        """The uniforms of ground.glsl; binds the shadow to a texture unit."""
         self._textures[-1].use(unit)
         colors = GROUNDS[style.ground]
         return {
@@ -79,14 +79,10 @@ class Ground:
 
 
 def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:
-    """The square of floor that the plant may darken.
+    """The square on the floor that the plant's shadow may fall on, and half its side.
 
-    Returns
-    -------
-    to_square : (4, 4) float64
-        From local coordinates to the square, [-1, 1] × [-1, 1], and the height above it.
-    half_side : float
-        In the clip's unit.
+    The square is a (4, 4) matrix from local coordinates to [-1, 1] × [-1, 1] on the floor and the
+    height above it; half its side is in the clip's unit.
     """
     points = outline(clip)
     low, high = points.min(axis=0), points.max(axis=0)

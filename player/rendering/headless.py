@@ -1,4 +1,4 @@
-"""Pictures of a clip, without a screen."""
+"""Draws pictures of a clip without a screen."""
 
 from contextlib import ExitStack
 from functools import cached_property
@@ -28,11 +28,30 @@ def render(
     camera: Camera | None = None,
     style: Style | None = None,
 ) -> NDArray[np.uint8]:
-    """A picture of the plant on `day`: (height, width, 4) uint8 sRGB, top row first.
+    """Draw the plant on a day.
 
-    size:   (width, height) in pixels.
-    camera: where from; None frames the whole series.
-    Raises ValueError for a day outside the series, PlayerError where no OpenGL can be had.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    day : float
+        In the clip's own time.
+    size : tuple of int
+        Width and height in pixels.
+    camera : Camera, optional
+        Shows the whole series by default.
+    style : Style, optional
+
+    Returns
+    -------
+    (height, width, 4) uint8 ndarray
+        sRGB and alpha, top row first.
+
+    Raises
+    ------
+    ValueError
+        For a day outside the series.
+    PlayerError
+        Where OpenGL is not available.
     """
     clip.check_day(day)
     with Offscreen(clip, size) as offscreen:
@@ -40,7 +59,7 @@ def render(
 
 
 class Offscreen:
-    """A renderer with a framebuffer of its own, for one picture after the other."""
+    """A renderer with its own context and framebuffer, for any number of pictures."""
 
     def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
         self.clip = clip
@@ -63,7 +82,7 @@ class Offscreen:
 
     @cached_property
     def home(self) -> Camera:
-        """The whole series in the picture."""
+        """The camera that shows the whole series."""
         return Camera.home(self.clip, self.size[0] / self.size[1])
 
     def picture(
@@ -73,12 +92,11 @@ class Offscreen:
         style: Style | None = None,
         transparent: bool = False,
     ) -> NDArray[np.uint8]:
-        """(height, width, 4) uint8 sRGB, top row first.
+        """Draw a day: (height, width, 4) uint8 sRGB, top row first.
 
-        transparent: the plant alone, with alpha, not multiplied into the colours.
-        Where the driver was reset, all is begun anew once; where the GPU's memory is full, with one
-        sample a pixel. Raises PlayerError where that doesn't help, ClipError where the clip's file
-        was cut short after it was opened.
+        transparent: draw the plant without a background, with unassociated alpha.
+        A driver reset is answered by one new attempt, full GPU memory by one sample a pixel. Raises
+        PlayerError if that fails too, and ClipError for a file that was truncated after opening.
         """
         camera, style = camera or self.home, style or Style()
         try:
@@ -105,7 +123,7 @@ class Offscreen:
         return pixels.reshape(height, width, 4)[::-1]
 
     def release(self) -> None:
-        """Give the context back, if that has not been done."""
+        """Release the context; later calls do nothing."""
         self._made.close()
 
     def __enter__(self) -> Self:

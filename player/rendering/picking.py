@@ -1,4 +1,4 @@
-"""Which organ is seen at a place of the picture: read from the GPU."""
+"""Finds the organ at a position in the picture, by drawing track numbers on the GPU."""
 
 import moderngl
 import numpy as np
@@ -9,13 +9,13 @@ from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
 
-REACH = 10  # pixels from the place within which an organ counts as hit
+REACH = 10  # largest distance in pixels at which an organ still counts as hit
 SIDE = 2 * REACH + 1
 NO_TRACK = 0xFFFFFFFF
 
 
 class Picking:
-    """Draws the tracks about a place, and nothing else of the picture."""
+    """Draws the tracks in a small window around a position."""
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
         context = points.context
@@ -28,21 +28,10 @@ class Picking:
     def track_at(
         self, ranges: list[DrawRange], splats: SplatParams, at: tuple[float, float]
     ) -> int | None:
-        """The track of the nearest organ, in the picture and then before the eye.
+        """The track of the organ nearest to a position, of several the one in front; None if the
+        position is beside the plant.
 
-        Parameters
-        ----------
-        ranges : list of DrawRange
-            What is seen.
-        splats : SplatParams
-            `samples` is the size of the whole picture.
-        at : (float, float)
-            The place in pixels, from the picture's top left corner.
-
-        Returns
-        -------
-        int or None
-            None beside the plant.
+        at: the position in pixels from the top left corner of a picture of `splats.samples`.
         """
         context, (width, height) = self._points.context, splats.samples
         self._framebuffer.viewport = (0, 0, SIDE, SIDE)

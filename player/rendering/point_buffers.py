@@ -1,4 +1,4 @@
-"""Chunks of a clip's points in buffers on the GPU, and ranges of points to be drawn."""
+"""Vertex buffers that hold chunks of a clip's points, and the ranges of points to draw."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -12,14 +12,14 @@ from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory, check_context
 
-MAX_BUFFER = 96 << 20  # bytes of a chunk's positions, within OpenGL's smallest limit: 16 M points
-SLICE = 1 << 20  # points brought to the GPU between looks at the clock
-PADDING = 48  # bytes: compute shaders read points by fours
+MAX_BUFFER = 96 << 20  # bytes of a chunk's positions (16 M points); any OpenGL allows as much
+SLICE = 1 << 20  # points that are uploaded at a time
+PADDING = 48  # bytes, because compute shaders read four points at a time
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A run of an interval's points, all of one group."""
+    """Consecutive points of one group of an interval."""
 
     interval: int
     first: int
@@ -28,10 +28,11 @@ class Chunk:
 
 @dataclass(frozen=True)
 class DrawRange:
-    """Those of a layer's points that are to be drawn.
+    """The points of a layer that are drawn.
 
-    count:  only its first ones: a fair sample, but of whole blocks of neighbours.
-    stride: of these, one of so many, or four neighbours of so many fours: the sample has no gaps.
+    count:  number of points from the first on: a representative sample, in blocks of neighbours.
+    stride: of these every n-th point is drawn, or every n-th group of four neighbours, which leaves
+            no gaps.
     """
 
     layer: Layer
@@ -40,23 +41,23 @@ class DrawRange:
 
     @property
     def total(self) -> int:
-        """How many points the layer has."""
+        """Number of points of the layer."""
         return self.layer.group.count
 
     @property
     def points(self) -> int:
-        """How many of them are drawn."""
+        """Number of points that are drawn."""
         return -(-self.count // self.stride)
 
     def reduced(self, most: int, share: float) -> Self:
-        """About such a share of the first ones, `most` or fewer."""
+        """A range of about this share of the points, taken from the first `most` of them."""
         stride = max(round(self.stride / share), 1)
         return replace(self, count=min(self.count, most), stride=stride)
 
 
 def attributes_of(interval: Interval) -> list[tuple[NDArray, str, str, int]]:
-    """An interval's buffers of one entry a point, with moderngl's format of an entry, its name in
-    shaders and its location there.
+    """An interval's buffers with one entry a point: values, moderngl's format of an entry, name and
+    location of the shader's attribute.
     """
     position = "3f4" if interval.box is None else "3u2"
     found: list[tuple[NDArray | None, str, str, int]] = [
@@ -70,25 +71,25 @@ def attributes_of(interval: Interval) -> list[tuple[NDArray, str, str, int]]:
 
 
 def buffers_of(interval: Interval) -> list[NDArray]:
-    """An interval's buffers of one entry a point."""
+    """An interval's buffers with one entry a point."""
     return [values for values, *_ in attributes_of(interval)]
 
 
 def chunk_length(interval: Interval) -> int:
-    """Points of an interval's chunks."""
+    """Number of points in a chunk of an interval."""
     return MAX_BUFFER // (3 * interval.curve[0].itemsize)
 
 
 def bytes_per_point(interval: Interval) -> int:
-    """Of all buffers together."""
+    """Bytes of one point in all buffers of an interval."""
     buffers = buffers_of(interval)
     return sum(buffer.itemsize * (buffer.size // max(len(buffer), 1)) for buffer in buffers)
 
 
 class ChunkBuffers:
-    """One chunk's buffers, laid out as they lie in the clip, filled from the beginning.
+    """The vertex buffers of one chunk, in the clip's layout, filled from the beginning.
 
-    Raises OutOfGpuMemory where there is no room for them.
+    Raises OutOfGpuMemory if they don't fit.
     """
 
     def __init__(self, context: moderngl.Context, interval: Interval, chunk: Chunk) -> None:
@@ -96,7 +97,7 @@ class ChunkBuffers:
         self._interval = interval
         self._chunk = chunk
         self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
-        self.resident = 0  # points that are there
+        self.resident = 0  # points that are uploaded
         self._buffers: list[tuple[moderngl.Buffer, str, str, int]] = []
         for values, kind, name, location in attributes_of(interval):
             size = values[:1].nbytes * chunk.count + PADDING
@@ -109,9 +110,9 @@ class ChunkBuffers:
             raise
 
     def upload(self, count: int) -> int:
-        """Bring points up to `count`, or a slice of them; gives the bytes that came.
+        """Upload the next slice of the first `count` points; returns the bytes uploaded.
 
-        Raises ClipError where the clip's file was cut short after it was opened.
+        Raises ClipError if the clip's file was truncated after it was opened.
         """
         stop = min(count, self._chunk.count, self.resident + SLICE)
         if stop <= self.resident:
@@ -129,9 +130,9 @@ class ChunkBuffers:
     def array(
         self, program: moderngl.Program, indices: moderngl.Buffer | None = None
     ) -> moderngl.VertexArray:
-        """The buffers bound to a vertex shader's inputs, as far as it has them.
+        """The vertex array for a program; attributes that the program lacks are left out.
 
-        indices: which points to draw, uint32; all of them if None.
+        indices: uint32 numbers of the points to draw; all points by default.
         """
         key = (program.glo, indices.glo if indices else 0)
         if key not in self._arrays:
@@ -140,7 +141,7 @@ class ChunkBuffers:
         return self._arrays[key]
 
     def bind(self) -> None:
-        """Bind them as a compute shader's storage (point_storage.glsl)."""
+        """Bind the buffers as storage buffers of a compute shader (point_storage.glsl)."""
         for buffer, _, _, binding in self._buffers:
             buffer.bind_to_storage_buffer(binding)
 

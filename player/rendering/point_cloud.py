@@ -1,4 +1,4 @@
-"""The points of a clip on the GPU: sends ranges of them through the points' shaders."""
+"""The points of a clip on the GPU, and the shaders that draw ranges of them."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,15 +19,15 @@ from player.view.colors import STEPS, Colors, ScalarField
 from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
-PALETTE_UNIT, RAMP_UNIT = 6, 7  # texture units of the organs' colours and a scalar field's
-WORKGROUP = 128  # invocations of a compute shader
-POINTS_EACH = 4  # of an invocation
+PALETTE_UNIT, RAMP_UNIT = 6, 7  # texture units of the colours of organs and of values
+WORKGROUP = 128  # invocations in a workgroup of a compute shader
+POINTS_EACH = 4  # points that an invocation draws
 
 
 class PointCloud:
-    """One clip's chunks, the organs' palette, and a program for each shader and kind of interval.
+    """A clip's chunks, its palette, and the programs for each shader and kind of interval.
 
-    memory: bytes of the GPU that the points may take up; None asks the driver.
+    memory: bytes of GPU memory for points; by default the driver is asked.
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, memory: int | None = None) -> None:
@@ -48,7 +48,7 @@ class PointCloud:
         self._programs: dict[tuple[Any, ...], Any] = {}
 
     def set_colors(self, colors: Colors, day: float, style: Style) -> None:
-        """Have all that is drawn from now on wear a style's colours of a day."""
+        """Set the colours of a day, as a style has them, for all draw calls that follow."""
         wanted = (day if style.color_by == "age" else None, style)
         if wanted == self._colored:
             return
@@ -62,9 +62,9 @@ class PointCloud:
         self._colored = wanted
 
     def draw(self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any]) -> None:
-        """Draw points with the fragment shader `name`, into the framebuffer in use.
+        """Draw points into the current framebuffer with the fragment shader `name`.
 
-        Its vertex shader is named by the first word: "splat_sum" has "splat".
+        The first word names the vertex shader: "splat_sum" has "splat".
         """
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms)
@@ -76,7 +76,7 @@ class PointCloud:
     def compute(
         self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any], **definitions: int
     ) -> None:
-        """Run points through the compute shader `name`; needs OpenGL 4.3."""
+        """Run the compute shader `name` on points; requires OpenGL 4.3."""
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms, **definitions)
             give(shader, stride=drawn.stride)
@@ -88,7 +88,7 @@ class PointCloud:
         self.context.memory_barrier()
 
     def _chunks(self, shader: Any, drawn: DrawRange) -> Iterator[tuple[ChunkBuffers, int]]:
-        """A range's chunks, and how many points of each; the shader is told which points."""
+        """The chunks of a range and the number of points to draw of each; sets `first_point`."""
         self.palette.use(PALETTE_UNIT)
         self.ramp.use(RAMP_UNIT)
         for chunk, count in self.store.chunks(drawn):
@@ -97,9 +97,9 @@ class PointCloud:
             yield self.store.fetch(chunk, count), count
 
     def _one_in(self, stride: int) -> moderngl.Buffer | None:
-        """The indices, in any chunk, of one point in so many.
+        """Index buffer of every `stride`-th point of a chunk.
 
-        Vertex arrays that pass over the others would do, but their strides end at 2,048 bytes.
+        Strided vertex attributes would do without, but OpenGL limits strides to 2,048 bytes.
         """
         if stride == 1:
             return None
@@ -111,7 +111,7 @@ class PointCloud:
     def _program(
         self, name: str, layer: Layer, uniforms: dict[str, Any], **definitions: int
     ) -> Any:
-        """A program with the uniforms of a layer; a compute shader if it has definitions."""
+        """The program for a layer, its uniforms set; a compute shader if there are definitions."""
         interval = self.clip.intervals[layer.interval]
         defined = {
             "DEGREE": interval.degree,
@@ -159,7 +159,7 @@ class PointCloud:
 
 
 def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:
-    """(degree + 1,) weights of the Bézier points that give a mover's way a unit of time."""
+    """(degree + 1,) weights of the Bézier points in a mover's velocity."""
     n = interval.degree
     lower = bernstein(n - 1, layer.parameter)
     rate = 2.0 * layer.blend if layer.group.motion is Motion.FALL else 1.0  # falling: u = share²
@@ -168,5 +168,5 @@ def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:
 
 
 def _uniform(weights: NDArray[np.float64]) -> Any:
-    """As moderngl wants an array of them."""
+    """Weights in the form that moderngl takes for an array uniform."""
     return tuple(weights) if len(weights) > 1 else weights[0]

@@ -1,8 +1,8 @@
-"""A clip's points on the GPU, chunk by chunk: what is seen comes, what no longer fits goes.
+"""Streams a clip's points to the GPU in chunks, and evicts chunks that no longer fit.
 
-Points of a group lie in an order of which every prefix is a fair sample (docs/format.md). So a
-group is cut into chunks from its beginning, each filled slice by slice, and what is on the GPU
-already, or what there is time to draw, is the whole plant with fewer points.
+The points of a group are ordered so that every prefix is a representative sample (docs/format.md).
+A group is cut into chunks in this order, and chunks are filled slice by slice. Therefore the points
+on the GPU always show the whole plant, if with fewer points.
 """
 
 import time
@@ -29,31 +29,26 @@ from player.rendering.prefetch import Prefetch
 class ChunkStore:
     """The chunks on the GPU.
 
-    room: bytes that they may take up there together; one chunk is kept whatever its size.
-
-    Attributes
-    ----------
-    size : int
-        Bytes that they take up now.
-    loaded : int
-        Bytes brought there so far.
+    room:   bytes for all chunks together; a single chunk is kept whatever its size.
+    size:   bytes that the chunks occupy.
+    loaded: bytes uploaded so far.
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, room: int) -> None:
         self._context = context
         self._clip = clip
         self._room = room
-        self._kept: dict[Chunk, ChunkBuffers] = {}  # the longest unused first
-        self._bytes: Counter[int] = Counter()  # of those of each interval
+        self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
+        self._bytes: Counter[int] = Counter()  # by interval
         self._prefetch = Prefetch()
         self._wanted: list[DrawRange] = []
-        self._plan: Iterator[tuple[Chunk, int]] = iter(())  # what of it is still to come
+        self._plan: Iterator[tuple[Chunk, int]] = iter(())  # what remains to be uploaded
         self._ahead: tuple[int, Iterator[tuple[Chunk, int]]] = (-1, iter(()))
         self.size = 0
         self.loaded = 0
 
     def chunks(self, drawn: DrawRange) -> Iterator[tuple[Chunk, int]]:
-        """A range's chunks, and how many points of each are drawn."""
+        """The chunks of a range, and how many points of each are drawn."""
         group, length = drawn.layer.group, chunk_length(self._clip.intervals[drawn.layer.interval])
         for offset in range(0, drawn.count, length):
             count = min(length, group.count - offset)
@@ -61,7 +56,7 @@ class ChunkStore:
             yield chunk, min(count, drawn.count - offset)
 
     def resident(self, drawn: DrawRange) -> int:
-        """How many of a range's points are there, from the first on."""
+        """Number of a range's points, from the first on, that are on the GPU."""
         there = 0
         for chunk, count in self.chunks(drawn):
             found = min(self._kept[chunk].resident, count) if chunk in self._kept else 0
@@ -71,18 +66,16 @@ class ChunkStore:
         return there
 
     def fetch(self, chunk: Chunk, count: int) -> ChunkBuffers:
-        """A chunk's buffers with `count` points, uploaded if they are not there yet; valid until
-        the next one's.
-        """
+        """A chunk's buffers with at least `count` points uploaded; valid until the next call."""
         buffers = self._made(chunk)
         while buffers.resident < count:
             self.loaded += buffers.upload(count)
         return buffers
 
     def load(self, wanted: list[DrawRange], seconds: float) -> list[int]:
-        """Upload what is wanted for some seconds, fair samples first; then, as far as there is
-        time and room, the interval after. Gives how many points of each range are there: at least
-        those of its first slice. What is there already costs nothing to find.
+        """Upload ranges for some seconds, evenly, and then the following interval, as far as time
+        and memory allow. Returns for each range the number of points on the GPU, which is at least
+        its first slice.
         """
         ends = time.perf_counter() + seconds
         groups = [(drawn.layer.interval, drawn.layer.group, drawn.count) for drawn in wanted]
@@ -97,7 +90,7 @@ class ChunkStore:
         return [self.resident(drawn) for drawn in wanted]
 
     def _follow(self, plan: Iterator[tuple[Chunk, int]], ends: float, ahead: bool = False) -> bool:
-        """Upload slices until there is no time, or no room; whether the plan is done."""
+        """Upload slices until the time is over; returns whether the plan is done."""
         while time.perf_counter() < ends:
             chunk, count = next(plan, (None, 0))
             if chunk is None:
@@ -119,8 +112,8 @@ class ChunkStore:
             self._follow(self._ahead[1], ends, ahead=True)
 
     def _slices(self, ranges: list[DrawRange]) -> Iterator[tuple[Chunk, int]]:
-        """Chunks, and up to where each is to be filled, so that each prefix of all this holds about
-        the same share of every range.
+        """Chunks and the number of points to fill each to, in an order of which every prefix holds
+        about the same share of every range.
         """
         placed = [
             ((offset + upto) / drawn.count, chunk, min(upto, count))
@@ -131,12 +124,12 @@ class ChunkStore:
         return iter([(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])])
 
     def _fits(self, chunk: Chunk, ahead: bool) -> bool:
-        """Whether a chunk finds room: ahead without dropping any, else any of its interval."""
+        """Whether a chunk fits: ahead of time without evicting any, else beside its interval's."""
         needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
         return needed + (self.size if ahead else self._bytes[chunk.interval]) <= self._room
 
     def _made(self, chunk: Chunk) -> ChunkBuffers:
-        """A chunk's buffers, the last to be dropped from now on."""
+        """A chunk's buffers, marked as the most recently used."""
         buffers = self._kept.pop(chunk, None)
         if buffers is None:
             needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
@@ -149,7 +142,7 @@ class ChunkStore:
         return buffers
 
     def _allocated(self, chunk: Chunk) -> ChunkBuffers:
-        """On a GPU that is full sooner than it said, the others make room, and less is kept."""
+        """Allocate buffers; where the GPU has less memory than reported, evict chunks first."""
         while True:
             try:
                 return ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
@@ -161,8 +154,8 @@ class ChunkStore:
                     self._drop(self._least_wanted(chunk.interval))
 
     def _least_wanted(self, shown: int) -> Chunk:
-        """Of other intervals the longest unused; of the shown one the last used, so that going
-        over a too large interval again and again finds its beginning in place.
+        """The least recently used chunk of other intervals, else the most recently used one of the
+        interval that is shown: an interval larger than the memory keeps its first chunks.
         """
         other = next((chunk for chunk in self._kept if chunk.interval != shown), None)
         return other or next(reversed(self._kept))
@@ -171,7 +164,7 @@ class ChunkStore:
         buffers = self._kept.pop(chunk)
         self.size -= buffers.size
         self._bytes[chunk.interval] -= buffers.size
-        self._wanted, self._ahead = [], (-1, iter(()))  # they may have to come again
+        self._wanted, self._ahead = [], (-1, iter(()))  # the plans may need it again
         buffers.release()
 
     def release(self) -> None:

@@ -1,9 +1,9 @@
-"""Points of one sample each, closed to a surface afterwards: for many points and small splats.
+"""Draws small splats: points of one sample, with the holes between them filled afterwards.
 
-One pass over the points finds the nearest in every sample, by a compute shader with one atomic
-operation a point (OpenGL 4.3; after Schütz et al. 2021, "Rendering point clouds with compute
-shaders and vertex order optimization") or by OpenGL's own points (3.3). Both leave the same ones,
-but where two are equally near.
+One pass over the points finds the nearest point in every sample, either by a compute shader with
+one atomic operation a point (OpenGL 4.3; after Schütz et al. 2021, "Rendering point clouds with
+compute shaders and vertex order optimization") or by OpenGL's own points (3.3). Both give the same
+result except where two points are equally near.
 """
 
 from enum import StrEnum
@@ -17,19 +17,19 @@ from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PALETTE_UNIT, PointCloud
 from player.rendering.splats import SplatParams
 
-MAX_RADIUS_PX = 2.0  # of splats in samples, up to which a centre may be rounded to a sample
-MAX_TRACKS = 1024  # that a point's ten bits tell apart
+MAX_RADIUS_PX = 2.0  # largest radius in samples for which centres may be rounded to samples
+MAX_TRACKS = 1024  # tracks that ten bits of a point's number distinguish
 
 
 class RasterBackend(StrEnum):
-    """What puts the points into the picture."""
+    """How points are rasterised."""
 
     POINTS = "points"
     COMPUTE = "compute"
 
 
 class PointTargets:
-    """The nearest point's number in every sample (nearest_point.glsl), and its colour."""
+    """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
 
     def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
         self.nearest, self.picked = (texture(context, size, 1, "u4") for _ in range(2))
@@ -42,9 +42,9 @@ class PointTargets:
 
 
 class PointRaster:
-    """Draws points and closes the surface between them.
+    """Draws points and fills the holes between them.
 
-    backend: None takes compute shaders where the context has them.
+    backend: compute shaders by default, where the context has them.
     """
 
     def __init__(
@@ -58,10 +58,10 @@ class PointRaster:
         self._targets: PointTargets | None = None
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Leave the nearest surface in the G-buffer."""
+        """Draw the nearest surface into the G-buffer."""
         try:
             self.rasterise(ranges, splats)
-        except PlayerError:  # a driver that promises compute shaders and can't compile ours
+        except PlayerError:  # the driver claims compute shaders, but fails to compile them
             if self.backend is RasterBackend.POINTS:
                 raise
             self.backend = RasterBackend.POINTS
@@ -69,7 +69,7 @@ class PointRaster:
         self._fill_holes(gbuffer, splats)
 
     def rasterise(self, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Find the nearest point in every sample: the one pass over all of them."""
+        """Find the nearest point in every sample: the only pass over all points."""
         context, targets = self._points.context, self._targets_for(splats.samples)
         uniforms = splats.uniforms()
         targets.framebuffer.use()
@@ -98,7 +98,7 @@ class PointRaster:
         gbuffer.fill_tiles(self._passes, "fill_holes", reach, **uniforms)
 
     def _by_track(self, splats: SplatParams) -> bool:
-        """Whether the ten bits in a point's number name its colour."""
+        """Whether the ten track bits of a point's number determine its colour."""
         clip = self._points.clip
         by_track = not splats.by_scalar and (splats.by_track or not clip.has_colors)
         return len(clip.track_table) <= MAX_TRACKS and by_track

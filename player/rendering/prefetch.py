@@ -1,4 +1,4 @@
-"""Reads an interval from the disk in a thread, before it is needed."""
+"""Reads an interval from disk in a thread before it is needed."""
 
 import mmap
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -10,14 +10,14 @@ from gclip.errors import ClipError
 from gclip.file import check_not_truncated
 from player.rendering.point_buffers import buffers_of
 
-STEP = 4096  # pages between looks at whether the interval is still wanted
+STEP = 4096  # pages read between checks whether the interval is still wanted
 
 
 class Prefetch:
-    """Has one interval at a time read into memory.
+    """Reads one interval at a time into memory.
 
-    A clip is memory-mapped: its pages come from the disk when they are first touched. They are
-    touched here, so that uploading them later doesn't wait for the disk.
+    A clip is memory-mapped, so its pages are read from disk when they are first touched. Touching
+    them here keeps the upload from waiting for the disk.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class Prefetch:
         self._reading: dict[int, Future[bool]] = {}
 
     def start(self, index: int, interval: Interval) -> None:
-        """Begin with an interval, unless it is under way or done; an earlier one is given up."""
+        """Begin to read an interval, and cancel an earlier one; does nothing the second time."""
         if index != self._wanted and not self.done(index):
             self._wanted = index
             self._reading[index] = self._executor.submit(self._read, index, interval)
@@ -40,7 +40,7 @@ class Prefetch:
         self._executor.shutdown(cancel_futures=True)
 
     def _read(self, index: int, interval: Interval) -> bool:
-        """Whether all of it was read."""
+        """Returns whether all of the interval was read."""
         for buffer in buffers_of(interval):
             if not buffer.flags.c_contiguous:
                 continue
@@ -50,7 +50,7 @@ class Prefetch:
                     return False
                 try:
                     check_not_truncated(buffer)
-                except ClipError:  # who uploads it tells
+                except ClipError:  # reported when it is uploaded
                     return False
                 pages[first : first + STEP].max(initial=0)
         return True

@@ -1,8 +1,8 @@
-"""Draws a clip at a time into a framebuffer.
+"""Draws a clip on a day into a framebuffer.
 
-A picture is made in steps: the nearest surface's colour and depth, from points of one sample
-(points.py) or from splats (splats.py); the depths, filtered; the plant's shadow on the floor; all
-lit (shading.py) and put over the ground.
+A picture is made in steps: colour and depth of the nearest surface, from points of one sample
+(points.py) or from splats (splats.py); filtered depths; the plant's shadow on the floor; lighting
+(shading.py); and the composition over the background.
 """
 
 import math
@@ -29,25 +29,20 @@ from player.view.camera import Camera, outline
 from player.view.colors import Colors, ScalarField
 from player.view.style import Style
 
-# Of a splat, in closing distances: neighbours drift apart between scans. More splats than close the
-# surface have to find its edge together.
+# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans. It
+# takes more overlap to find the surface's edge (ALIGNED) than to close its holes.
 NATURAL_RADIUS, ALIGNED_RADIUS = 2.3, 2.6
-MIN_POINT_PX = 1.5  # diameter in pixels below which no splat shrinks
+MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 SHADOW_UNIT = 2
 
 
 class Renderer:
-    """Draws one clip with one context.
+    """Draws one clip in one context.
 
     supersample: samples along each side of a pixel; 1 in a window, 2 for export.
-    backend:     what draws small points; None takes compute shaders where there are any.
-    memory:      bytes of the GPU that points may take up; None asks the driver.
-
-    Attributes
-    ----------
-    timers : PassTimers
-    gpu_seconds : float
-        What the picture before the last one took on the GPU: it is done, asking waits for nothing.
+    backend:     draws small splats; compute shaders by default, where there are any.
+    memory:      bytes of GPU memory for points; by default the driver is asked.
+    gpu_seconds: GPU time of the picture before the last one, which has been completed by then.
     """
 
     def __init__(
@@ -88,30 +83,16 @@ class Renderer:
         upload_budget: float | None = None,
         transparent: bool = False,
     ) -> bool:
-        """Draw the plant on `day` over all of a framebuffer.
+        """Draw the plant on a day over all of a framebuffer.
 
-        Parameters
-        ----------
-        framebuffer : moderngl.Framebuffer
-            Stays bound, with blending and depth test switched off.
-        day : float
-            In the clip's own time.
-        camera : Camera
-        style : Style
-        size : (int, int)
-            The framebuffer's width and height in pixels.
-        stride : int
-            Of so many points one is drawn, and larger.
-        upload_budget : float, optional
-            Seconds that uploading may take, or as long as it needs. Points that are not on the GPU
-            by then are left out this time.
-        transparent : bool
-            The plant alone, with alpha, not multiplied into the colours.
+        Returns whether every point was drawn in its final size. The framebuffer stays bound, with
+        blending and depth test switched off.
 
-        Returns
-        -------
-        bool
-            Whether every point was drawn, as large as it has to be.
+        size:          width and height of the framebuffer in pixels.
+        stride:        draw every n-th point only, and larger.
+        upload_budget: seconds for uploading points, as long as needed by default. Points that are
+                       not on the GPU by then are left out.
+        transparent:   draw the plant without a background, with unassociated alpha.
         """
         wait = upload_budget is None
         self.gpu_seconds = self.timers.finish_frame()
@@ -153,19 +134,12 @@ class Renderer:
         at: tuple[float, float],
         size: tuple[float, float],
     ) -> int | None:
-        """The track of the organ that is seen at a place of the picture; None beside the plant.
+        """The track of the organ at a position in the picture; None beside the plant.
 
-        Only points that are on the GPU already count, and nothing that lies on the ground.
+        Points that are not on the GPU yet and organs that lie on the ground are ignored.
 
-        Parameters
-        ----------
-        day : float
-        camera : Camera
-        style : Style
-        at : (float, float)
-            The place, from the top left corner.
-        size : (float, float)
-            The picture's width and height, in the same unit.
+        at:   the position, from the top left corner.
+        size: width and height of the picture, in the same unit.
         """
         layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
         ranges = self._ranges(layers, 1, 0.0)
@@ -176,16 +150,16 @@ class Renderer:
         return self._picking.track_at(ranges, splats, at)
 
     def radius_known(self, day: float) -> bool:
-        """Whether the splats' size on a day is measured, and not guessed."""
+        """Whether the splats' size on a day is measured rather than estimated."""
         return self._closing.settled(locate(self.clip, day)[0])
 
     @property
     def loaded(self) -> int:
-        """Bytes of points brought to the GPU so far; grows."""
+        """Bytes of points uploaded so far."""
         return self._points.store.loaded
 
     def release(self) -> None:
-        """Give the GPU's memory back."""
+        """Free the GPU's memory."""
         self._closing.release()
         drawing = (self._raster, self._splats, self._ground, self._picking, self._gbuffer)
         for part in (*drawing, self._points, self._passes):
@@ -200,7 +174,7 @@ class Renderer:
         ranges: list[DrawRange],
         closing: float,
     ) -> SplatParams:
-        """As large as closes the surface between as many points as are drawn."""
+        """Splats large enough to close the surface between the points that are drawn."""
         stride = max((drawn.stride for drawn in ranges), default=1)
         natural, shape = splat_shape(self.clip)
         splats = SplatParams(
@@ -220,7 +194,8 @@ class Renderer:
             return replace(splats, radius=smallest_radius, point_px_range=fixed, shape=FACING)
         missing, drawn = _missing(ranges), sum(drawn.count for drawn in ranges)
         if missing:
-            # Blocks of neighbours are missing. This passes soon: no larger than is drawn fast.
+            # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
+            # the gaps, as long as they are drawn fast.
             gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
             fast = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
             radius = max(splats.radius, min(gaps * splats.radius, fast))
@@ -246,7 +221,7 @@ class Renderer:
         return self._gbuffer
 
     def _point_area(self, day: float, closing: float) -> float:
-        """What one point covers: the more points share a scan's surface, the less."""
+        """Area that one point covers: the surface of a scan, divided among the points."""
         index, _ = locate(self.clip, day)
         points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
         count = max(len(self.clip.intervals[index]), 1)
@@ -254,17 +229,17 @@ class Renderer:
 
 
 def splat_shape(clip: Clip) -> tuple[float, SplatShape]:
-    """The radius of a clip's splats, in closing distances, and what they make of a surface."""
+    """The radius of a clip's splats in closing distances, and their shape."""
     aligned = all(interval.normals is not None for interval in clip.intervals)
     return (ALIGNED_RADIUS, ALIGNED) if aligned else (NATURAL_RADIUS, FACING)
 
 
 def scene_radius(clip: Clip) -> float:
-    """Half the diagonal of the box around all that a clip shows, in its unit."""
+    """Half the diagonal of a clip's bounding box, in its unit."""
     points = outline(clip)
     return max(float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) / 2, 1e-9)
 
 
 def _missing(ranges: list[DrawRange]) -> int:
-    """Points that are to be drawn, and are not on the GPU yet."""
+    """Number of points that are not on the GPU yet."""
     return sum(drawn.total - drawn.count for drawn in ranges)

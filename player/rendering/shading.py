@@ -1,4 +1,4 @@
-"""Light on the nearest surface, known by its depths and, where points have some, normals."""
+"""Lights the nearest surface by its depths and, if the clip has normals, by these."""
 
 import math
 from typing import Any
@@ -12,11 +12,11 @@ from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
 
-DIRECTIONS, RINGS = 8, 3  # in which the surroundings are looked at (shade.frag)
+DIRECTIONS, RINGS = 8, 3  # samples of the surroundings for eye-dome lighting (shade.frag)
 
 
 def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None:
-    """Take the scanner's noise out of the depths."""
+    """Filter the scanner's noise out of the depths."""
     _where_the_plant_is(gbuffer)
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
@@ -25,7 +25,7 @@ def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None
 
 
 def shade(passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
-    """Light the surface in the G-buffer, behind what has been lit before."""
+    """Light the surface in the G-buffer, and blend it behind what has been lit before."""
     context = _where_the_plant_is(gbuffer)
     context.enable(moderngl.BLEND)
     context.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
@@ -45,7 +45,7 @@ def _where_the_plant_is(gbuffer: GBuffer) -> moderngl.Context:
 
 
 def lights(splats: SplatParams, style: Style) -> dict[str, Any]:
-    """The uniforms of shade.frag: lights, fog, and where the surroundings are looked at."""
+    """The uniforms of shade.frag: lights, fog and the samples of the surroundings."""
     camera, colors = splats.camera, GROUNDS[style.ground]
     up = camera.view()[:3, :3] @ axes(camera.up)[2]
     key_light = up + np.array([-0.75, 0.10, 0.65])
@@ -63,7 +63,7 @@ def lights(splats: SplatParams, style: Style) -> dict[str, Any]:
 
 
 def dome_offsets(radius_px: float) -> list[tuple[int, int]]:
-    """Where eye-dome shading looks, in samples, ring by ring; radius_px: of the innermost ring."""
+    """Offsets in samples for eye-dome lighting, ring by ring; radius_px: of the innermost ring."""
     offsets = []
     for ring in range(RINGS):
         aside = radius_px * 2.8**ring

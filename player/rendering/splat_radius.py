@@ -1,4 +1,4 @@
-"""How large splats must be to close a scanned surface."""
+"""Finds the radius at which splats close a scanned surface."""
 
 import math
 import threading
@@ -12,17 +12,16 @@ from gclip.errors import ClipError
 from gclip.evaluate import positions_on_curve
 from gclip.morton import morton_codes
 
-SAMPLES = 1500
-ROUGH = 150  # of them, for a first guess
+SAMPLES = 1500  # places on the surface that are tested
+ROUGH = 150  # places for a first estimate
 NEIGHBORS = 48
-COVERED = 0.95  # share of the surface
-MOST = 40_000  # points of a scan that are looked at: a picture must not wait for more
+COVERED = 0.95  # share of the surface that splats have to cover
+MOST = 40_000  # points of a scan that are used, so that pictures need not wait
 
 
 class ClosingDistances:
-    """A clip's closing distance at any time: measured at each interval's ends, linear between.
-
-    So the splats grow and shrink with the surface's density, and never jump.
+    """A clip's closing distance: measured at the ends of each interval and linear in between, so
+    that splats grow and shrink with the density of points without jumps.
     """
 
     def __init__(self, clip: Clip) -> None:
@@ -33,10 +32,10 @@ class ClosingDistances:
         self._guess: float | None = None
 
     def at(self, index: int, share: float, wait: bool = True) -> float:
-        """In the clip's unit; `index` and `share` as `gclip.evaluate.locate` gives them.
+        """The distance in the clip's unit; index, share: as `gclip.evaluate.locate` returns them.
 
-        wait: measure now what has not been measured yet; else the nearest time's distance serves,
-              or a guess.
+        wait: measure what is not measured yet; otherwise the distance at the nearest time is used,
+              or an estimate.
         """
         first, second = self._end(index, wait), self._end(index + 1, wait)
         return (1.0 - share) * first + share * second
@@ -47,11 +46,11 @@ class ClosingDistances:
             self._thread.join()
 
     def settled(self, index: int) -> bool:
-        """Whether an interval's distances are measured, not guessed."""
+        """Whether an interval's distances are measured rather than estimated."""
         return index in self._at_end and index + 1 in self._at_end
 
     def measure(self, first: int) -> None:
-        """Measure all in a thread, beginning with those near to interval `first`."""
+        """Measure all distances in a thread, those nearest to interval `first` first."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._measure_all, args=(first,), daemon=True)
             self._thread.start()
@@ -67,7 +66,7 @@ class ClosingDistances:
         return self._guess
 
     def _measure_all(self, first: int) -> None:
-        with suppress(ClipError):  # cut short while it is open: who draws it tells
+        with suppress(ClipError):  # a truncated file is reported when it is drawn
             for end in sorted(range(len(self._clip.intervals) + 1), key=lambda e: abs(e - first)):
                 if not self._stopped:
                     self._measured(end)
@@ -82,33 +81,33 @@ class ClosingDistances:
         interval = self._clip.intervals[end - 1 if last else end]
         every = -(-len(interval) // MOST)
         points = positions_on_curve(interval, slice(None, None, every), 1.0 if last else 0.0)
-        # Movers may share a point: what is thinned is the scan's points.
+        # Several movers may start at one point of the scan, so distinct points are counted.
         thinned = every if every == 1 else self._points_at(end) / distinct_count(points)
         found = closing_distance(points, roughly) / math.sqrt(max(thinned, 1.0))
         return found or 2.5 * self._clip.spacing
 
     def _points_at(self, end: int) -> float:
-        """How many points the plant has at an interval's end; between scans, as in proportion."""
+        """Number of points of the plant at an interval's end, interpolated between scans."""
         intervals, scans = self._clip.intervals, self._clip.scans
         time = intervals[end].start if end < len(intervals) else intervals[-1].end
         return float(np.interp(time, self._clip.times, [scan.points for scan in scans]))
 
 
 def distinct_count(points: NDArray[np.floating]) -> int:
-    """How many different points (N, 3) there are, at least 1."""
+    """Number of distinct points among (N, 3), at least 1."""
     return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
 
 
 def closing_distance(points: NDArray[np.floating], roughly: bool = False) -> float:
-    """The radius at which splats on the points cover most of the surface that they lie on.
+    """The radius at which splats on points cover most of the surface that the points lie on.
 
     points:  (N, 3) on a surface; repeated ones count once.
-    roughly: from few places, some per cent off, and without loading scipy.
+    roughly: use few places, which is off by some per cent, and do not load scipy.
 
-    The distance to the nearest point says little: a scanner's points lie close together along its
-    lines, and far apart across them. So the points' neighbourhoods are laid flat, and places
-    between three points each ask for the nearest one: 19 of 20 find it within this distance.
-    Gives 0 where there are too few points to tell.
+    Distances between neighbours say little, because a scanner's points lie close together along its
+    lines and far apart across them. Instead neighbourhoods are projected to their tangent planes,
+    and for random places between three points the distance to the nearest point is found: 19 of 20
+    are below the result. Returns 0 for too few points.
     """
     if len(points) == 0:
         return 0.0
@@ -138,7 +137,7 @@ def _by_tree(points: NDArray, chosen: NDArray, count: int) -> NDArray[np.intp]:
 
 
 def _one_by_one(points: NDArray, chosen: NDArray, count: int) -> NDArray[np.intp]:
-    """The same without scipy, whose import takes longer than a few searches do."""
+    """The same without scipy, whose import takes longer than a few searches."""
     around = np.asarray(points - points.mean(axis=0), np.float32)
     found = []
     for place in np.asarray(chosen - points.mean(axis=0), np.float32):

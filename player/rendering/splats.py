@@ -1,4 +1,4 @@
-"""Points as soft splats, wherever they lie between the samples: for splats of some size."""
+"""Draws splats that are larger than a sample, with soft edges."""
 
 import math
 from dataclasses import asdict, dataclass
@@ -13,17 +13,17 @@ from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
 
-MAX_MARGIN = 512  # samples: how far outside of the picture the centres of splats may lie
+MAX_MARGIN = 512  # largest distance in samples from a splat's centre to the picture
 
 
 @dataclass(frozen=True)
 class SplatShape:
-    """Distances from a splat's centre, all of them in splat radii.
+    """Distances from a splat's centre, in splat radii.
 
-    core:      within it a splat hides what lies behind.
-    rim:       within it a splat contributes to the surface; its weight has fallen to 4 % there.
-    thickness: largest distance in depth between splats of one surface.
-    edge:      distance from the mean of the surrounding splats' centres at which the surface ends.
+    core:      a splat occludes what lies behind it up to this distance.
+    rim:       a splat contributes to the surface up to this distance, where its weight is 4 %.
+    thickness: largest difference in depth between splats of one surface.
+    edge:      distance to the mean of the surrounding splats' centres at which the surface ends.
                Smaller values follow the sampled outline more closely, larger ones are smoother;
                with 2 the surface ends only where its splats do.
     """
@@ -34,21 +34,20 @@ class SplatShape:
     edge: float = 2.0
 
 
-FACING = SplatShape()  # discs that face the eye
-ALIGNED = SplatShape(edge=0.38)  # by the surface's normals
+FACING = SplatShape()  # discs that face the camera
+ALIGNED = SplatShape(edge=0.38)  # discs along the surface, by its normals
 
 
 @dataclass(frozen=True)
 class SplatParams:
-    """Camera, size and colours with which points are drawn as splats.
+    """How points are drawn as splats.
 
-    samples:        (width, height) of the picture.
-    radius:         of a splat, in the clip's unit.
+    samples:        width and height of the picture in samples.
+    radius:         radius of a splat in the clip's unit.
     point_px_range: smallest and largest diameter of a splat in samples.
-    scene_radius:   in the clip's unit.
-    by_track:       whether organs' colours are used even where the scans have colours.
-    by_scalar:      whether a scalar field's colours are used.
-    shape:          of the splats.
+    scene_radius:   half the diagonal of the scene in the clip's unit.
+    by_track:       whether to use the organs' colours even if the scans have colours.
+    by_scalar:      whether to use the colours of a scalar field.
     """
 
     camera: Camera
@@ -66,21 +65,21 @@ class SplatParams:
 
     @property
     def focal_px(self) -> float:
-        """Samples per unit of length where the projection divides by 1."""
+        """Samples per unit of length at unit depth."""
         return 0.5 * self.samples[1] * float(self.projection[1, 1])
 
     def px_per_unit(self, view_depth: float) -> float:
-        """Samples per unit of length at a depth before the eye."""
+        """Samples per unit of length at a depth."""
         return self.focal_px / (1.0 if self.camera.orthographic else view_depth)
 
     @property
     def typical_radius_px(self) -> float:
-        """A splat's radius in samples, at the camera's target."""
+        """Radius of a splat in samples, at the depth of the camera's target."""
         radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
         return max(radius_px, self.point_px_range[0] / 2)
 
     def uniforms(self) -> dict[str, Any]:
-        """The uniforms that passes over points and over the picture share."""
+        """The uniforms of the passes over points and of those over the picture."""
         projection = self.projection
         focal = (float(projection[0, 0]), float(projection[1, 1]))
         return {
@@ -104,16 +103,11 @@ class SplatParams:
 
 
 class SplatSums:
-    """What the passes over splats draw into, for a G-buffer's samples.
+    """Textures and framebuffers of the passes over splats, in the size of a G-buffer.
 
-    Attributes
-    ----------
-    front : moderngl.Texture
-        Depth of the nearest surface.
-    textures : list of moderngl.Texture
-        Weighted sums over the splats on it.
-    nearest, summed : moderngl.Framebuffer
-        With the front and with the textures. They share a depth buffer.
+    front:           texture of the nearest surface's depth, written by `nearest`.
+    textures:        weighted sums over the splats of that surface, written by `summed`.
+    nearest, summed: framebuffers with a common depth buffer.
     """
 
     def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
@@ -136,8 +130,8 @@ class SplatSums:
 class Splats:
     """Draws splats in three passes over the points.
 
-    The first one finds the depth of the nearest surface, the second one sums the splats on it. The
-    surface found from the sums ends within the outermost splats, and a third pass draws what lies
+    The first pass finds the depth of the nearest surface, the second one sums its splats. The
+    surface computed from the sums ends inside the outermost splats; a third pass draws what shows
     behind it there.
     """
 
@@ -149,11 +143,8 @@ class Splats:
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Draw the nearest surface into the G-buffer."""
-        context, sums, picture = (
-            self._points.context,
-            self._sums_for(gbuffer),
-            (0, 0, *gbuffer.size),
-        )
+        context, sums = self._points.context, self._sums_for(gbuffer)
+        picture = (0, 0, *gbuffer.size)
         viewport, uniforms = self._with_margin(splats)
         sums.nearest.viewport = sums.summed.viewport = viewport
         sums.nearest.use()
@@ -176,7 +167,7 @@ class Splats:
         gbuffer.fill_tiles(self._passes, "splat_resolve", **uniforms)
 
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Draw what shows behind the edges of the nearest surface, in its place."""
+        """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
         viewport, uniforms = self._with_margin(splats)
         self._sums_for(gbuffer).front.use(0)
         gbuffer.colors.use(1)
@@ -192,9 +183,8 @@ class Splats:
         self._points.draw("splat_behind", ranges, uniforms)
 
     def _with_margin(self, splats: SplatParams) -> tuple[tuple[int, int, int, int], dict[str, Any]]:
-        """A viewport larger than the picture, and the uniforms that go with it.
-
-        OpenGL drops points whose centres lie outside of the viewport, however large they are.
+        """A viewport larger than the picture, with uniforms: OpenGL clips points by their centres,
+        however large they are.
         """
         width, height = splats.samples
         reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
