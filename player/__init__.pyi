@@ -1,5 +1,5 @@
 from .export.formats import film
-from .export.web.notebook import iframe
+from .export.web.page import iframe
 from .rendering.headless import render
 from .window.launch import show
 

@@ -5,25 +5,75 @@ A group is cut into chunks in this order, and chunks are filled slice by slice. 
 on the GPU always show the whole plant, if with fewer points.
 """
 
+import mmap
 import time
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
 
 import moderngl
+import numpy as np
 
-from gclip import Clip
+from gclip import Clip, Interval
+from gclip.errors import ClipError
 from gclip.evaluate import Layer
+from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory
 from player.rendering.point_buffers import (
     SLICE,
     Chunk,
     ChunkBuffers,
     DrawRange,
+    buffers_of,
     bytes_per_point,
     chunk_length,
 )
-from player.rendering.prefetch import Prefetch
+
+STEP = 4096  # pages read between checks whether the interval is still wanted
+
+
+class Prefetch:
+    """Reads one interval at a time into memory.
+
+    A clip is memory-mapped, so its pages are read from disk when they are first touched. Touching
+    them here keeps the upload from waiting for the disk.
+    """
+
+    def __init__(self) -> None:
+        self._executor = ThreadPoolExecutor(1)
+        self._wanted: int | None = None
+        self._reading: dict[int, Future[bool]] = {}
+
+    def start(self, index: int, interval: Interval) -> None:
+        """Begin to read an interval, and cancel an earlier one; does nothing the second time."""
+        if index != self._wanted and not self.done(index):
+            self._wanted = index
+            self._reading[index] = self._executor.submit(self._read, index, interval)
+
+    def done(self, index: int) -> bool:
+        found = self._reading.get(index)
+        return found is not None and found.done() and found.result()
+
+    def stop(self) -> None:
+        self._wanted = None
+        self._executor.shutdown(cancel_futures=True)
+
+    def _read(self, index: int, interval: Interval) -> bool:
+        """Returns whether all of the interval was read."""
+        for buffer in buffers_of(interval):
+            if not buffer.flags.c_contiguous:
+                continue
+            pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
+            for first in range(0, len(pages), STEP):
+                if self._wanted != index:
+                    return False
+                try:
+                    check_not_truncated(buffer)
+                except ClipError:  # reported when it is uploaded
+                    return False
+                pages[first : first + STEP].max(initial=0)
+        return True
 
 
 class ChunkStore:
@@ -116,9 +166,9 @@ class ChunkStore:
         about the same share of every range.
         """
         placed = [
-            ((offset + upto) / drawn.count, chunk, min(upto, count))
+            ((chunk.first - drawn.layer.group.first + upto) / drawn.count, chunk, min(upto, count))
             for drawn in ranges
-            for offset, (chunk, count) in _with_offsets(self.chunks(drawn))
+            for chunk, count in self.chunks(drawn)
             for upto in range(SLICE, count + SLICE, SLICE)
         ]
         return iter([(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])])
@@ -171,11 +221,3 @@ class ChunkStore:
         self._prefetch.stop()
         for chunk in list(self._kept):
             self._drop(chunk)
-
-
-def _with_offsets(chunks: Iterator[tuple[Chunk, int]]) -> Iterator[tuple[int, tuple[Chunk, int]]]:
-    """Each chunk with the number of points before it."""
-    before = 0
-    for chunk, count in chunks:
-        yield before, (chunk, count)
-        before += count

@@ -1,16 +1,14 @@
-"""What is known of a picked organ: from the clip at once, its length as soon as it is measured."""
+"""What is known of a picked organ: its traits as soon as they are measured."""
 
-import time
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+
+import numpy as np
 
 from gclip import Clip
-from gclip.errors import ClipError
 from player.view.dates import date_at
-from traits import Measurement, measure
 from traits.curves import TraitCurve, trait_curves
 
-PAUSE = 0.7  # seconds between measurements while time goes on
+TOLD = ("length", "area")
 
 
 class OrganInfo:
@@ -19,10 +17,6 @@ class OrganInfo:
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
         self._pool = ThreadPoolExecutor(1)
-        self._running: Future[None] | None = None
-        self._asked: tuple[int, float] | None = None
-        self._found: tuple[int, Measurement | None] | None = None
-        self._ended = 0.0
         self._curves: dict[int, Future[list[TraitCurve]]] = {}
 
     def release(self) -> None:
@@ -40,10 +34,8 @@ class OrganInfo:
         """What to tell about an organ, by its row in the clip's table, on a day: (what, value).
 
         clip: the same one, whose organs may have other names by now.
-        The length may be of a moment ago while the plant grows.
         """
         organ = clip.track_table[track]
-        self._ask(track, day)
         facts = [("kind", organ.kind)] if organ.kind not in ("organ", "") else []
         if organ.parent is not None:
             facts.append(("grows from", clip.track_table[organ.parent].name))
@@ -53,32 +45,14 @@ class OrganInfo:
             facts.append(("lost", date_at(clip.scans, organ.lost)))
         if not seen and day >= organ.born and clip.time_unit == "days":
             facts.append(("age", f"{day - organ.born:.1f} days"))
-        if self._found is not None and self._found[0] == track:
-            facts += self._measured(self._found[1])
-        return facts
+        told = [curve for curve in self.curves(track) if curve.trait in TOLD]
+        return facts + [(f"{curve.trait} now", _value_at(curve, day)) for curve in told]
 
-    def _measured(self, found: Measurement | None) -> list[tuple[str, str]]:
-        if found is None:
-            return [("length now", "not there")]
-        unit = self._clip.unit or "units"
-        values = [("length", found.length, unit), ("area", found.area, f"{unit}²")]
-        return [
-            (f"{name} now", f"{'' if name in found.sure else 'about '}{value:.4g} {of}")
-            for name, value, of in values
-            if value is not None
-        ]
 
-    def _ask(self, track: int, day: float) -> None:
-        busy = self._running is not None and not self._running.done()
-        same = self._asked is not None and self._asked[0] == track
-        soon = same and time.monotonic() < self._ended + PAUSE
-        if busy or soon or self._asked == (track, day):
-            return
-        self._asked = (track, day)
-        self._running = self._pool.submit(self._measure, track, day)
-
-    def _measure(self, track: int, day: float) -> None:
-        with suppress(ClipError):  # cut short while it is open: who draws it tells
-            found = measure(self._clip, day, only=[track])
-            self._found = (track, found[0] if found else None)
-        self._ended = time.monotonic()
+def _value_at(curve: TraitCurve, day: float) -> str:
+    """The value on a day, as the plot above the timeline has it: linear between the scans."""
+    if not curve.times[0] <= day <= curve.times[-1]:
+        return "not there"
+    value = np.interp(day, curve.times, curve.values)
+    sure = np.interp(day, curve.times, curve.sure) == 1.0  # at both scans
+    return f"{'' if sure else 'about '}{value:.4g}{curve.unit}"

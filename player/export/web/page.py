@@ -4,9 +4,11 @@ import base64
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from html import escape
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,7 @@ SHADERS = (
 MOMENTS = 1000  # at which the page may change what it calls the day
 MAX_ORGANS = 2000  # that are listed
 MAX_CURVES = 100  # organs whose traits are plotted
+FRAME_HEIGHT = 540  # pixels of a notebook's frame
 LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
 
@@ -54,6 +57,26 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
         progress(done, total)
     with path.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(_render(clip, film, packed))
+
+
+def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
+    """The page that plays a clip, as the HTML of a frame that needs nothing from outside.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    height : int
+        Of the frame, in pixels; it is as wide as the notebook.
+
+    Returns
+    -------
+    str
+    """
+    with TemporaryDirectory() as folder:
+        page = Path(folder, "clip.html")
+        write(clip, Film(name="plant"), page, lambda done, total: None)
+        document = escape(page.read_text("utf-8"))
+    return f'<iframe srcdoc="{document}" width="100%" height="{height}" style="border: 0"></iframe>'
 
 
 def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:

@@ -16,8 +16,7 @@ from gclip.pack import Movers, pack_interval
 from player.gl.gpu_memory import room
 from player.rendering import point_buffers, point_store
 from player.rendering.point_buffers import DrawRange, bytes_per_point
-from player.rendering.point_store import ChunkStore
-from player.rendering.prefetch import Prefetch
+from player.rendering.point_store import ChunkStore, Prefetch
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
