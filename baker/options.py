@@ -211,6 +211,8 @@ class Options:
                 needed = "a number above 0"
             elif (low, high) != (-inf, inf) and value is not None and not low <= value <= high:
                 needed = f"at least {low}" if high == inf else f"from {low} to {high}"
+            elif each.name in ("drop_label", "fields") and value and not value.strip(", "):
+                needed = "a name"
             if needed:
                 found = f"{value:g}" if isinstance(value, float) else value
                 name = each.name.replace("_", "-")

@@ -46,7 +46,7 @@ def choose_fields(
     -------
     Scan
         With positions, colours and scalars. Colours whose values are out of range are left out with
-        a note.
+        a note; scalars that are infinite, or too large for a float32, become NaN: no value.
 
     Raises
     ------
@@ -68,7 +68,9 @@ def choose_fields(
         values = columns.values[by_name[name.lower()]]
         if values.dtype.kind not in "iufb":
             raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
-        scalars[name] = values.astype(np.float32)
+        with np.errstate(over="ignore"):
+            values = values.astype(np.float32)
+        scalars[name] = np.where(np.isfinite(values), values, np.float32(np.nan))
     labels = [by_name[name.lower()] for name in label_names]
     if use_labels and not label_names:
         used_names = NO_LABELS | {name.lower() for name in carried}

@@ -79,6 +79,8 @@ def test_wrong_usage(capsys, out):
     refused(["x", "-o", out, "--workers", "-1"], capsys, "workers")
     refused(["x", "-o", out, "--columns", "x,y,label"], capsys, "x,y,label", "x, y, z")
     refused(["x", "-o", out, "--columns", ","], capsys, "--columns is ,", "x, y, z")
+    refused(["x", "-o", out, "--fields", ","], capsys, "--fields is ,; a name is needed")
+    refused(["x", "-o", out, "--drop-label", ", "], capsys, "--drop-label is , ; a name is needed")
     refused(["x", "-o", out, "--scale", "0"], capsys, "scale is 0")
 
 
