@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.morton import morton_order
+from gclip.terminal.interrupts import uninterrupted
 
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
@@ -76,7 +77,8 @@ def nearest_neighbors(
     shape = len(points), k
     found = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
     for part in blocks(len(points)):
-        distances, nearest = tree.query(ordered[part], ranks, workers=workers)
+        # After Ctrl-C, its threads would still write into arrays that have been freed.
+        distances, nearest = uninterrupted(tree.query, ordered[part], ranks, workers=workers)
         # Among duplicates, a point may not be its own first neighbour: move it to the first column.
         own = np.arange(part.start, part.start + len(nearest))
         duplicates = np.flatnonzero(nearest[:, 0] != own)

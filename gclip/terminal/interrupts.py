@@ -21,7 +21,8 @@ RETRY = 0.01  # seconds until a signal that could not be handled is sent again
 def uninterrupted(
     function: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
 ) -> Result:
-    """Call native code that crashes if Python code that it calls raises an exception.
+    """Call native code that crashes if Python code that it calls raises an exception, or it is left
+    while its threads still write into its arrays.
 
     A stop signal is handled after the call.
     """
@@ -63,8 +64,10 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
 
     def send_again(number: int) -> None:
         send = getattr(signal, "pthread_kill", lambda thread, number: signal.raise_signal(number))
-        threading.Timer(RETRY, send, [main_thread.ident, number]).start()
+        pending.append(threading.Timer(RETRY, send, [main_thread.ident, number]))
+        pending[-1].start()
 
+    pending: list[threading.Timer] = []
     hook, default = sys.unraisablehook, (signal.SIG_DFL, signal.default_int_handler)
     before = {n: signal.getsignal(n) for n in STOPS if signal.getsignal(n) in default}
     try:
@@ -73,6 +76,8 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
             signal.signal(number, on_signal)
         return work()
     finally:
+        for timer in pending:
+            timer.cancel()  # once the work has ended, there is nothing to stop
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)

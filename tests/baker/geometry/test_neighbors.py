@@ -3,11 +3,15 @@ segments touch that come within three spacings of each other, and only they."""
 
 from __future__ import annotations
 
+import signal
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.spatial import KDTree
 from scipy.spatial.distance import cdist
 
 from baker.geometry.neighbors import (
@@ -17,6 +21,7 @@ from baker.geometry.neighbors import (
     segment_adjacency,
 )
 from baker.geometry.surface import covariances, point_area
+from gclip.terminal.command import run
 
 RNG = np.random.default_rng(3)
 SHEET = RNG.random((900, 3)) * [10.0, 10.0, 0.01]
@@ -168,3 +173,27 @@ def test_labels_may_be_any_integers():
 def test_one_segment_touches_nothing(count):
     points = np.random.default_rng(1).random((count, 3))
     assert segment_adjacency(np.ones(count, int), nearest_neighbors(points)) == {}
+
+
+def test_a_stop_waits_for_the_threads_of_a_query(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They would go on to write into arrays that are no more, and crash."""
+    query, finished = KDTree.query, []
+
+    def stop_and_query(*arguments: Any, **named: Any) -> Any:
+        if not finished:
+            signal.raise_signal(signal.SIGINT)
+        found = query(*arguments, **named)
+        finished.append(True)
+        return found
+
+    def work() -> None:
+        while True:
+            nearest_neighbors(SHEET, workers=2)
+
+    monkeypatch.setattr(KDTree, "query", stop_and_query)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert run("bake", work) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert finished

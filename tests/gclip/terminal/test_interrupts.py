@@ -89,6 +89,11 @@ def test_a_stop_waits_for_native_code_that_calls_python() -> None:
     assert done == ["called back"]
 
 
+def test_a_stop_that_waits_until_the_work_is_done_stops_nothing_else() -> None:
+    assert run("play", lambda: uninterrupted(signal.raise_signal, signal.SIGINT)) == 0
+    time.sleep(0.1)
+
+
 def test_a_second_stop_does_not_disturb_putting_away(capsys: pytest.CaptureFixture[str]) -> None:
     away = []
 
