@@ -32,18 +32,19 @@ def print_info(console: Console, clip: Clip, path: Path) -> None:
         size = path.stat().st_size
     except OSError as error:
         raise ClipError(f"{path}: it can't be read any more: {error.strerror or error}.") from None
-    movers = sum(len(interval) for interval in clip.intervals)
+    from rich.filesize import decimal
+
+    movers = sum(map(len, clip.intervals))
     first, last = clip.scans[0], clip.scans[-1]
-    low, high = clip.bounds
-    _say(console, f"{path.name}: {_bytes(size)}, {movers:,} movers, {size / movers:.1f} B a mover")
-    _say(console, f"{first.date} to {last.date}, {last.time - first.time:g} {clip.time_unit}")
-    extent = " × ".join(f"{side:.4g}" for side in high - low)
-    _say(
-        console,
-        f"extent {extent} {clip.unit or 'units'}, up {clip.up}, "
-        f"point spacing {clip.spacing:.3g}, colours "
-        f"{'of the scans' if clip.has_colors else 'of the tracks'}",
-    )
+    extent = " × ".join(f"{high - low:.4g}" for low, high in zip(*clip.bounds, strict=True))
+    colors = "of the scans" if clip.has_colors else "of the tracks"
+    for line in (
+        f"{path.name}: {decimal(size)}, {movers:,} movers, {size / movers:.1f} B a mover",
+        f"{first.date} to {last.date}, {last.time - first.time:g} {clip.time_unit}",
+        f"extent {extent} {clip.unit or 'units'}, up {clip.up}, point spacing {clip.spacing:.3g}, "
+        f"colours {colors}",
+    ):
+        _say(console, line)
     scans = [column or clip.time_unit for column in SCANS]
     _table(console, "Scans", scans, [_scan(s, first.time, s.points) for s in clip.scans])
     if clip.held_out:
@@ -96,14 +97,12 @@ def _date(clip: Clip, time: float) -> str:
 
 
 def _provenance(console: Console, key: str, value: Any) -> None:
-    if not isinstance(value, list) or not value:
-        _say(console, f"{key}: {_short(value)}")
-        return
-    _say(console, f"{key}:")
-    for item in value[:MAX_ROWS]:
+    items = value if isinstance(value, list) else []
+    _say(console, f"{key}:" if items else f"{key}: {_short(value)}")
+    for item in items[:MAX_ROWS]:
         _say(console, f"  {_short(item)}")
-    if len(value) > MAX_ROWS:
-        _say(console, f"and {len(value) - MAX_ROWS:,} more")
+    if len(items) > MAX_ROWS:
+        _say(console, f"and {len(items) - MAX_ROWS:,} more")
 
 
 def _short(value: Any) -> str:
@@ -113,10 +112,6 @@ def _short(value: Any) -> str:
     if isinstance(value, list):
         return "; ".join(map(_short, value))
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def _bytes(count: int) -> str:
-    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
 
 
 def _table(console: Console, title: str, columns: Row, rows: Iterable[Row]) -> None:

@@ -10,7 +10,7 @@ import time
 import moderngl
 from imgui_bundle import imgui
 
-from player.ui.theme import Theme, dress
+from player.ui.theme import DARK, Theme, dress
 from player.view.fonts import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
@@ -33,6 +33,7 @@ class Gui:
     """`begin`, ImGui's own calls, `end`: once for every picture, in the OpenGL context in use.
 
     bold:   the second font; the first is the default, and both have the icons.
+    theme:  the colours of the picture that has begun.
     events: counts what the mouse did.
     """
 
@@ -49,7 +50,7 @@ class Gui:
         for name in (REGULAR, BOLD):
             font = io.fonts.add_font_from_file_ttf(font_file(name), 16.0)
             io.fonts.add_font_from_file_ttf(font_file(ICONS), 14.0, merged)
-        self.bold = font
+        self.bold, self.theme = font, DARK
         self.events = 0
         self._then = time.perf_counter()
         imgui.backends.opengl3_init("#version 330")
@@ -62,6 +63,7 @@ class Gui:
         self._then = now
         io.display_size = imgui.ImVec2(*size)
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
+        self.theme = theme
         dress(imgui.get_style(), theme)
         imgui.backends.opengl3_new_frame()
         imgui.new_frame()

@@ -6,7 +6,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
 from player.ui.gui import Gui
-from player.ui.theme import Theme, packed
+from player.ui.theme import packed
 from player.ui.widgets import BARE, key_labels
 from player.view.state import Scene
 
@@ -15,12 +15,12 @@ WIDE = 1090.0  # width of a window that has room for all columns side by side
 BETWEEN, PADDING, EDGE = 36.0, 24.0, 12.0  # columns; about them; from the window's edge
 
 
-def draw_help(scene: Scene, gui: Gui, theme: Theme, size: tuple[float, float]) -> Scene:
+def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     """Over everything in a window of `size` units; it scrolls if need be, and a click closes it."""
     imgui.set_next_window_pos((0.0, 0.0))
     imgui.set_next_window_size(size)
     with imgui_ctx.begin("shade", None, BARE):
-        imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, packed(theme.shade))
+        imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, packed(gui.theme.shade))
     largest = size[0] - 2 * EDGE, size[1] - 2 * EDGE
     imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0.0, 0.0), largest)
@@ -28,32 +28,32 @@ def draw_help(scene: Scene, gui: Gui, theme: Theme, size: tuple[float, float]) -
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 14.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (PADDING, PADDING)),
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*theme.card)),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*gui.theme.card)),
         imgui_ctx.begin("help", None, flags | imgui.WindowFlags_.always_auto_resize),
     ):
         with imgui_ctx.push_font(gui.bold, 20.0):
             imgui.text_unformatted("Keys and mouse")
         imgui.same_line(0.0, 16.0)
-        imgui.text_colored(theme.muted, "Esc, or a click, closes this")
+        imgui.text_colored(gui.theme.muted, "Esc, or a click, closes this")
         for sections in COLUMNS:
             with imgui_ctx.begin_group():
                 for name in sections:
-                    _draw_section(gui, theme, name)
+                    _draw_section(gui, name)
             if size[0] >= WIDE:
                 imgui.same_line(0.0, BETWEEN)
     pressed = any(imgui.is_mouse_clicked(button) for button in range(3))
     return replace(scene, help=False) if pressed else scene
 
 
-def _draw_section(gui: Gui, theme: Theme, name: str) -> None:
+def _draw_section(gui: Gui, name: str) -> None:
     imgui.dummy((0.0, 4.0))
     with imgui_ctx.push_font(gui.bold, 15.0):
-        imgui.text_colored(theme.accent, name)
+        imgui.text_colored(gui.theme.accent, name)
     flags = imgui.TableFlags_.sizing_fixed_fit | imgui.TableFlags_.no_host_extend_x
     if imgui.begin_table(name, 2, flags):
         for labels, text in keys.sections()[name]:
             imgui.table_next_column()
             imgui.text_unformatted("   ".join(key_labels(labels)))
             imgui.table_next_column()
-            imgui.text_colored(theme.muted, text)
+            imgui.text_colored(gui.theme.muted, text)
         imgui.end_table()

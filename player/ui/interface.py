@@ -93,13 +93,13 @@ class Interface:
 
         size, scale: (width, height) of the window in units, and the pixels in a unit.
         """
-        shown, facts, theme = scene, facts or Facts(), theme_of(scene.style.ground)
-        self._gui.begin(size, scale, theme)
+        shown, facts = scene, facts or Facts()
+        self._gui.begin(size, scale, theme_of(scene.style.ground))
         area = (size[0] - panel_width(size[0], scene.panel and not scene.kiosk), size[1])
         back = imgui.get_background_draw_list()
         margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])
         below += CAPTION if facts.panes else 0.0
-        pen = Pen(self._gui, theme, back, area, (margin, TOP - 8.0, margin, below))
+        pen = Pen(self._gui, back, area, (margin, TOP - 8.0, margin, below))
         scene = self.mouse.move(scene, area)
         if shown.kiosk:
             self._draw_kiosk(pen, shown)
@@ -112,11 +112,11 @@ class Interface:
                 scene = _draw_wipe(pen, scene)
             if shown.panel:
                 place = panel_place(size, (TOP, BOTTOM))
-                scene = draw_panel(scene, self._gui, theme, place, facts.exporting)
+                scene = draw_panel(scene, self._gui, place, facts.exporting)
         if shown.help:
-            scene = draw_help(scene, self._gui, theme, size)
+            scene = draw_help(scene, self._gui, size)
         if shown.notice:
-            front = Pen(self._gui, theme, imgui.get_foreground_draw_list(), area)
+            front = Pen(self._gui, imgui.get_foreground_draw_list(), area)
             front.card(area[0] / 2, TOP - 12.0, shown.notice, 15.0, area[0] - 40.0)
         either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
         self.popup = imgui.is_popup_open("", either)
@@ -149,7 +149,7 @@ class Interface:
             for place, name in enumerate(tools):
                 imgui.set_cursor_pos((place * (BUTTON + GAP), 0.0))
                 on = (name == "turn" and scene.turning) or (name == "panel" and scene.panel)
-                scene = icon_button(scene, name, _icon(name, scene), theme, on)
+                scene = icon_button(scene, name, _icon(name, scene), on)
         return scene
 
     def _draw_controls(self, pen: Pen, scene: Scene, facts: Facts) -> Scene:
@@ -164,13 +164,13 @@ class Interface:
                 if name == "play":
                     scene = _play_button(pen, scene)
                 else:
-                    scene = icon_button(scene, name, _icon(name, scene), theme)
+                    scene = icon_button(scene, name, _icon(name, scene))
                 x += side + GAP
             right = width - margin
             for name in ("at end", "faster", "slower") if width >= ROOMY else ("at end",):
                 right -= BUTTON
                 imgui.set_cursor_pos((right, middle - BUTTON / 2))
-                scene = icon_button(scene, name, _icon(name, scene), theme)
+                scene = icon_button(scene, name, _icon(name, scene))
                 if name == "faster":
                     right -= SPEED
                     speed = scene.timeline.speed

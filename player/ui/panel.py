@@ -11,7 +11,7 @@ from player.ui.actions import Choice
 from player.ui.corrections import draw_corrections, draw_name
 from player.ui.gui import Gui
 from player.ui.pen import Pen
-from player.ui.theme import CLEAR, PADDING, Theme, faint, packed, rgb
+from player.ui.theme import CLEAR, PADDING, faint, packed, rgb
 from player.ui.widgets import button, key_labels, tip
 from player.view.organ_place import organ_place
 from player.view.state import Exporting, Scene
@@ -53,7 +53,6 @@ def panel_place(
 def draw_panel(
     scene: Scene,
     gui: Gui,
-    theme: Theme,
     place: tuple[float, float, float, float],
     exporting: Exporting | None = None,
 ) -> Scene:
@@ -63,7 +62,7 @@ def draw_panel(
     flags = imgui.WindowFlags_
     unmoved = (flags.no_decoration & ~flags.no_scrollbar) | flags.no_move | flags.no_nav
     with imgui_ctx.begin("panel", None, unmoved | flags.no_saved_settings):
-        pen = Pen(gui, theme, imgui.get_window_draw_list(), place[2:])
+        pen = Pen(gui, imgui.get_window_draw_list(), place[2:])
         for title, section in (
             ("Look", _look),
             ("View", _view),
@@ -86,7 +85,7 @@ def draw_panel(
 def _organs(scene: Scene, pen: Pen) -> Scene:
     names = [("hide", "Hide"), ("alone", "Alone"), ("show all", "Show all")]
     active = "alone" if scene.style.alone is not None else ""
-    scene = _buttons(scene, pen.theme, names, active)
+    scene = _buttons(scene, pen, names, active)
     table = scene.clip.track_table
     scene = draw_name(scene, table)
     with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.0, 0.0)):
@@ -153,8 +152,8 @@ def _look(scene: Scene, pen: Pen) -> Scene:
 
 def _view(scene: Scene, pen: Pen) -> Scene:
     sides = [("front", "Front"), ("side", "Side"), ("behind", "Back"), ("above", "Top")]
-    scene = _buttons(scene, pen.theme, sides)
-    scene = _buttons(scene, pen.theme, [("fit", "Whole plant")])
+    scene = _buttons(scene, pen, sides)
+    scene = _buttons(scene, pen, [("fit", "Whole plant")])
     count = len(scene.path.keys)
     switches = (
         ("parallel", "Parallel", scene.camera.orthographic),
@@ -163,7 +162,7 @@ def _view(scene: Scene, pen: Pen) -> Scene:
     )
     scene = _switches(scene, pen, switches)
     path = [("add key", "Add key"), ("drop key", "Remove"), ("save path", "Save")]
-    return _buttons(scene, pen.theme, path)
+    return _buttons(scene, pen, path)
 
 
 def _compare(scene: Scene, pen: Pen) -> Scene:
@@ -179,7 +178,7 @@ def _export(scene: Scene, pen: Pen, exporting: Exporting | None) -> Scene:
         switch = ("transparent", "Transparent", scene.output.transparent)
         scene = _switches(scene, pen, [switch])
     both = [("export", "Stop" if exporting else "Export"), ("picture", "Picture")]
-    return _buttons(scene, pen.theme, both)
+    return _buttons(scene, pen, both)
 
 
 def _choice(
@@ -235,14 +234,12 @@ def _switches(scene: Scene, pen: Pen, switches: Sequence[tuple[str, str, bool]])
     return scene
 
 
-def _buttons(
-    scene: Scene, theme: Theme, actions: Sequence[tuple[str, str]], active: str = ""
-) -> Scene:
+def _buttons(scene: Scene, pen: Pen, actions: Sequence[tuple[str, str]], active: str = "") -> Scene:
     """Buttons in a row: (action, label)."""
     gap = imgui.get_style().item_spacing.x
     width = (imgui.get_content_region_avail().x - gap * (len(actions) - 1)) / len(actions)
     for action, label in actions:
-        ground = faint(theme.accent, 0.35) if action == active else None
+        ground = faint(pen.theme.accent, 0.35) if action == active else None
         scene = button(scene, action, label, (width, 0.0), ground)
         imgui.same_line()
     imgui.new_line()

@@ -3,7 +3,7 @@
 from imgui_bundle import imgui
 
 from player.ui.gui import Gui
-from player.ui.theme import Color, Theme, faint, packed, rgb
+from player.ui.theme import Color, faint, packed, rgb
 from player.view.annotations import RGB
 
 MAX_LINE = 200  # characters of any one line
@@ -21,12 +21,11 @@ class Pen:
     def __init__(
         self,
         gui: Gui,
-        theme: Theme,
         sheet: imgui.ImDrawList,
         size: tuple[float, float],
         insets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        self.theme, self.sheet, self.size, self.insets = theme, sheet, size, insets
+        self.theme, self.sheet, self.size, self.insets = gui.theme, sheet, size, insets
         self._plain, self._bold = imgui.get_font(), gui.bold
 
     def text(

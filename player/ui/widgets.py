@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
-from player.ui.theme import CLEAR, Color, Theme
+from player.ui.theme import CLEAR, Color
 from player.view.state import Scene
 
 ARROWS = str.maketrans({"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"})
@@ -47,23 +47,22 @@ def button(
     label: str,
     size: tuple[float, float],
     ground: Color | None = None,
-    text: Color | None = None,
+    text: Color | imgui.ImVec4 | None = None,
 ) -> Scene:
     """A button that does an action; gives the scene as it changed it."""
     with imgui_ctx.push_id(name):
-        imgui.push_style_color(
-            imgui.Col_.button, ground or imgui.get_style_color_vec4(imgui.Col_.button)
-        )
-        imgui.push_style_color(imgui.Col_.text, text or imgui.get_style_color_vec4(imgui.Col_.text))
+        for part, color in ((imgui.Col_.button, ground), (imgui.Col_.text, text)):
+            imgui.push_style_color(part, color or imgui.get_style_color_vec4(part))
         pressed = imgui.button(label, size)
         imgui.pop_style_color(2)
     tip(name)
     return keys.action(name).do(scene) if pressed else scene
 
 
-def icon_button(scene: Scene, name: str, icon: str, theme: Theme, on: bool = False) -> Scene:
-    """One without a ground of its own."""
-    return button(scene, name, icon, (32.0, 32.0), CLEAR, theme.accent if on else theme.text)
+def icon_button(scene: Scene, name: str, icon: str, on: bool = False) -> Scene:
+    """One without a ground of its own; switches that are on have the accent's colour."""
+    accent = imgui.get_style_color_vec4(imgui.Col_.check_mark) if on else None
+    return button(scene, name, icon, (32.0, 32.0), CLEAR, accent)
 
 
 @contextmanager

@@ -263,7 +263,7 @@ def test_text_from_clips_is_only_text(context: moderngl.Context) -> None:
 def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
     with opened(context, small_clip()) as desk:
         desk.gui.begin(SIZE, 1.0, DARK)
-        pen = Pen(desk.gui, DARK, imgui.get_background_draw_list(), SIZE)
+        pen = Pen(desk.gui, imgui.get_background_draw_list(), SIZE)
         assert pen.width("leaf##7", 16.0) > pen.width("leaf", 16.0)
         assert pen.fitted("leaf\nleaf", 16.0, 400.0) == "leaf leaf"
         assert pen.fitted("a long name", 16.0, 40.0).endswith("…")
