@@ -20,11 +20,11 @@ from gclip.file import check_not_truncated
 from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
+from player.export.gltf import METERS
 from player.view.camera import axes
 
 ZIP_EPOCH = datetime(1980, 1, 1)  # a package tells when its stage was written
 CURVED_SAMPLES = 17  # an interval, where movers go along curves or fall
-METERS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 
 
 def check(film: Film) -> None:

@@ -68,7 +68,7 @@ const nextTurn = () => new Promise((done) => setTimeout(done));
 
 // Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
 // its sign in the lowest bit, and added to what was foretold.
-async function unpack(bytes, { count, degree, trackBytes, colored, aligned }) {
+async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
     let at = 0;
     async function column(values, sides, foretold = () => 0) {
         const width = values.BYTES_PER_ELEMENT;
@@ -94,7 +94,7 @@ async function unpack(bytes, { count, degree, trackBytes, colored, aligned }) {
         controls.push(await column(
             positions(), 3, (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
     }
-    const tracks = trackBytes === 2 ? new Uint16Array(count) : new Uint32Array(count);
+    const tracks = track_bytes === 2 ? new Uint16Array(count) : new Uint32Array(count);
     await column(tracks, 1);
     const colors = [];
     if (colored) {

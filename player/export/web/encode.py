@@ -20,14 +20,12 @@ LEVELS = 65535
 
 @dataclass(frozen=True)
 class Packed:
-    """The bytes, deflated, and how to read them: position = low + step × number."""
+    """The bytes, deflated, and how `web/clip.js` reads them: position = low + step × number, the
+    bytes of a track's number, and whether there are colours and normals.
+    """
 
     data: bytes
-    low: list[float]
-    step: list[float]
-    track_bytes: int
-    colored: bool
-    aligned: bool  # whether movers have normals
+    layout: dict[str, Any]
 
 
 def pack(interval: Interval, spacing: float) -> Packed:
@@ -45,17 +43,20 @@ def pack(interval: Interval, spacing: float) -> Packed:
         columns.append(control - straight)
     parts = [_planes(column.astype(np.uint16)) for column in columns]
     parts.append(_planes(np.asarray(interval.tracks)[:, None]))
-    colored = interval.start_colors is not None and interval.end_colors is not None
     if interval.start_colors is not None and interval.end_colors is not None:
         paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]
         parts += [_planes(paint), _planes(last - paint)]
-    aligned = interval.normals is not None
     if interval.normals is not None:
         first, last = np.hsplit(interval.normals, 2)
         parts.append(_planes(np.hstack([first, last - first])))
-    data = zlib.compress(b"".join(parts), 9)
-    size = interval.tracks.itemsize
-    return Packed(data, low.tolist(), step.tolist(), size, colored, aligned)
+    layout = {
+        "low": low.tolist(),
+        "step": step.tolist(),
+        "track_bytes": interval.tracks.itemsize,
+        "colored": interval.start_colors is not None,
+        "aligned": interval.normals is not None,
+    }
+    return Packed(zlib.compress(b"".join(parts), 9), layout)
 
 
 def _quantised(

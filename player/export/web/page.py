@@ -16,7 +16,7 @@ from msgspec import to_builtins
 
 import shaders
 from gclip import Clip
-from gclip.evaluate import newborn
+from gclip.evaluate import newborn, srgb_to_linear
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import Packed, pack
@@ -132,7 +132,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         "moments": _moments(clip),
         "points": [scan.points for scan in clip.scans],
         "colored": clip.has_colors,
-        "tracks": [track.color for track in clip.track_table],
+        "tracks": srgb_to_linear(clip.palette[:, :3] / 255.0).round(5).tolist(),
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": [
             {
@@ -141,11 +141,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
                 "count": len(interval),
                 "degree": interval.degree,
                 "groups": to_builtins(interval.groups),
-                "low": one.low,
-                "step": one.step,
-                "trackBytes": one.track_bytes,
-                "colored": one.colored,
-                "aligned": one.aligned,
+                **one.layout,
             }
             for interval, one in zip(clip.intervals, packed, strict=True)
         ],

@@ -223,10 +223,8 @@ class Renderer {
         if (this.painted.key === key) return this.painted.texture;
         const width = 1024, height = Math.ceil(clip.tracks.length / width);
         const texels = new Float32Array(4 * width * height);
-        const linear = clip.tracks.map((color) => color.map((c) => c / 255).map((c) =>
-            (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)));
-        linear.forEach((own, i) => {
-            const from = linear[newborn.get(i) ?? i];
+        clip.tracks.forEach((own, i) => {
+            const from = clip.tracks[newborn.get(i) ?? i];
             const color = own.map((c, k) => (1 - share) * from[k] + share * c);
             const kept = chosen < 0 || chosen === i ? 1 : DIMMED;
             const light = color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);

@@ -345,7 +345,7 @@ def test_packing_is_finer_than_the_eye_and_small(make_clip: Any) -> None:
     clip = make_clip(degree=2)
     interval = clip.intervals[0]
     packed = pack(interval, clip.spacing)
-    assert max(packed.step) <= clip.spacing / 32
+    assert max(packed.layout["step"]) <= clip.spacing / 32
     assert len(packed.data) < 0.8 * 20 * len(interval)
 
 
