@@ -1,4 +1,4 @@
-"""Coarse alignment: the way up, and all scans in one frame (section 3.1)."""
+"""Coarse alignment of the scans of a series: the up axis and a common frame (section 3.1)."""
 
 from baker.alignment.register import Alignment, align
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample
 
-INLIER_SHARE = 0.8  # the rest of the earlier points may have no partner: moved, lost or hidden
+INLIER_SHARE = 0.8  # of the pairs; the other points may have moved, or be lost or hidden
 MAX_ITERATIONS, MIN_GAIN = 100, 1e-4
 MIN_SPREAD = 1e-9  # second singular value of the pairs' covariance, relative to the first
 
@@ -15,9 +15,19 @@ Matrix = NDArray[np.float64]
 def trimmed_icp(earlier: EvenSample, later: EvenSample, start: Matrix) -> Matrix:
     """Register a later scan with an earlier one.
 
-    Every point of the earlier sample is paired with the nearest one of the later scan, which has
-    grown since; the farthest fifth of the pairs is trimmed.
-    Returns the (4, 4) rigid transform from the later scan's coordinates to the earlier's.
+    Every point of the earlier sample is paired with the nearest point of the later scan, in which
+    the plant has grown; the fifth of the pairs with the largest distances is left out.
+
+    Parameters
+    ----------
+    earlier, later : EvenSample
+    start : (4, 4) float64
+        Initial transform.
+
+    Returns
+    -------
+    (4, 4) float64
+        The rigid transform from the later scan's coordinates to the earlier's.
     """
     transform, last = start, np.inf
     for _ in range(MAX_ITERATIONS):
@@ -30,23 +40,24 @@ def trimmed_icp(earlier: EvenSample, later: EvenSample, start: Matrix) -> Matrix
 
 
 def trimmed_residual(earlier: EvenSample, later: EvenSample, transform: Matrix) -> float:
-    """Root mean square distance from the earlier sample to the later scan, best four fifths."""
+    """Root mean square of the smallest four fifths of the distances of the pairs."""
     return _nearest_pairs(earlier, later, transform)[0]
 
 
 def fit_rigid(source: Matrix, target: Matrix) -> Matrix:
-    """(4, 4) rigid transform of least squares between (n, 3) pairs of points (Kabsch 1976).
+    """Least squares rigid transform (4, 4) between (n, 3) pairs of points (Kabsch 1976).
 
-    Without a rotation where the pairs do not determine one, as points on a line do not.
+    It is a translation if the pairs do not determine a rotation, like points on a line.
     """
     from scipy.spatial.transform import Rotation
 
     centers = source.mean(axis=0), target.mean(axis=0)
-    before, after = source - centers[0], target - centers[1]
+    centered_source, centered_target = source - centers[0], target - centers[1]
     transform = np.eye(4)
-    spread = np.linalg.svd(before.T @ after, compute_uv=False)
+    spread = np.linalg.svd(centered_source.T @ centered_target, compute_uv=False)
     if spread[1] > MIN_SPREAD * spread[0]:
-        transform[:3, :3] = Rotation.align_vectors(after, before)[0].as_matrix()
+        rotation, _ = Rotation.align_vectors(centered_target, centered_source)
+        transform[:3, :3] = rotation.as_matrix()
     transform[:3, 3] = centers[1] - transform[:3, :3] @ centers[0]
     return transform
 

@@ -1,4 +1,4 @@
-"""A series in one frame: what all stages after the alignment work on."""
+"""The aligned series, which all later stages work on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,21 +18,21 @@ from gclip import HeldOutScan
 class Keyframe:
     """An aligned scan."""
 
-    positions: NDArray[np.float32]  # (N, 3), relative to the clip's origin
-    colors: NDArray[np.uint8] | None  # (N, 4), sRGB and alpha
-    area: NDArray[np.floating] | None = None  # (N,); None where the density of movers stays
-    base: NDArray[np.float64] | None = None  # (3,), where the stem leaves the ground
-    normals: NDArray[np.uint8] | None = None  # (N, 2), octahedral
+    positions: NDArray[np.float32]  # (N, 3) relative to the clip's origin
+    colors: NDArray[np.uint8] | None  # (N, 4) sRGB and alpha
+    area: NDArray[np.floating] | None = None  # (N,); None if no movers are to be added
+    base: NDArray[np.float64] | None = None  # (3,) plant base
+    normals: NDArray[np.uint8] | None = None  # (N, 2) octahedral codes
 
 
 @dataclass(frozen=True)
 class AlignedSeries:
-    """The scans to bake, in one frame, with what was measured on each of them once."""
+    """The scans to bake in one frame, with their nearest neighbours and plant bases."""
 
     times: tuple[float, ...]
     keyframes: tuple[Keyframe, ...]
-    neighbors: tuple[Neighbors, ...]  # rigid motions do not change them
-    bases: tuple[int, ...]  # index of the point at the plant base
+    neighbors: tuple[Neighbors, ...]
+    bases: tuple[int, ...]  # index of the point at the plant base, for each scan
     vertical: Vertical
 
     @property
@@ -52,12 +52,12 @@ class AlignedSeries:
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
-    """The scans, each moved by its transform."""
+    """Transform the scans to the common frame."""
     keyframes = []
-    found = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
-    for scan, transform, base in found:
+    scans = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
+    for scan, transform, base in scans:
         positions = scan.points
-        if not np.array_equal(transform, np.eye(4)):  # scans that stay are kept bit for bit
+        if not np.array_equal(transform, np.eye(4)):  # scans that don't move stay exactly the same
             moved = scan.points @ transform[:3, :3].T + transform[:3, 3]
             positions = moved.astype(np.float32)
         opaque = np.full((len(scan), 1), 255, np.uint8)
@@ -69,10 +69,22 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 def hold_out(
     series: Series, keyframes: Sequence[Keyframe], every: int | None
 ) -> tuple[Series, list[Keyframe], tuple[HeldOutScan, ...]]:
-    """Divide an aligned series into the scans to bake and those left out for verification.
+    """Split an aligned series into the scans to bake and those left out for verification.
 
-    Every so many scans one is left out (section 4 of the paper). InputError where that leaves out
-    no scan.
+    Parameters
+    ----------
+    series, keyframes : Series, sequence of Keyframe
+    every : int, optional
+        Leave out every so many scans; by default none.
+
+    Raises
+    ------
+    InputError
+        If no scan would be left out.
+
+    References
+    ----------
+    Section 4 of the paper, Figure 13.
     """
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:
@@ -81,15 +93,15 @@ def hold_out(
             f"at least {every + 1} are needed, for the first and the last always stay."
         )
     kept = [k for k in range(len(series.scans)) if k not in left_out]
-    left = [(series.scans[k], keyframes[k].positions) for k in left_out]
-    held_out = tuple(HeldOutScan(s.name, s.time, s.date, positions) for s, positions in left)
+    excluded = [(series.scans[k], keyframes[k].positions) for k in left_out]
+    held_out = tuple(HeldOutScan(s.name, s.time, s.date, positions) for s, positions in excluded)
     series = replace(series, scans=tuple(series.scans[k] for k in kept))
     return series, [keyframes[k] for k in kept], held_out
 
 
 def held_out_scans(count: int, every: int | None) -> tuple[int, ...]:
-    """Indices of the scans that `--holdout N` leaves out: counted from one, N, 2 N, 3 N, ...
+    """Indices of the scans that `--holdout N` leaves out, those numbered N, 2 N, 3 N, ... from 1.
 
-    The first and the last always stay, for nothing is reconstructed outside the series.
+    The first and the last scan always stay, since a clip can't be evaluated outside the series.
     """
     return () if every is None else tuple(range(every - 1, count - 1, every))

@@ -1,4 +1,4 @@
-"""Scans set upright on their stem's base, and how one is turned onto another."""
+"""Poses of scans: upright, with the plant base at the origin, to be registered by a yaw."""
 
 from typing import NamedTuple
 
@@ -10,51 +10,51 @@ from baker.alignment.up_axis_search import upright
 from baker.geometry.graph import branches
 from baker.geometry.up_axis import Vertical
 
-STEM_HEIGHT = 0.1  # of the lower plant's height: the lowest part of both stems is compared
-KERNEL_WIDTHS = (0.03, 0.02)  # of that height: distances of points that belong together
-MIN_MEAN_WEIGHT = 0.1  # of the stem's points: below it the stems are too far apart to tell
+STEM_HEIGHT = 0.1  # of the parts of both stems that are registered, in heights of the lower plant
+KERNEL_WIDTHS = (0.03, 0.02)  # of the weights of distances, in the same heights
+MIN_MEAN_WEIGHT = 0.1  # below it, the stems are too far apart for a registration
 ITERATIONS = 4
-MIN_PERSISTENCE = 0.1  # of the longest geodesic distance: shorter tips are no organs of their own
+MIN_PERSISTENCE = 0.1  # of branches that count as organs, in longest geodesic distances
 MIN_POINTS_OF_ORGAN = 4
 
 
 class Pose(NamedTuple):
-    """A scan set upright with its stem's base at the origin.
+    """A scan in a frame with z up and the plant base at the origin.
 
-    Points turn, bend and multiply as an organ grows; the direction in which the organ as a whole
-    points from the stem is steadier.
+    Organs are represented by their centres: while the points of an organ bend and multiply as it
+    grows, its direction from the stem hardly changes.
     """
 
-    frame: NDArray[np.float64]  # (4, 4) from the scan's coordinates to these
-    pool: NDArray[np.float64]  # (M, 3) points in these
+    frame: NDArray[np.float64]  # (4, 4) transform from the scan's coordinates to this frame
+    pool: NDArray[np.float64]  # (M, 3) points in this frame
     height: float
-    centers: NDArray[np.float64]  # (k, 3) middles of the organs
-    names: NDArray[np.int64]  # (k,) labels of the organs; numbers that mean nothing where found
+    centers: NDArray[np.float64]  # (k, 3) centroids of the organs
+    names: NDArray[np.int64]  # (k,) labels of the organs, arbitrary if the scan has no labels
 
     @property
     def base(self) -> NDArray[np.float64]:
-        """(3,) in the scan's own coordinates."""
+        """(3,) plant base in the scan's coordinates."""
         return np.asarray(np.linalg.inv(self.frame)[:3, 3])
 
 
 def pose_at(
     sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], stem: int | None
 ) -> Pose:
-    """The scan of which `sample` was taken, on its (3,) base; stem: the label of its stem."""
-    turn = upright(vertical)
+    """The pose of a scan with a (3,) plant base. stem: the stem's label, None without labels."""
+    rotation = upright(vertical)
     frame = np.eye(4)
-    frame[:3, :3], frame[:3, 3] = turn, -turn @ base
-    points = (sample.points - base) @ turn.T
-    organ = _found_organs(sample, points) if stem is None else sample.labels
+    frame[:3, :3], frame[:3, 3] = rotation, -rotation @ base
+    points = (sample.points - base) @ rotation.T
+    organ = _find_organs(sample, points) if stem is None else sample.labels
     names, counts = np.unique(organ[organ != (-1 if stem is None else stem)], return_counts=True)
     names = names[counts >= MIN_POINTS_OF_ORGAN]
     centers = np.array([points[organ == name].mean(axis=0) for name in names]).reshape(-1, 3)
-    pool = (sample.pool - base) @ turn.T
+    pool = (sample.pool - base) @ rotation.T
     return Pose(frame, pool, float(np.ptp(points[:, 2])), centers, names)
 
 
 def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:
-    """(4, 4) from the later scan's coordinates to the earlier's: turned by `yaw` degrees."""
+    """(4, 4) transform from the later scan to the earlier one, rotated by `yaw` degrees."""
     from scipy.spatial.transform import Rotation
 
     transform = np.eye(4)
@@ -63,12 +63,11 @@ def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64
     return np.linalg.inv(earlier.frame) @ transform @ later.frame
 
 
-def _stem_shift(earlier: Pose, later: Pose, turn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2,) how much further the later scan's stem has to be moved, level, to cover the earlier's.
+def _stem_shift(earlier: Pose, later: Pose, rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2,) horizontal shift that registers the lowest part of the later stem with the earlier one.
 
-    A base is the middle of a few points at the ground. The stem just above it hardly changes: its
-    points are moved onto their nearest ones, by Gaussian weights of their distances, so that those
-    of leaves that hang there, far from any partner, don't pull.
+    It refines the bases, which are centroids of few points. Pairs of nearest points are weighted by
+    a Gaussian of their distance, so that hanging leaves, which have no partner, don't count.
     """
     from scipy.spatial import KDTree
 
@@ -79,7 +78,7 @@ def _stem_shift(earlier: Pose, later: Pose, turn: NDArray[np.float64]) -> NDArra
     shift = np.zeros(3)
     if height == 0.0 or not len(source) or not len(target):
         return shift[:2]
-    source = source @ turn.T
+    source = source @ rotation.T
     tree = KDTree(source)
     for width in KERNEL_WIDTHS:
         for _ in range(ITERATIONS):
@@ -92,7 +91,7 @@ def _stem_shift(earlier: Pose, later: Pose, turn: NDArray[np.float64]) -> NDArra
     return shift[:2]
 
 
-def _found_organs(sample: EvenSample, points: NDArray[np.float64]) -> NDArray[np.intp]:
+def _find_organs(sample: EvenSample, points: NDArray[np.float64]) -> NDArray[np.intp]:
     """(n,) branches of the merge tree of the geodesic distance from the base; -1 on the axis."""
     from scipy.sparse.csgraph import dijkstra
 
@@ -101,4 +100,4 @@ def _found_organs(sample: EvenSample, points: NDArray[np.float64]) -> NDArray[np
     graph = surface_graph(sample.points)
     distance = dijkstra(graph, indices=int(np.argmin((points**2).sum(axis=1))))
     numbers = branches(distance, graph, MIN_PERSISTENCE * float(distance.max()))
-    return numbers if numbers.max() >= 0 else np.zeros_like(numbers)  # one organ meets no other
+    return numbers if numbers.max() >= 0 else np.zeros_like(numbers)  # a single organ

@@ -1,4 +1,4 @@
-"""Coarse alignment of a series (section 3.1, ruling 19): left or brought together."""
+"""Coarse alignment of a series to the frame of its first scan (section 3.1)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, transform_onto
 from baker.alignment.sample import even_sample
 from baker.alignment.stem_base import common_base, stem_labels
-from baker.alignment.strangers import strangers
+from baker.alignment.strangers import unlike_scans
 from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
@@ -22,22 +22,22 @@ from baker.scans.scan import Finding, Series
 
 @dataclass(frozen=True)
 class Alignment:
-    """A series in one frame: the first scan's own."""
+    """The transforms of the scans of a series to one frame, that of the first scan."""
 
-    up: str  # the direction of growth there: "x", "y", "z", "-x", "-y" or "-z"
-    transforms: tuple[NDArray[np.float64], ...]  # (4, 4), from each scan's coordinates to that
-    bases: tuple[NDArray[np.float64], ...]  # (3,) each scan's plant base there
-    findings: tuple[Finding, ...] = ()  # what was decided about the way up and the frame
+    up: str  # the direction of growth: "x", "y", "z", "-x", "-y" or "-z"
+    transforms: tuple[NDArray[np.float64], ...]  # (4, 4) from each scan's coordinates
+    bases: tuple[NDArray[np.float64], ...]  # (3,) plant base of each scan, in the common frame
+    findings: tuple[Finding, ...] = ()  # about the up axis, the frame and unlike scans
 
     @property
     def moves(self) -> list[tuple[float, float]]:
-        """By how many degrees each scan was turned, and how far its plant base was moved."""
+        """The rotation of each scan in degrees, and the distance that its base was moved."""
         moves = []
         for transform, base in zip(self.transforms, self.bases, strict=True):
-            before = np.linalg.solve(transform, np.append(base, 1.0))[:3]
+            original = np.linalg.solve(transform, np.append(base, 1.0))[:3]
             cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
             angle = float(np.degrees(np.arccos(cosine)))
-            moves.append((angle, float(np.linalg.norm(base - before))))
+            moves.append((angle, float(np.linalg.norm(base - original))))
         return moves
 
 
@@ -49,29 +49,33 @@ def align(
     progress: Callable[[str, int, int], None] | None = None,
     map: MapLike = map,
 ) -> Alignment:
-    """Bring the scans of a series into the frame of the first.
+    """Align the scans of a series to the frame of the first one.
 
     Parameters
     ----------
     series : Series
     method : {"auto", "turn", "icp", "none"}
-        "auto" leaves scans that share a frame there, else does as "turn", which keeps the vertical,
-        puts the stems' bases on one another and looks for the yaw that leaves most organs in their
-        direction. "icp" is the paper's: closest points from where the scans lie (it often locks on
-        a wrong yaw). "none" leaves everything where it is.
-    up, root : str, (3,) float, optional
-        The direction of growth, or "auto"; the base of the first scan's stem, where it is known.
-    progress, map : callable, MapLike, optional
-        Called with the stage, the steps done and all; maps a function over scans.
+        "auto" leaves scans that share a frame as they are, and otherwise does the same as "turn",
+        which registers the plant bases and rotates about the vertical, by the yaw for which the
+        directions of most organs agree. "icp" is the method of the paper, which often converges to
+        a wrong yaw. "none" moves no scan.
+    up : str
+        The direction of growth, or "auto".
+    root : (3,) float, optional
+        The plant base of the first scan.
+    progress : callable, optional
+        Called with the name of the stage, the steps done and their total.
+    map : map-like callable
+        Maps over the scans.
 
     References
     ----------
     Section 3.1 of the paper.
     """
-    tell = progress or (lambda stage, done, total: None)
+    progress = progress or (lambda stage, done, total: None)
     scans = series.scans
     total = 2 * len(scans)  # samples, poses
-    map = reporting(map, lambda done, _: tell("aligning", done, total), total - 1)
+    map = reporting(map, lambda done, _: progress("aligning", done, total), total - 1)
     labelled = all(scan.labels is not None for scan in scans)
     sampled = [
         (s.points, s.labels if labelled else None, s.name, s.origin - scans[0].origin)
@@ -92,45 +96,46 @@ def align(
         steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
     elif method == "none":
-        far = ", ".join(sample.name for sample in samples if sample.offset.any())
-        doubt = f"{far} lies so far from the first scan that positions are rounded" if far else ""
+        remote = ", ".join(sample.name for sample in samples if sample.offset.any())
+        doubt = f"{remote} lies so far from the first scan that positions are rounded"
+        doubt = doubt if remote else ""
         findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
     elif len(scans) > 1:
         poses = best_poses(samples, places, vertical, stems, map)
         bases = [pose.base for pose in poses]
         fit = fit_yaws(poses, labelled)
         stays = method == "auto" and share_frame(fit, in_place)
-        left, asked = in_place & stays, method == "turn"
-        transforms = _brought_together(poses, fit, transforms, left)
-        findings.append(frame_finding(samples, poses, fit, transforms, left, series.length, asked))
-    findings += strangers(samples, transforms)
-    tell("aligning", total, total)
+        fixed, asked = in_place & stays, method == "turn"
+        transforms = _register_scans(poses, fit, transforms, fixed)
+        findings.append(frame_finding(samples, poses, fit, transforms, fixed, series.length, asked))
+    findings += unlike_scans(samples, transforms)
+    progress("aligning", total, total)
     aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]
     return Alignment(direction, tuple(transforms), tuple(aligned), tuple(findings))
 
 
-def _brought_together(
+def _register_scans(
     poses: Sequence[Pose],
     fit: YawFit,
     given: Sequence[NDArray[np.float64]],
     stays: NDArray[np.bool_],
 ) -> list[NDArray[np.float64]]:
-    """Each scan's transform to the first one's frame: as given if it stays, else onto another.
+    """The transform of each scan to the frame of the first one, that given where the scan stays.
 
-    That is the scan before it; of a series that shares a frame, the nearest scan that stays.
+    Other scans are registered with the nearest scan that stays or, if none does, with the previous.
     """
     transforms = list(given)
     if not stays.any():
-        for at, (pair, place) in enumerate(zip(pairwise(poses), fit.places, strict=True)):
+        for k, (pair, place) in enumerate(zip(pairwise(poses), fit.places, strict=True)):
             yaw = exact_yaw(*pair, float(YAWS[place]), fit.by_label)
-            transforms[at + 1] = transforms[at] @ transform_onto(*pair, yaw)
+            transforms[k + 1] = transforms[k] @ transform_onto(*pair, yaw)
         return transforms
     staying = np.flatnonzero(stays).tolist()
-    for at in np.flatnonzero(~stays).tolist():
-        near = sorted(staying, key=lambda other: abs(other - at))[:2]
-        curves = [direction_curve(poses[other], poses[at], fit.by_label) for other in near]
-        pair, most = (poses[near[0]], poses[at]), int(np.argmax(np.sum(curves, axis=0)))
-        yaw = exact_yaw(*pair, float(YAWS[most]), fit.by_label)
-        transforms[at] = given[near[0]] @ transform_onto(*pair, yaw)
+    for k in np.flatnonzero(~stays).tolist():
+        nearest = sorted(staying, key=lambda other: abs(other - k))[:2]
+        curves = [direction_curve(poses[other], poses[k], fit.by_label) for other in nearest]
+        pair, best = (poses[nearest[0]], poses[k]), int(np.argmax(np.sum(curves, axis=0)))
+        yaw = exact_yaw(*pair, float(YAWS[best]), fit.by_label)
+        transforms[k] = given[nearest[0]] @ transform_onto(*pair, yaw)
     to_first = np.linalg.inv(transforms[0])
     return [np.eye(4), *(to_first @ transform for transform in transforms[1:])]

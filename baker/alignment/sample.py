@@ -1,7 +1,4 @@
-"""An even sample of a scan, in which every point stands for the same area, and its graph.
-
-Scanners see some organs densely and others hardly; an even sample weighs organs by area.
-"""
+"""Even samples of scans, in which organs count by their area, however densely they were scanned."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,15 +20,15 @@ NEIGHBORS_ON_SURFACE = 8  # of a point of an even sample
 
 @dataclass(frozen=True)
 class EvenSample:
-    """Points of a cloud in farthest-point order: any first n of them cover the cloud evenly."""
+    """A farthest-point sample of a scan; any prefix of it is an even sample, too."""
 
-    pool: NDArray[np.float64]  # (M, 3) without outliers, thinned at random if it is large
-    points: NDArray[np.float64]  # (n, 3) the sample of it
+    pool: NDArray[np.float64]  # (M, 3) points of the scan without outliers, or a random sample
+    points: NDArray[np.float64]  # (n, 3) farthest-point sample of the pool
     pool_labels: NDArray[np.integer]  # (M,) organ of each point; -1 where the scan has no labels
-    labels: NDArray[np.integer]  # (n,) those of the sample
-    gaps: Gaps  # between the labelled organs that touch
+    labels: NDArray[np.integer]  # (n,) organs of the sample
+    gaps: Gaps  # between adjacent organs
     name: str  # of the scan
-    offset: NDArray[np.float64]  # (3,) of the scan's coordinates from those of the first one
+    offset: NDArray[np.float64]  # (3,) origin of the scan's coordinates minus that of the first
 
 
 def even_sample(
@@ -40,7 +37,7 @@ def even_sample(
     name: str = "",
     offset: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> EvenSample:
-    """At most 1,500 points of an (N, 3) cloud with (N,) labels, by farthest-point sampling."""
+    """Sample at most 1,500 points of an (N, 3) cloud with (N,) labels by farthest points."""
     labels = np.full(len(cloud), -1) if labels is None else labels
     if len(cloud) > POOL_SIZE:
         kept = np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)
@@ -55,6 +52,6 @@ def even_sample(
 
 
 def surface_graph(points: NDArray[np.float64]) -> "csr_matrix":
-    """The connected kNN graph of (n, 3) points of an even sample, symmetric."""
+    """The connected, symmetric kNN graph of (n, 3) points of an even sample."""
     graph = connected_knn_graph(points, NEIGHBORS_ON_SURFACE)[0]
     return graph.maximum(graph.T)
