@@ -1,4 +1,4 @@
-"""What movers carry besides their places: colours, and the scans' own scalar fields (NDVI, ...)."""
+"""Attributes of movers besides positions: colours, and scalar fields of the scans (NDVI, ...)."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from baker.segmentation.hierarchy import Hierarchy
 from gclip import Clip, Motion, PointField
 from gclip.evaluate import positions_on_curve
 
-STEM_COLOR = (122, 158, 72)  # a plant's own green, which doesn't compete with the organs' colours
-GOLDEN_ANGLE = 0.381966  # of a turn: neighbours in age get hues that lie far apart
+STEM_COLOR = (122, 158, 72)  # a muted green, unlike the colours of the organs
+GOLDEN_ANGLE = 0.381966  # of a turn, between the hues of successive organs
 FIRST_HUE = 0.095
 
 
 def organ_colors(count: int) -> list[tuple[int, int, int]]:
-    """`count` sRGB colours for the tracks, the root's first.
+    """`count` sRGB colours for tracks, that of the root first.
 
-    Hues go round by the golden angle; each round is a little lighter or darker than the last one.
+    Hues advance by the golden angle; the lightness changes after every eight colours.
     """
     colors = [STEM_COLOR]
     for index in range(count - 1):
@@ -39,17 +39,17 @@ def painted(
     hierarchies: Sequence[Hierarchy],
     colors: str,
 ) -> list[Keyframe]:
-    """The keyframes in the colours that the clip is to carry.
+    """Set the colours of keyframes.
 
     Parameters
     ----------
     keyframes : sequence of Keyframe
     scans : sequence of Scan
-        The same scans as they were read, with their colours.
+        The scans of the keyframes, as they were read.
     hierarchies : sequence of Hierarchy
     colors : {"scan", "segment", "none"}
-        "segment" gives every scan's segments colours by their own numbers in that scan (its labels,
-        where it has some): matched segments blend over time, which shows the matching.
+        "segment" colours segments by their numbers (or labels) in each scan, so that the colours of
+        matched segments are interpolated over time, which shows the matching.
 
     Returns
     -------
@@ -63,26 +63,27 @@ def painted(
         return list(keyframes)
     if colors == "none":
         return [replace(frame, colors=None) for frame in keyframes]
-    found = []
+    result = []
     for frame, scan, hierarchy in zip(keyframes, scans, hierarchies, strict=True):
         numbers = hierarchy.numbers() if scan.labels is None else scan.labels
         values, rank = np.unique(numbers, return_inverse=True)
         palette = np.array([(*color, 255) for color in organ_colors(len(values))], np.uint8)
-        found.append(replace(frame, colors=palette[rank]))
-    return found
+        result.append(replace(frame, colors=palette[rank]))
+    return result
 
 
 def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequence[Scan]) -> Clip:
-    """The clip with its scans' fields on the movers: at both ends, those of the points there.
+    """Add the scalar fields of the scans to a clip: values at the start and end of each mover.
+
+    Movers of an organ that is born or lost have its values in the one scan at both ends.
 
     Parameters
     ----------
     clip : Clip
-        An organ that is born, or lost, has the values of the one scan that shows it throughout.
     clouds : sequence of (N, 3) float32 ndarray
-        The scans about the clip's origin.
+        The aligned scans, relative to the clip's origin.
     scans : sequence of Scan
-        With fields (`scalars`) of the same names.
+        With `scalars` of the same names.
     """
     from scipy.spatial import cKDTree
 
@@ -99,9 +100,9 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
         lost = np.zeros(len(interval), bool)
         for group in interval.groups:
             lost[group.first : group.stop] = group.motion is not Motion.MOVE
-        for name, found in values.items():
+        for name, of_intervals in values.items():
             start, end = scalars[k][name][first], scalars[k + 1][name][last]
             ends = np.where(newborn, end, start), np.where(lost, start, end)
-            found.append(np.stack(ends, axis=1))
-    fields = tuple(PointField(name, tuple(found)) for name, found in values.items())
+            of_intervals.append(np.stack(ends, axis=1))
+    fields = tuple(PointField(name, tuple(arrays)) for name, arrays in values.items())
     return replace(clip, fields=fields)

@@ -1,7 +1,7 @@
-"""The shapes of a scan's organs: where they are attached, coordinates along and across each.
+"""Find the attachments of organs and fit their spines.
 
-A leaf whose tip hangs against the stem touches it at its base and at its tip. Through a series an
-attachment moves little; tips don't stay.
+A leaf whose tip hangs against the stem touches it at both ends. The attachment is the contact that
+moves least through the series.
 """
 
 from collections.abc import Iterable, Sequence
@@ -24,10 +24,10 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 Cloud = NDArray[np.floating]
 Attachments = dict[int, Cloud]
-"""By organ, the points (c, 3) by which it touches its parent."""
+"""Organ -> (c, 3) points by which it touches its parent."""
 
-CONTACT_RADIUS = 2.0  # spacings of the sample beyond the smallest gap that still touch the parent
-MAX_STEP = 3.0  # spacings between neighbouring points of one contact
+CONTACT_RADIUS = 2.0  # of points that touch the parent, beyond the smallest gap, in point spacings
+MAX_STEP = 3.0  # between neighbouring points of one contact, in point spacings
 
 
 def organ_attachments(
@@ -35,11 +35,17 @@ def organ_attachments(
     spacings: Sequence[float],
     matches: Sequence[Match],
 ) -> list[tuple[Attachments, Attachments]]:
-    """Find where the matched organs of each interval are attached, in both of its scans.
+    """Find the attachments of the matched organs of each interval in both of its scans.
 
-    Of all places at which an organ touches its parent in each scan, (N, 3) points of these
-    spacings, those are chosen that move least through the series, by a shortest path through the
-    scans.
+    Of all contacts of an organ with its parent, one is chosen in each scan so that they move least
+    through the series, by a shortest path through the scans.
+
+    Parameters
+    ----------
+    clouds, spacings : sequences of (N, 3) float and float
+        Each scan, and its point spacing.
+    matches : sequence of Match
+        Of each interval.
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
@@ -47,9 +53,9 @@ def organ_attachments(
     contacts = [_contacts(*scan, matched) for scan in scans]
     chosen: list[Attachments] = [{} for _ in clouds]
     for organ in matched:
-        places = [scan for scan, found in enumerate(contacts) if organ in found]
-        choices = [contacts[scan][organ] for scan in places]
-        for scan, contact in zip(places, _least_moving(choices), strict=True):
+        present = [scan for scan, of_scan in enumerate(contacts) if organ in of_scan]
+        candidates = [contacts[scan][organ] for scan in present]
+        for scan, contact in zip(present, _least_moving(candidates), strict=True):
             chosen[scan][organ] = contact
     return list(pairwise(chosen))
 
@@ -57,7 +63,7 @@ def organ_attachments(
 def _contacts(
     cloud: Cloud, spacing: float, hierarchy: Hierarchy, organs: set[int]
 ) -> dict[int, list[Cloud]]:
-    """Of each of these organs the connected groups of its points that touch its parent."""
+    """Organ -> connected components of its points that touch its parent."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
@@ -75,45 +81,44 @@ def _contacts(
         own = cloud[sampled(members)].astype(np.float64)
         step = spacing * (len(members) / len(own)) ** 0.5  # the spacing of the sample
         gap = trees[parent].query(own)[0]
-        near = own[gap <= gap.min() + CONTACT_RADIUS * step]
-        pairs = KDTree(near).query_pairs(MAX_STEP * step, output_type="ndarray")
-        graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(near), len(near)))
-        count, group = connected_components(graph, directed=False)
-        contacts[organ] = [near[group == k] for k in range(count)]
+        touching = own[gap <= gap.min() + CONTACT_RADIUS * step]
+        pairs = KDTree(touching).query_pairs(MAX_STEP * step, output_type="ndarray")
+        graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(touching), len(touching)))
+        count, component = connected_components(graph, directed=False)
+        contacts[organ] = [touching[component == k] for k in range(count)]
     return contacts
 
 
-def _least_moving(choices: Sequence[Sequence[Cloud]]) -> list[Cloud]:
-    """One choice a scan, so that the distances between successive ones have the smallest sum."""
+def _least_moving(candidates: Sequence[Sequence[Cloud]]) -> list[Cloud]:
+    """One contact of each scan, with the smallest sum of distances between successive ones."""
     from scipy.spatial.distance import cdist
 
-    if not choices:
+    if not candidates:
         return []
-    cost, steps = np.zeros(len(choices[0])), []
-    for before, after in pairwise(choices):
-        through = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost
-        steps.append(through.argmin(axis=1))
-        cost = through.min(axis=1)
-    picked = [int(cost.argmin())]
+    cost, steps = np.zeros(len(candidates[0])), []
+    for before, after in pairwise(candidates):
+        total = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost
+        steps.append(total.argmin(axis=1))
+        cost = total.min(axis=1)
+    path = [int(cost.argmin())]
     for step in reversed(steps):
-        picked.append(int(step[picked[-1]]))
-    return [groups[k] for groups, k in zip(choices, reversed(picked), strict=True)]
+        path.append(int(step[path[-1]]))
+    return [contacts[k] for contacts, k in zip(candidates, reversed(path), strict=True)]
 
 
 @dataclass(frozen=True)
 class OrganShape:
-    """A segment of a scan: a sample of its points, and the spine through it."""
+    """A sample of the points of a segment, and the spine through them."""
 
-    points: Points  # (n, 3), at most MAX_SAMPLE
+    points: Points  # (n, 3), n <= MAX_SAMPLE
     spine: Spine
     attachment: Points  # (3,)
-    lengths: NDArray[np.float64]  # (n,), geodesic distances from the plant base
-    # by child organ, which of these points it is attached at
-    nodes: dict[int, int] = field(default_factory=dict)
+    lengths: NDArray[np.float64]  # (n,) geodesic distances from the plant base
+    nodes: dict[int, int] = field(default_factory=dict)  # child organ -> point it is attached to
 
     @property
     def length(self) -> float:
-        """Of the spine."""
+        """Length of the spine."""
         return float(np.linalg.norm(np.diff(self.spine.nodes, axis=0), axis=1).sum())
 
 
@@ -124,20 +129,36 @@ def organ_shapes(
     attachments: Attachments,
     segments: Iterable[int],
 ) -> dict[int, OrganShape]:
-    """The shapes of organs of a scan, (N, 3), that have enough points and an attachment, by organ.
+    """Fit the spines of organs that have enough points and an attachment.
 
-    Geodesics run through the parents, from the plant base, (3,): an organ that leaves its parent
-    over a long contact, as a grass leaf does its whorl, is measured from where it leaves it first.
-    segments: those whose shapes, and whose ancestors', are wanted.
+    Geodesic distances are measured from the plant base through the parents. So the spine of an
+    organ with a long contact, like a leaf of grass in its whorl, starts at the contact's lowest
+    point.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+        The scan.
+    hierarchy : Hierarchy
+    base : (3,) float
+        The plant base.
+    attachments : Attachments
+    segments : iterable of int
+        The segments to fit, with their ancestors.
+
+    Returns
+    -------
+    dict of int to OrganShape
+        By organ.
     """
     from scipy.spatial import KDTree
 
     shapes: dict[int, OrganShape] = {}
-    needed = {above for segment in segments for above in (segment, *hierarchy.ancestors(segment))}
+    needed = {each for segment in segments for each in (segment, *hierarchy.ancestors(segment))}
     for segment in hierarchy.from_the_root():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
         organ = hierarchy.organs[segment]
-        above = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
+        parent_shape = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
         if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         contact = base[None] if parent == NO_PARENT else attachments.get(organ)
@@ -146,10 +167,10 @@ def organ_shapes(
         sample = points[sampled(members)].astype(np.float64)
         seeds = np.unique(KDTree(sample).query(contact)[1])
         offsets = np.zeros(len(seeds))
-        if above is not None:
-            gaps, touched = KDTree(above.points).query(sample[seeds])
-            offsets = above.lengths[touched] + gaps
-            above.nodes[organ] = int(touched[np.argmin(offsets)])
+        if parent_shape is not None:
+            gaps, touched = KDTree(parent_shape.points).query(sample[seeds])
+            offsets = parent_shape.lengths[touched] + gaps
+            parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
         lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)

@@ -1,4 +1,4 @@
-"""What a clip says of itself: its organs as tracks, and where it came from."""
+"""Describe a clip: its organs as tracks, and its provenance."""
 
 from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
@@ -19,10 +19,10 @@ from gclip.version import __version__
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
-    """The organs, the root first, as tracks: leaves go by the scans' labels, or as they appear."""
+    """The tracks of the organs, named by corrections, by the labels of the scans, or by number."""
     by_label, scans = labels.are_names, series.scans
     times = [*(scan.time for scan in scans), None]
-    is_stem = not (by_label and organs[0].label is None)  # what else is the root carries nothing
+    is_stem = not (by_label and organs[0].label is None)  # else the root is virtual
 
     def name(index: int, organ: Organ) -> str:
         if organ.label is not None and organ.label in labels.names:
@@ -34,10 +34,11 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
         return f"leaf {organ.label if by_label else index}"
 
     names = list(map(name, range(len(organs)), organs))
-    called = set(zip(names, (organ.label for organ in organs), strict=True))
-    for label, one in labels.names.items():
-        if any(name == one.name and other != label for name, other in called):
-            raise InputError(f"{one.said}: another organ is called '{one.name}', too.")
+    used = set(zip(names, (organ.label for organ in organs), strict=True))
+    for label, correction in labels.names.items():
+        if any(name == correction.name and other != label for name, other in used):
+            message = f"another organ is called '{correction.name}', too."
+            raise InputError(f"{correction.title}: {message}")
     return tuple(
         Track(
             id=index,
@@ -60,25 +61,23 @@ def describe_provenance(
     hierarchies: Sequence[Hierarchy],
     options: Options,
 ) -> dict[str, Any]:
-    """What made a clip: enough to bake it again and to see that it is the same.
+    """The provenance of a clip: everything needed to bake it again (docs/format.md).
 
     Parameters
     ----------
-    raw : Series
-        All scans as they were read.
-    series : Series
-        The scans that were baked.
+    raw, series : Series
+        All scans as they were read, and the scans that were baked.
     alignment : Alignment
-        Of all raw scans.
+        Of all scans.
     labels : LabelUse
     hierarchies : sequence of Hierarchy
     options : Options
-        As they were requested.
+        As the user gave them.
 
     Returns
     -------
     dict
-        What JSON can hold.
+        Values that JSON can represent.
     """
     notes: list[str] = []
     if len(series.scans) < len(raw.scans):
@@ -102,9 +101,9 @@ def describe_provenance(
 def software(
     scans: Iterable[Path] = (), outliers: float | None = None
 ) -> dict[str, dict[str, str]]:
-    """Versions of the program and of the packages that a clip's numbers come from.
+    """Versions of the program, and of the packages on which the numbers in a clip depend.
 
-    Open3D is named where one of the scans is a mesh, or where it removes outliers.
+    Open3D is one of them if a scan is a mesh, or if outliers are removed.
     """
     packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
     if outliers is not None or any(READERS.get(suffix_of(path)) == "mesh" for path in scans):

@@ -1,8 +1,8 @@
 """Smooth the directions of organs over the series (`--smooth`).
 
-A plant sways from scan to scan, and scanners err. Every organ keeps its shape and is turned about
-its attachment point so that its direction follows a robust smooth curve over the real times; its
-children go along. The scans are then no longer met exactly.
+Plants sway from scan to scan, and scanners have errors. Every organ is rotated about its attachment
+point, with its children, so that its direction follows a robust smooth curve over time. The clip
+then does not reproduce the scans exactly.
 """
 
 from collections.abc import Sequence
@@ -17,9 +17,9 @@ from baker.interpolation.spine import unit
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
-MIN_SCANS = 4  # that show an organ, below which nothing tells swaying from growing
-WINDOW = 9  # scans that a local line is fitted to
-ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # median residuals at which a scan no longer counts
+MIN_SCANS = 4  # with an organ; in fewer, swaying can't be distinguished from growth
+WINDOW = 9  # number of scans that a local line is fitted to
+ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # residual : median, at which the weight is 0
 
 
 def smooth_organs(
@@ -27,60 +27,70 @@ def smooth_organs(
     matches: Sequence[Match],
     times: Sequence[float],
 ) -> list[Keyframe]:
-    """The keyframes with every organ turned about its attachment point onto its smooth direction.
+    """Rotate every organ about its attachment point to its smoothed direction.
 
-    Organs that fewer than four scans show, and those without a parent, are only carried along.
+    Organs in fewer than `MIN_SCANS` scans, and those without a parent, only move with their parent.
+
+    Parameters
+    ----------
+    keyframes : sequence of Keyframe
+    matches : sequence of Match
+        Of successive intervals, with organs.
+    times : sequence of float
+        Of the scans.
     """
     scans = [matches[0].first, *(match.second for match in matches)]
-    attached = [_bases(frame.positions, scan) for frame, scan in zip(keyframes, scans, strict=True)]
-    arms: dict[int, dict[int, NDArray[np.float64]]] = {}  # by organ and scan
+    attachments = list(map(_attachments, [frame.positions for frame in keyframes], scans))
+    offsets: dict[int, dict[int, NDArray[np.float64]]] = {}  # of centroids, by organ and scan
     for k, (frame, hierarchy) in enumerate(zip(keyframes, scans, strict=True)):
-        for segment, base in attached[k].items():
-            middle = frame.positions[hierarchy.segments[segment]].mean(axis=0)
-            arms.setdefault(hierarchy.organs[segment], {})[k] = middle - base
-    turns: dict[tuple[int, int], NDArray[np.float64]] = {}
-    for organ, course in arms.items():
-        if len(course) >= MIN_SCANS:
-            when = np.asarray([times[k] for k in course])
-            directions = unit(np.array([*course.values()]))
-            smooth = unit(local_regression(when, directions))
-            rotations = rotations_between(directions, smooth)
-            turns |= {(organ, k): turn for k, turn in zip(course, rotations, strict=True)}
+        for segment, point in attachments[k].items():
+            centroid = frame.positions[hierarchy.segments[segment]].mean(axis=0)
+            offsets.setdefault(hierarchy.organs[segment], {})[k] = centroid - point
+    rotations: dict[tuple[int, int], NDArray[np.float64]] = {}
+    for organ, by_scan in offsets.items():
+        if len(by_scan) >= MIN_SCANS:
+            directions = unit(np.array([*by_scan.values()]))
+            organ_times = np.asarray([times[k] for k in by_scan])
+            smooth = unit(local_regression(organ_times, directions))
+            organ_rotations = rotations_between(directions, smooth)
+            rotations |= {(organ, k): r for k, r in zip(by_scan, organ_rotations, strict=True)}
     smoothed = []
     for k, (frame, hierarchy) in enumerate(zip(keyframes, scans, strict=True)):
         positions = frame.positions.astype(np.float64)
-        carried = {NO_PARENT: (np.eye(3), np.zeros(3))}
+        motions = {NO_PARENT: (np.eye(3), np.zeros(3))}
         for segment in hierarchy.from_the_root():
-            turn, shift = carried[hierarchy.parents[segment]]
+            rotation, shift = motions[hierarchy.parents[segment]]
             organ = hierarchy.organs[segment]
-            if (organ, k) in turns:
-                base = attached[k][segment]
-                shift, turn = turn @ base + shift, turns[organ, k]
-                shift = shift - turn @ base
+            if (organ, k) in rotations:
+                point = attachments[k][segment]
+                shift, rotation = rotation @ point + shift, rotations[organ, k]
+                shift = shift - rotation @ point
             members = hierarchy.segments[segment]
-            positions[members] = positions[members] @ turn.T + shift
-            carried[segment] = turn, shift
+            positions[members] = positions[members] @ rotation.T + shift
+            motions[segment] = rotation, shift
         smoothed.append(replace(frame, positions=positions.astype(np.float32)))
     return smoothed
 
 
-def _bases(cloud: NDArray[np.floating], hierarchy: Hierarchy) -> dict[int, NDArray[np.floating]]:
-    """By segment that has points, its point nearest to its parent: where it is attached."""
+def _attachments(
+    cloud: NDArray[np.floating], hierarchy: Hierarchy
+) -> dict[int, NDArray[np.floating]]:
+    """Segment -> its point nearest to its parent, for segments with points."""
     from scipy.spatial import KDTree
 
     clouds = [cloud[members] for members in hierarchy.segments]
     pairs = enumerate(zip(clouds, hierarchy.parents, strict=True))
     return {
-        segment: own[KDTree(clouds[parent]).query(own)[0].argmin()]
-        for segment, (own, parent) in pairs
-        if parent != NO_PARENT and len(own) and len(clouds[parent])
+        segment: points[KDTree(clouds[parent]).query(points)[0].argmin()]
+        for segment, (points, parent) in pairs
+        if parent != NO_PARENT and len(points) and len(clouds[parent])
     }
 
 
 def local_regression(
     times: NDArray[np.float64], values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(n, d) values on robust local lines over uneven times, (n,).
+    """Smooth (n, d) values over (n,) times by robust local linear regression (LOWESS).
 
     References
     ----------
@@ -89,17 +99,17 @@ def local_regression(
     lag = times - times[:, None]
     radius = np.sort(np.abs(lag), axis=1)[:, min(WINDOW, len(times)) - 1] * 1.01 + 1e-12
     tricube = np.maximum(1 - (np.abs(lag) / radius[:, None]) ** 3, 0) ** 3
-    trust = np.ones(len(times))
+    robustness = np.ones(len(times))
     for _ in range(ROBUST_ITERATIONS):
-        weights = tricube * trust
+        weights = tricube * robustness
         weights /= weights.sum(axis=1, keepdims=True)
         mean_lag = (weights * lag).sum(axis=1, keepdims=True)
         centered = weights * (lag - mean_lag)
         slope = centered @ values / np.maximum((centered * lag).sum(axis=1, keepdims=True), 1e-300)
         fitted = weights @ values - mean_lag * slope
         residual = np.linalg.norm(values - fitted, axis=1)
-        usual = float(np.median(residual))
-        if usual <= 1e-12 * (1 + np.abs(values).max()):
+        median = float(np.median(residual))
+        if median <= 1e-12 * (1 + np.abs(values).max()):
             break
-        trust = np.maximum(1 - (residual / (OUTLIER_RATIO * usual)) ** 2, 0) ** 2 + 1e-6
+        robustness = np.maximum(1 - (residual / (OUTLIER_RATIO * median)) ** 2, 0) ** 2 + 1e-6
     return fitted

@@ -1,4 +1,4 @@
-"""The spine of an organ: the curve through the level sets of geodesic distance within it."""
+"""The spine of an organ: a curve through the level sets of the geodesic distance in it."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ Points = NDArray[np.float64]
 
 LEVELS = 11  # nodes of a spine
 NEIGHBORS = 9  # of the kNN graph
-TIP_QUANTILE = 0.98  # of geodesic distance, at which the tip lies; what is beyond may be noise
-KERNEL_WIDTH = 0.09  # of a level, as a share of the spine's length
-MAX_SAMPLE = 400  # points of an organ that its spine is fitted to
+TIP_QUANTILE = 0.98  # of the geodesic distances, that of the tip; larger ones may be noise
+KERNEL_WIDTH = 0.09  # of a level, in lengths of the spine
+MAX_SAMPLE = 400  # points of an organ to which its spine is fitted
 MIN_POINTS_FOR_SPINE = 12
 
 
@@ -21,13 +21,13 @@ MIN_POINTS_FOR_SPINE = 12
 class Spine:
     """A curve from an organ's attachment (along = 0) to its tip (along = 1)."""
 
-    nodes: Points  # (LEVELS, 3), at even steps along
-    tangents: Points  # (LEVELS, 3), unit vectors towards the tip
-    along: NDArray[np.float64]  # (n,), where each of the organ's points lies, 0 to 1
+    nodes: Points  # (LEVELS, 3) at even steps along the spine
+    tangents: Points  # (LEVELS, 3) unit vectors towards the tip
+    along: NDArray[np.float64]  # (n,) position of each of the organ's points, 0 to 1
 
 
 def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
-    """At most MAX_SAMPLE of an organ's points, the same ones every time."""
+    """A random sample of at most MAX_SAMPLE of an organ's points, the same in every call."""
     if len(members) <= MAX_SAMPLE:
         return members
     chosen = np.random.default_rng(0).permutation(len(members))[:MAX_SAMPLE]
@@ -37,16 +37,15 @@ def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
 def path_lengths(
     points: Points, seeds: NDArray[np.intp], offsets: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(n,) geodesic distances from the seeds, above the smallest of their offsets."""
+    """(n,) geodesic distances from seeds with offsets, minus the smallest offset."""
     graph, _, _ = connected_knn_graph(points, NEIGHBORS)
     return geodesic_distances(graph, seeds, offsets - offsets.min())
 
 
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
-    """The spine through an organ's level sets of geodesic distance, (n,), from its attachment.
+    """Fit the spine of an organ by local linear regression, which is not biased at the ends.
 
-    A node is the value at its level of a line fitted to the points around it, which is not biased
-    at the ends; the line's slope is the tangent.
+    lengths: (n,) geodesic distances of the points from the attachment.
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
@@ -62,19 +61,19 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
 
 
 def levels() -> NDArray[np.float64]:
-    """(LEVELS,) the places of a spine's nodes."""
+    """(LEVELS,) positions of the nodes along a spine."""
     return np.linspace(0.0, 1.0, LEVELS)
 
 
 def at_levels(values: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values at the levels, (LEVELS, ...), interpolated linearly at (n,) places: (n, ...)."""
-    place = np.clip(along, 0.0, 1.0) * (LEVELS - 1)
-    before = np.minimum(place.astype(np.intp), LEVELS - 2)
-    share = (place - before).reshape(-1, *[1] * (values.ndim - 1))
-    return (1.0 - share) * values[before] + share * values[before + 1]
+    """Interpolate (LEVELS, ...) values of the nodes linearly at (n,) positions along the spine."""
+    position = np.clip(along, 0.0, 1.0) * (LEVELS - 1)
+    lower = np.minimum(position.astype(np.intp), LEVELS - 2)
+    share = (position - lower).reshape(-1, *[1] * (values.ndim - 1))
+    return (1.0 - share) * values[lower] + share * values[lower + 1]
 
 
 def unit(vectors: Points) -> Points:
-    """Vectors at length 1, zeros upright."""
+    """Scale vectors to length 1; zero vectors become z."""
     norm = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(norm > 0, vectors / np.where(norm > 0, norm, 1.0), (0.0, 0.0, 1.0))

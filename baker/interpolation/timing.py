@@ -1,8 +1,8 @@
-"""Where an organ is at mid-interval, predicted from the intervals before and after.
+"""Predict where organs are on their paths at mid-interval, from the intervals before and after.
 
-What grows comes to rest by and by: at mid-interval it is beyond the middle of its path. Two scans
-don't show that, the next ones do, wherever an organ keeps its direction. What sways changes its
-direction from scan to scan, and moves evenly.
+Growth slows down, so at mid-interval an organ is usually beyond the middle of its path. This can be
+estimated from the neighbouring intervals if the organ keeps its direction of motion. Organs that
+sway change their direction from scan to scan, and are assumed to move evenly.
 """
 
 from collections.abc import Sequence
@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from baker.matching import Match
 
-# Cosines of an organ's displacements in two intervals from which on, and at which, one predicts the
-# other (docs/method.md, "Timing").
+# Cosine of an organ's displacements in two intervals: below the first, its speeds are not related,
+# at the second they are (docs/method.md, "Motion of organs").
 MIN_COSINE, FULL_COSINE = 0.9, 1.0
-# The same of the median organ: below it the plant sways, and what keeps its direction does so by
-# chance. A threshold: by degrees one more scan would change every interval a little.
+# The median of all organs: below it the plant sways, and organs keep their direction by chance. It
+# is a threshold and not a weight, so that another scan does not change all intervals.
 MIN_MEDIAN_COSINE = 0.95
-MAX_OFFSET = 0.25  # of the displacement: beyond it a path of degree two would turn back
-MIN_DISPLACEMENT = 1.0  # point spacings; what moves less has no direction
-MIN_SHIFT = 0.1  # point spacings; less is below what a scan shows
+MAX_OFFSET = 0.25  # in displacements; with more, a curve of degree 2 would turn back
+MIN_DISPLACEMENT = 1.0  # in point spacings, of organs that have a direction of motion
+MIN_SHIFT = 0.1  # in point spacings; smaller ones can't be seen
 MIN_POINTS_FOR_RADIUS = 20
 
 Vector = NDArray[np.float64]
@@ -32,15 +32,14 @@ Vector = NDArray[np.float64]
 class Timing:
     """How far beyond the middle of its path an organ is at mid-interval."""
 
-    displacement: Vector  # (3,) of the organ's middle
-    offset: float  # of the middle, as a share of that
-    # of growth about the middle, as a share of the rest of a point's displacement
-    radial_offset: float
+    displacement: Vector  # (3,) of the organ's centroid
+    offset: float  # of the centroid, as a share of its displacement
+    radial_offset: float  # of growth about the centroid, as a share of the relative displacement
 
     def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Vector:
-        """(N, 3) how far movers between these points are from the middle of their paths."""
-        rest = np.asarray(end, float) - start - self.displacement
-        return np.asarray(self.offset * self.displacement + self.radial_offset * rest)
+        """(N, 3) offsets of movers between these points from the middle of their paths."""
+        relative = np.asarray(end, float) - start - self.displacement
+        return np.asarray(self.offset * self.displacement + self.radial_offset * relative)
 
 
 def organ_timings(
@@ -49,16 +48,26 @@ def organ_timings(
     times: Sequence[float],
     spacing: float,
 ) -> list[dict[int, Timing]]:
-    """How far organs are beyond the middle of their paths at mid-interval.
+    """Estimate how far organs are beyond the middle of their paths at mid-interval.
 
-    clouds, times: the scans' points, (N, 3), and when they were taken. spacing: point spacing of
-    the scans, in their unit. Returns for each interval, by organ, its timing; organs that move
-    evenly are left out.
+    Parameters
+    ----------
+    clouds, times : sequences of (N, 3) float and float
+        The scans and their times.
+    matches : sequence of Match
+        Of each interval.
+    spacing : float
+        Point spacing of the scans.
+
+    Returns
+    -------
+    list of dict of int to Timing
+        For each interval, by organ; organs that move evenly are left out.
 
     References
     ----------
     F. N. Fritsch and J. Butland (1984), A Method for Constructing Local Monotone Piecewise Cubic
-    Interpolants: the speed at a scan is the weighted harmonic mean of those before and after.
+    Interpolants: the speed at a scan is a weighted harmonic mean of the speeds before and after.
     """
     changes = list(map(_changes, clouds, clouds[1:], matches))
     moved, grown = [change[0] for change in changes], [change[1] for change in changes]
@@ -88,7 +97,7 @@ def organ_timings(
 def _changes(
     source: NDArray[np.floating], target: NDArray[np.floating], match: Match
 ) -> tuple[dict[int, Vector], dict[int, Vector]]:
-    """By matched organ (3,) the displacement of its middle, and (1,) what its radius grows by."""
+    """Matched organ -> (3,) displacement of its centroid; organ -> (1,) increase of its radius."""
     moved, grown = {}, {}
     for a, b in match.pairs:
         before, after = match.first.segments[a], match.second.segments[b]
@@ -104,11 +113,11 @@ def _changes(
 def _offset(
     changes: Sequence[dict[int, Vector]], spans: Sequence[float], k: int, organ: int, limit: float
 ) -> float:
-    """How far beyond half of its change an organ is at mid-interval, as a share of the change.
+    """The offset of an organ at mid-interval beyond half of its change, as a share of the change.
 
-    A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, v and w its speeds at the ends.
-    At the series' ends speeds go on to change as they do at the interval's other scan, up to
-    `limit`: growth is slow at first and at last.
+    A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, with speeds v and w at its ends.
+    At the ends of the series, the acceleration is continued from the other scan of the interval, up
+    to `limit`.
     """
     first, last = (
         _acceleration(changes[k][organ], spans[k], changes[n][organ], spans[n])
@@ -126,9 +135,9 @@ def _offset(
 
 
 def _acceleration(displacement: Vector, span: float, other: Vector, other_span: float) -> float:
-    """By how much faster an organ is at a scan than in the interval before or after it, as a share.
+    """The relative difference between the speed of an organ at a scan and in an adjacent interval.
 
-    other, other_span: displacement and length of the interval on the scan's other side.
+    other, other_span: displacement and duration of the interval on the other side of the scan.
     """
     speed = float(np.linalg.norm(displacement)) / span
     other_speed = float(np.linalg.norm(other)) / other_span
@@ -141,6 +150,6 @@ def _acceleration(displacement: Vector, span: float, other: Vector, other_span: 
 
 
 def _cosine(first: Vector, second: Vector) -> float:
-    """0 where either has no length."""
+    """The cosine of the angle between two vectors; 0 if one is zero."""
     lengths = float(np.linalg.norm(first) * np.linalg.norm(second))
     return float(first @ second) / lengths if lengths > 0 else 0.0

@@ -1,4 +1,4 @@
-"""Which segment becomes which from scan to scan (paper section 3.3), and the organs' tracks."""
+"""Match the segments of successive scans (section 3.3 of the paper), and track organs."""
 
 from baker.matching.labels import LabelUse, follow_labels, label_policy
 from baker.matching.match import (

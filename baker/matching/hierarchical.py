@@ -1,8 +1,8 @@
-"""Matching down the hierarchies where labels are not consistent (paper section 3.3.1).
+"""Match the hierarchies of two scans with inconsistent labels (section 3.3.1 of the paper).
 
-The roots are matched. Each segment of the second scan that is matched is merged with children for
-as long as that brings it nearer to its partner; then the remaining children are matched. Whole
-subtrees are born or lost.
+The roots are matched first. A matched segment of the second scan is merged with its children as
+long as this reduces the distance to its partner; then the remaining children are matched. Subtrees
+of unmatched segments are born or lost.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,31 +22,47 @@ def match_hierarchies(
     distance: Distance,
     report_matched: Callable[[int], None] = lambda segments: None,
 ) -> tuple[Hierarchy, list[tuple[int, int]]]:
-    """Match the segment hierarchies of two scans from the roots on.
+    """Match the segment hierarchies of two scans from the roots down.
 
-    points: (N, 3) of both scans, aligned; distance: of two segments, (n, 3) and (m, 3), in length
-    units; report_matched: called before each distance with how many segments of the second scan are
-    matched or merged. Returns the second hierarchy after merging, and the pairs of matched segments
-    of the first one and of that; all others are born or lost.
+    Parameters
+    ----------
+    points : two (N, 3) float ndarrays
+        The aligned scans.
+    hierarchies : two Hierarchy
+    distance : callable
+        Of two segments, (n, 3) and (m, 3), in length units.
+    report_matched : callable
+        Called with the number of segments of the second scan that are matched or merged.
+
+    Returns
+    -------
+    hierarchy : Hierarchy
+        The second one after merging.
+    pairs : list of (int, int)
+        Matched segments of the first and of the returned hierarchy; all others are born or lost.
+
+    References
+    ----------
+    Section 3.3.1 of the paper, "Merging" and "Matching".
     """
     first, second = hierarchies
-    groups: dict[int, list[int]] = {}  # what is merged into each matched segment, itself first
+    groups: dict[int, list[int]] = {}  # matched segment -> itself and the segments merged into it
 
-    def measured(source: int, group: Sequence[int]) -> float:
+    def group_distance(source: int, group: Sequence[int]) -> float:
         report_matched(sum(map(len, groups.values())))
         target = np.concatenate([second.segments[s] for s in group])
         return distance(points[0][first.segments[source]], points[1][target])
 
     def children(hierarchy: Hierarchy, group: Sequence[int]) -> list[int]:
-        """Those that are not part of the group; an empty one has no shape."""
-        found = (child for segment in group for child in hierarchy.children(segment))
-        return [c for c in found if c not in group and len(hierarchy.segments[c])]
+        """The children of a group that are not part of it and have points."""
+        candidates = (child for segment in group for child in hierarchy.children(segment))
+        return [c for c in candidates if c not in group and len(hierarchy.segments[c])]
 
     def merge(source: int, group: list[int]) -> None:
-        """Merge children into the group, the largest gain first, while one gains."""
-        current = measured(source, group)
-        while candidates := sorted(children(second, group)):  # ties go to the lowest
-            distances = [measured(source, [*group, child]) for child in candidates]
+        """Merge children into the group as long as the distance falls, the best one first."""
+        current = group_distance(source, group)
+        while candidates := sorted(children(second, group)):  # of equal ones the first is merged
+            distances = [group_distance(source, [*group, child]) for child in candidates]
             nearest = min(distances)
             if not nearest < current:
                 return
@@ -62,20 +78,20 @@ def match_hierarchies(
             merge(a, groups[b])
         source, target = children(first, [a]), children(second, groups[b])
         if source and target:
-            costs = np.array([[measured(p, [q]) for q in target] for p in source])
+            costs = np.array([[group_distance(p, [q]) for q in target] for p in source])
             queue += [(source[i], target[j]) for i, j in assign_by_minima(costs)]
-    inside = {segment for group in groups.values() for segment in group}
-    alone = [[s] for s in range(len(second.segments)) if s not in inside]
-    merged = sorted([*groups.values(), *alone])
+    matched_or_merged = {segment for group in groups.values() for segment in group}
+    unmatched = [[s] for s in range(len(second.segments)) if s not in matched_or_merged]
+    merged = sorted([*groups.values(), *unmatched])
     index = {group[0]: number for number, group in enumerate(merged)}
     return second.merged(merged), [(a, index[b]) for a, b in matched]
 
 
 def assign_by_minima(costs: NDArray[np.floating]) -> list[tuple[int, int]]:
-    """Assign as the paper does: the surplus of the larger side is left out first (section 3.3.1).
+    """Assign rows to columns of (n, m) costs, leaving out the surplus of the larger side first.
 
-    Of the larger side, the ``|n - m|`` segments whose nearest partner is farthest stay unmatched.
-    Returns ``min(n, m)`` pairs, by row.
+    Of the larger side, the ``|n - m|`` segments with the largest minimum cost stay unmatched
+    (section 3.3.1 of the paper). Returns ``min(n, m)`` pairs, by row.
     """
     from scipy.optimize import linear_sum_assignment
 

@@ -1,7 +1,7 @@
-"""What the scans' labels mean: the same organs in all scans, or numbers given anew in each.
+"""Decide whether the labels of the scans are consistent, and make them so by tracking organs.
 
-Labels that are not consistent are made so by following the organs through the series
-(`baker.matching.tracking`), and so are the organs of scans that have no labels.
+Organs are tracked through the series (`baker.matching.tracking`) where labels are independent in
+each scan, or where scans have no labels.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,41 +22,40 @@ from baker.segmentation.hierarchy import Hierarchy, split_by_label
 Points = NDArray[np.floating]
 Labels = NDArray[np.int64]
 
-# Labels of a scan, above which they number something else than organs: matching each with each of
-# the next scan's would take hours.
+# A scan with more labels is refused: they are not organs, and matching them would take hours.
 MOST_ORGANS = 1000
-# Agreement of labels beyond chance, above which they are names. In twenty series with the same
-# labels in all scans it is 0.86 or more; with their labels shuffled -0.6 to 0.5.
+# Labels are consistent if they agree so much beyond chance. In twenty series with consistent
+# labels the agreement is 0.86 or more; with their labels shuffled -0.6 to 0.5.
 MIN_AGREEMENT = 0.5
 DOUBTFUL_AGREEMENT = (0.3, 0.75)
-MIN_SHARED = 0.5  # of the labels of a scan that the next one needs for them to be names
+MIN_SHARED = 0.5  # share of labels that two successive scans have in common, if consistent
 
 
 @dataclass(frozen=True)
 class LabelUse:
     """The labels to bake with."""
 
-    labels: tuple[Labels | None, ...]  # (N,) of each scan, None where its organs are to be found
-    consistent: bool  # the same organ has the same label in all scans
-    findings: tuple[Finding, ...] = ()  # what was decided about the labels
-    renamed: bool = False  # they are track numbers, not the scans' own labels
-    unlabelled: bool = False  # the organs themselves were found without labels
-    names: Mapping[int, PointCorrection] = field(default_factory=dict)  # by label, given by hand
+    labels: tuple[Labels | None, ...]  # (N,) of each scan, None where it has no labels
+    consistent: bool  # whether an organ has the same label in all scans
+    findings: tuple[Finding, ...] = ()
+    renamed: bool = False  # whether they are track numbers, not the labels of the scans
+    unlabelled: bool = False  # whether all organs were found without labels
+    names: Mapping[int, PointCorrection] = field(default_factory=dict)  # by label
 
     @property
     def are_names(self) -> bool:
-        """Whether the scans' own labels name organs."""
+        """Whether the labels of the scans identify organs."""
         return self.consistent and not self.renamed
 
     @property
     def given(self) -> list[Labels]:
-        """The labels of the scans that have any."""
-        return [own for own in self.labels if own is not None]
+        """The labels of the scans that have labels."""
+        return [organs for organs in self.labels if organs is not None]
 
     def with_given(self, corrected: Sequence[Labels]) -> "LabelUse":
-        """The same, with other labels for those scans that have any."""
+        """Replace the labels of the scans that have labels."""
         pairs = zip(self.labels, corrected, strict=True)
-        return replace(self, labels=tuple(None if own is None else new for own, new in pairs))
+        return replace(self, labels=tuple(None if old is None else new for old, new in pairs))
 
 
 def label_policy(
@@ -67,32 +66,32 @@ def label_policy(
     requested: str,
     field: str = "",
 ) -> LabelUse:
-    """Decide how the scans' labels are used.
+    """Decide how the labels of the scans are used.
 
     Parameters
     ----------
     labels : sequence of (N,) int64 ndarray or None
         The labels of each scan, as they were read.
     names : sequence of str
-        The scans' names, for messages.
+        The names of the scans, for messages.
     clouds : sequence of (N, 3) float ndarray
         The aligned scans.
     root_points : sequence of int
-        Point of each scan at the plant base.
+        Index of the point at the plant base, for each scan.
     requested : {"auto", "consistent", "independent", "ignore"}
-        ``auto`` takes labels as consistent unless organs of the same label lie as chance has it.
+        With "auto", labels are consistent if their `label_agreement` is high.
     field : str
-        What the labels are called in the scans.
+        The name of the field of labels.
 
     Returns
     -------
     LabelUse
-        Labels that are independent are left as they are; `follow_labels` makes them consistent.
+        Independent labels are left unchanged; `follow_labels` makes them consistent.
 
     Raises
     ------
     InputError
-        Labels are asked for and no scan has any, or a scan has more than `MOST_ORGANS`.
+        If labels are requested but no scan has any, or a scan has more than `MOST_ORGANS`.
     """
     if requested == "ignore":
         return LabelUse((None,) * len(labels), False, (Finding("labels", "not used, as asked"),))
@@ -100,8 +99,8 @@ def label_policy(
     if not given:
         if requested != "auto":
             raise InputError(f"The scans have no labels; --labels {requested} needs them.")
-        said = "none; organs are found and followed by their shapes"
-        return LabelUse((None,) * len(labels), False, (Finding("labels", said),))
+        found = "none; organs are found and followed by their shapes"
+        return LabelUse((None,) * len(labels), False, (Finding("labels", found),))
     own = [np.asarray(labels[k]) for k in given]
     counts = [len(np.unique(numbers)) for numbers in own]
     for k, count in zip(given, counts, strict=True):
@@ -113,13 +112,12 @@ def label_policy(
             )
     if requested != "auto":
         consistent = requested == "consistent"
-        said = _said(field, counts, len(labels), consistent, is_asked=True)
-        return LabelUse(tuple(labels), consistent, (Finding("labels", said),))
+        found = _describe(field, counts, len(labels), consistent, is_asked=True)
+        return LabelUse(tuple(labels), consistent, (Finding("labels", found),))
     places = [clouds[k] for k in given], own, [root_points[k] for k in given]
     agreement = label_agreement(*places)
     consistent = agreement >= MIN_AGREEMENT
-    said = _said(field, counts, len(labels), consistent, is_asked=False)
-    finding = Finding("labels", said)
+    finding = Finding("labels", _describe(field, counts, len(labels), consistent, is_asked=False))
     low, high = DOUBTFUL_AGREEMENT
     if low < agreement < high:
         doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
@@ -128,15 +126,17 @@ def label_policy(
     return LabelUse(tuple(labels), consistent, (finding,))
 
 
-def _said(field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool) -> str:
+def _describe(
+    field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool
+) -> str:
     few, many = min(counts), max(counts)
     organs = f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
     meaning = "the same ones in all scans" if consistent else "numbered anew in every scan"
     name = f"'{field}', " if field else ""
-    said = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
+    text = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
     if len(counts) < scans:
-        said += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
-    return said
+        text += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
+    return text
 
 
 def follow_labels(
@@ -146,57 +146,65 @@ def follow_labels(
     root_points: Sequence[int],
     corrections: Sequence[PointCorrection] = (),
 ) -> LabelUse:
-    """Consistent labels from independent ones, or from organs that were found without labels.
+    """Make labels consistent by tracking the organs.
 
     Parameters
     ----------
     use : LabelUse
-        What `label_policy` decided.
+        As `label_policy` returns it.
     clouds, hierarchies, root_points, corrections
         As in `baker.matching.tracking.track_organs`.
 
     Returns
     -------
     LabelUse
-        The track number of every point, by first appearance; an organ that one scan cuts finer than
-        its neighbors is one organ again. Where labels are consistent but some scans have none,
-        these get them by the tracks, from the nearest scan that has them.
+        With the track number of every point; an organ that one scan cuts finer than its neighbours
+        is one organ. If labels are consistent and only missing in some scans, an organ there gets
+        the label of its track in the nearest scan with labels.
     """
     unlabelled = not use.given
     tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
     if use.consistent:
-        return replace(use, labels=tuple(_completed(use.labels, tracks)))
+        return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
     if not unlabelled:
-        places = [place for correction in corrections for place in correction.places]
-        merged = merge_parts(clouds, tracks, {int(tracks[scan][point]) for scan, point in places})
+        corrected = [place for correction in corrections for place in correction.places]
+        merged = merge_parts(clouds, tracks, {int(tracks[scan][point]) for scan, point in corrected})
         if any(map(np.any, map(np.not_equal, merged, tracks))):
-            # A part may have taken the place of another organ in the next scan.
+            # A part may have been linked to another organ of the next scan.
             hierarchies = coarse_hierarchies(clouds, merged, root_points)
             tracks = track_organs(clouds, hierarchies, root_points, corrections=corrections)
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 
-def _completed(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
-    given = [(scan, own) for scan, own in enumerate(labels) if own is not None]
-    unused = 1 + max(int(own.max()) for _, own in given)
+def _complete_labels(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
+    """Label the scans without labels by their tracks."""
+    given = [(scan, organs) for scan, organs in enumerate(labels) if organs is not None]
+    unused = 1 + max(int(organs.max()) for _, organs in given)
     completed = []
-    for k, (wanted, track) in enumerate(zip(labels, tracks, strict=True)):
+    for k, (own, track) in enumerate(zip(labels, tracks, strict=True)):
         names: dict[int, int] = {}
-        for scan, own in sorted(given, key=lambda one: -abs(one[0] - k)):  # the nearest comes last
-            names |= zip(tracks[scan].tolist(), own.tolist(), strict=True)
-        named = np.array([names.get(number, unused + number) for number in track.tolist()])
-        completed.append(named if wanted is None else wanted)
+        for scan, organs in sorted(given, key=lambda item: -abs(item[0] - k)):  # the nearest last
+            names |= zip(tracks[scan].tolist(), organs.tolist(), strict=True)
+        found = np.array([names.get(number, unused + number) for number in track.tolist()])
+        completed.append(found if own is None else own)
     return completed
 
 
 def label_agreement(
     clouds: Sequence[Points], labels: Sequence[NDArray[np.integer]], root_points: Sequence[int]
 ) -> float:
-    """How much nearer organs of the same label are than chance has it, from scan to scan.
+    """Agreement of labels from scan to scan beyond chance, by the distances of organs' centroids.
 
-    1 where no other choice of labels would bring the organs' centers nearer to those in the next
-    scan, 0 where they are as far as with labels at random (as Cohen's kappa counts agreement). The
-    stem counts only where its label changes: many who number organs at random begin with the stem.
+    It is 1 if no other labels would reduce the distances between organs of the same label in
+    successive scans, and 0 if random labels would give the same distances (like Cohen's kappa). The
+    stem is left out if it has the same label in most scans: it is often 0 even if other labels are
+    random.
+
+    Parameters
+    ----------
+    clouds, labels : sequences of (N, 3) float and (N,) int ndarrays
+    root_points : sequence of int
+        Index of the point at the plant base, for each scan.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist

@@ -1,8 +1,8 @@
-"""Which leaflets of an organ are the same in two scans.
+"""Match the leaflets of an organ in two scans.
 
-Where a branch bears leaves, new ones appear from scan to scan. Mass spread evenly over the whole
-branch would make room for them, and points would leave one leaf for the next. So leaflets that both
-scans show are transported each on its own, and the stalk is registered to go with those around it.
+A branch may get new leaves from scan to scan. With uniform mass over the whole branch, points of
+old leaves would be transported to new ones. So leaflets that exist in both scans are transported
+separately, and the stalk is registered with the leaflets around it.
 """
 
 from dataclasses import dataclass
@@ -19,43 +19,43 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 # docs/method.md, "Leaflets".
-MAX_DISTANCE = 2.0  # of two leaflets that are the same, in radii of the larger one
-MAX_RATIO = 3.0  # of their shares of the organ's points; beyond that they were cut differently
-MIN_PAIRS = 3  # that an organ is divided by: a fork is too little to go by
+MAX_DISTANCE = 2.0  # between matched leaflets after registration, in radii of the larger one
+MAX_RATIO = 3.0  # of the shares of the organ's points that matched leaflets have
+MIN_PAIRS = 3  # of matched leaflets; with fewer, the organ is transported as a whole
 MAX_GROWTH = 5.0  # ratio of a leaflet's distances from the attachment point
-MIN_COSINE = -0.5  # of the rotations that are tried
+MIN_COSINE = -0.5  # of the angle of candidate rotations
 ROTATIONS_REFINED = 6
 MAX_REFINEMENTS = 3
-RIDGE = 0.5  # share of the leaflets' spread that holds their affine map back from stretching
-MAX_SCORES = 2_000_000  # of pairs of leaflets, in all rotations that are tried
-MAJORITY = 0.5  # of an unmatched leaflet, that lies nearest to a leaflet that it is joined to
-STALK_NEIGHBORS = 8  # leaflets that move a point of the stalk
+RIDGE = 0.5  # regularisation of the affine map, as a share of the leaflets' variance
+MAX_SCORES = 2_000_000  # of pairs of leaflets, for all candidate rotations
+MAJORITY = 0.5  # share of the points of an unmatched leaflet that decides which pair it joins
+STALK_NEIGHBORS = 8  # number of leaflets from which the displacement of the stalk is interpolated
 
 
 @dataclass(frozen=True)
 class LeafletPair:
-    """A part of an organ that is transported on its own."""
+    """A part of an organ that is transported separately."""
 
-    start: Indices  # (n,) and (m,) its points in the two scans, counted within the organ
-    end: Indices
-    registered: tuple[Points, Points] | None = None  # positions to compare; None: as they are
+    start: Indices  # (n,) indices of its points in the first scan, within the organ
+    end: Indices  # (m,) likewise in the second scan
+    registered: tuple[Points, Points] | None = None  # positions for the cost, if not the scans'
 
 
 def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> list[LeafletPair]:
-    """Divide an organ into the leaflets that both scans show, and the rest.
+    """Divide an organ into pairs of matched leaflets, and the rest.
 
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float ndarray
         The organ in two successive scans.
     attachments : (int, int)
-        Indices of the points where it is attached.
+        Indices of the attachment points.
 
     Returns
     -------
     list of LeafletPair
-        Together they have every point of either scan exactly once. Empty where an organ has no
-        leaflets in one of the scans, as most; one for the whole organ where too few are the same.
+        A partition of the points of both scans. It is empty if the organ has no leaflets in one of
+        the scans, and has one element, the whole organ, if too few leaflets match.
     """
     sides: list[Indices] = [np.empty(0, np.intp)] * 2
     for side in sorted((0, 1), key=lambda side: len((start, end)[side])):
@@ -67,21 +67,21 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
     whole = [LeafletPair(np.arange(len(start)), np.arange(len(end)), (source, end))]
     if len(pairs) < MIN_PAIRS:
         return whole
-    before, after = _renumbered(first, pairs[:, 0]), _renumbered(second, pairs[:, 1])
-    carried = source + _displacements(source, end, attachments, before, after, len(pairs))
-    before, after = _joined(first, before, source, second, after, end)
+    start_pair, end_pair = _pair_of(first, pairs[:, 0]), _pair_of(second, pairs[:, 1])
+    moved = source + _displacements(source, end, attachments, start_pair, end_pair, len(pairs))
+    start_pair, end_pair = _join_unmatched(first, start_pair, source, second, end_pair, end)
     parts = []
     for part in range(-1, len(pairs)):
-        i, j = np.flatnonzero(before == part), np.flatnonzero(after == part)
+        i, j = np.flatnonzero(start_pair == part), np.flatnonzero(end_pair == part)
         if len(i) and len(j):
-            parts.append(LeafletPair(i, j, (carried[i], end[j]) if part < 0 else None))
+            parts.append(LeafletPair(i, j, (moved[i], end[j]) if part < 0 else None))
     used = sum(len(part.start) + len(part.end) for part in parts)
     return parts if used == len(start) + len(end) else whole
 
 
 @dataclass(frozen=True)
 class _Leaflets:
-    """Centroids (k, 3), radii (k,), points (k,) and shares of the organ's points (k,)."""
+    """Centroids (k, 3), radii, numbers of points and shares of the organ's points, (k,) each."""
 
     centroid: Floats
     radius: Floats
@@ -91,21 +91,35 @@ class _Leaflets:
     @classmethod
     def of(cls, points: Points, leaflet: Indices) -> Self:
         centroid, count = _centroids(points, leaflet, int(leaflet.max()) + 1)
-        on = leaflet >= 0
-        squared = ((points[on] - centroid[leaflet[on]]) ** 2).sum(axis=1)
-        radius = np.sqrt(np.bincount(leaflet[on], squared) / count)
+        inside = leaflet >= 0
+        squared = ((points[inside] - centroid[leaflet[inside]]) ** 2).sum(axis=1)
+        radius = np.sqrt(np.bincount(leaflet[inside], squared) / count)
         return cls(centroid, radius, count, count / len(points))
 
 
 def register_leaflets(
     start: Points, end: Points, attachments: tuple[int, int], first: Indices, second: Indices
 ) -> tuple[Floats, Indices]:
-    """Register an organ to its later scan by its leaflets, (n,) and (m,), -1 on the stalk.
+    """Register an organ with its points in the next scan by its leaflets.
 
-    As it is, attachment point on attachment point, or rotated about the attachment point so that
-    some leaflet comes to lie in the direction of some other, with or without as much growth as that
-    takes: whichever brings most leaflets onto others. Returns the start's registered points (n, 3)
-    and the leaflets that are the same, (p, 2).
+    The candidates are: no motion; a translation of the attachment point; and rotations about it
+    that align the direction of one leaflet with that of another, with or without scaling. The one
+    with the highest total score of matched leaflets is chosen.
+
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float ndarray
+    attachments : (int, int)
+        Indices of the attachment points.
+    first, second : (n,) and (m,) intp
+        The leaflet of each point, -1 on the stalk.
+
+    Returns
+    -------
+    registered : (n, 3) float64
+        The points of `start`.
+    pairs : (p, 2) intp
+        The matched leaflets.
     """
     source, target = _Leaflets.of(start, first), _Leaflets.of(end, second)
     origin, base = start[attachments[0]].astype(float), end[attachments[1]].astype(float)
@@ -113,15 +127,15 @@ def register_leaflets(
     moved = np.einsum("hxy,ky->hkx", maps, source.centroid - origin) + base
     radii = scales[:, None] * source.radius
     scores = _scores(moved, radii, source, target)
-    # No choice of pairs scores more than the best of every row, or of every column.
+    # An upper bound of the score of any assignment: the sum of the maxima of rows, or of columns.
     bound = np.minimum(scores.max(axis=1).sum(axis=1), scores.max(axis=2).sum(axis=1))
     chosen = np.argsort(-bound, kind="stable")[:ROTATIONS_REFINED]
-    least = max(2, min(MIN_PAIRS, len(source.count), len(target.count)))
-    best_pairs, best_score = _refined(source.centroid, source.radius, source, target)
+    min_pairs = max(2, min(MIN_PAIRS, len(source.count), len(target.count)))
+    best_pairs, best_score = _refine_pairs(source.centroid, source.radius, source, target)
     best = start.astype(float)
     for h in (0, *chosen.tolist()):
-        pairs, score = _refined(moved[h], radii[h], source, target)
-        if score > best_score and (h == 0 or len(pairs) >= least):
+        pairs, score = _refine_pairs(moved[h], radii[h], source, target)
+        if score > best_score and (h == 0 or len(pairs) >= min_pairs):
             best_pairs, best_score = pairs, score
             best = (start - origin) @ maps[h].T + base
     return best, best_pairs
@@ -130,26 +144,26 @@ def register_leaflets(
 def _rotations(
     source: _Leaflets, target: _Leaflets, origin: Floats, base: Floats
 ) -> tuple[Floats, Floats]:
-    """(H, 3, 3) maps about the attachment point, the identity first, and (H,) their scales."""
-    before, after = source.centroid - origin, target.centroid - base
-    far, later = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
-    tiny = 1e-12 * (later.max() + far.max()) + np.finfo(float).tiny
-    growth = later[None] / np.maximum(far, tiny)[:, None]
-    cosine = (before @ after.T) / np.maximum(far[:, None] * later[None], tiny**2)
+    """(H, 3, 3) candidate maps about the attachment, identity first, and their (H,) scales."""
+    start, end = source.centroid - origin, target.centroid - base
+    start_length, end_length = np.linalg.norm(start, axis=1), np.linalg.norm(end, axis=1)
+    tiny = 1e-12 * (end_length.max() + start_length.max()) + np.finfo(float).tiny
+    growth = end_length[None] / np.maximum(start_length, tiny)[:, None]
+    cosine = (start @ end.T) / np.maximum(start_length[:, None] * end_length[None], tiny**2)
     i, j = np.nonzero((growth > 1 / MAX_GROWTH) & (growth < MAX_GROWTH) & (cosine > MIN_COSINE))
-    # The largest leaflets are found most surely.
+    # Large leaflets are segmented more reliably.
     size = np.minimum(source.count[i], target.count[j])
     largest = np.argsort(-size, kind="stable")[: MAX_SCORES // (2 * growth.size)]
     i, j = i[largest], j[largest]
-    turns = rotations_between(before[i] / far[i, None], after[j] / later[j, None])
-    maps = np.concatenate([np.eye(3)[None], turns, turns * growth[i, j, None, None]])
+    rotations = rotations_between(start[i] / start_length[i, None], end[j] / end_length[j, None])
+    maps = np.concatenate([np.eye(3)[None], rotations, rotations * growth[i, j, None, None]])
     return maps, np.concatenate([np.ones(1 + len(i)), growth[i, j]])
 
 
 def _scores(centroid: Floats, radius: Floats, source: _Leaflets, target: _Leaflets) -> Floats:
-    """(..., k, l) score of each pair, the source's leaflets at (..., k, 3) with radii (..., k).
+    """(..., k, l) score of each pair, higher for near and large leaflets, 0 for unequal ones.
 
-    The nearer and the larger, the higher; 0 where one was cut differently.
+    centroid, radius: (..., k, 3) and (..., k), of the source's leaflets after registration.
     """
     distance = np.linalg.norm(centroid[..., :, None, :] - target.centroid, axis=-1)
     larger = np.maximum(np.maximum(radius[..., :, None], target.radius), 1e-300)
@@ -160,64 +174,73 @@ def _scores(centroid: Floats, radius: Floats, source: _Leaflets, target: _Leafle
     return np.asarray(nearness**2 * points)
 
 
-def _assigned(scores: Floats) -> tuple[Indices, float]:
-    """(p, 2) the pairs of the largest total score, and that score."""
+def _assign(scores: Floats) -> tuple[Indices, float]:
+    """The (p, 2) pairs of largest total score, and that score."""
     from scipy.optimize import linear_sum_assignment
 
     rows, columns = linear_sum_assignment(scores, maximize=True)
-    made = scores[rows, columns] > 0
-    return np.stack([rows[made], columns[made]], axis=1), float(scores[rows, columns].sum())
+    positive = scores[rows, columns] > 0
+    pairs = np.stack([rows[positive], columns[positive]], axis=1)
+    return pairs, float(scores[rows, columns].sum())
 
 
-def _refined(
+def _refine_pairs(
     centroid: Floats, radius: Floats, source: _Leaflets, target: _Leaflets
 ) -> tuple[Indices, float]:
-    """The best pairs, once more after the affine map of those found so far has moved the others."""
-    pairs, score = _assigned(_scores(centroid, radius, source, target))
+    """The best pairs and their score, refined by fitting an affine map to the pairs so far."""
+    pairs, score = _assign(_scores(centroid, radius, source, target))
     for _ in range(MAX_REFINEMENTS):
         if len(pairs) < MIN_PAIRS:
             break
-        before, after = centroid[pairs[:, 0]], target.centroid[pairs[:, 1]]
+        start, end = centroid[pairs[:, 0]], target.centroid[pairs[:, 1]]
         weight = np.sqrt(np.minimum(source.count[pairs[:, 0]], target.count[pairs[:, 1]]))
-        middle, shift = (np.average(v, axis=0, weights=weight) for v in (before, after - before))
-        offset = before - middle
+        center, shift = (np.average(v, axis=0, weights=weight) for v in (start, end - start))
+        offset = start - center
         spread = (offset.T * weight) @ offset
         ridge = (RIDGE * np.trace(spread) / 3 + np.finfo(float).tiny) * np.eye(3)
-        slope = np.linalg.solve(spread + ridge, (offset.T * weight) @ (after - before - shift))
-        moved = centroid + shift + (centroid - middle) @ slope
-        closer, higher = _assigned(_scores(moved, radius, source, target))
-        if higher <= score:
+        slope = np.linalg.solve(spread + ridge, (offset.T * weight) @ (end - start - shift))
+        moved = centroid + shift + (centroid - center) @ slope
+        new_pairs, new_score = _assign(_scores(moved, radius, source, target))
+        if new_score <= score:
             break
-        pairs, score = closer, higher
+        pairs, score = new_pairs, new_score
     return pairs, score
 
 
 def _centroids(points: Points, leaflet: Indices, count: int) -> tuple[Floats, Floats]:
-    """(count, 3) the centroids of leaflets, and (count,) how many points they have."""
-    on = leaflet >= 0
-    members = np.bincount(leaflet[on], minlength=count).astype(float)
-    sums = [np.bincount(leaflet[on], axis, count) for axis in points[on].T.astype(float)]
+    """(count, 3) centroids of leaflets, and their (count,) numbers of points."""
+    inside = leaflet >= 0
+    members = np.bincount(leaflet[inside], minlength=count).astype(float)
+    sums = [np.bincount(leaflet[inside], axis, count) for axis in points[inside].T.astype(float)]
     return np.stack(sums, axis=1) / members[:, None], members
 
 
-def _renumbered(leaflet: Indices, chosen: Indices) -> Indices:
-    """(n,) the pair of each point's leaflet, -1 of one in none and of the stalk."""
+def _pair_of(leaflet: Indices, matched: Indices) -> Indices:
+    """(n,) index of the pair of each point's leaflet, -1 if it is unmatched or the stalk."""
     pair = np.full(int(leaflet.max()) + 2, -1)
-    pair[chosen] = np.arange(len(chosen))
-    return pair[leaflet]  # -1 takes the last
+    pair[matched] = np.arange(len(matched))
+    return pair[leaflet]  # the leaflet -1 indexes the last element
 
 
-def _joined(
-    first: Indices, before: Indices, source: Points, second: Indices, after: Indices, target: Points
+def _join_unmatched(
+    first: Indices,
+    start_pair: Indices,
+    source: Points,
+    second: Indices,
+    end_pair: Indices,
+    target: Points,
 ) -> tuple[Indices, Indices]:
-    """The pair of each point; an unmatched leaflet joins the pair that most of it lies nearest to.
+    """Join each unmatched leaflet to the pair that most of its points are nearest to.
 
-    What touches may be one leaflet in one scan and two in the other.
+    Leaflets that touch may be segmented as one leaflet in one scan and as two in the other.
     """
     from scipy.spatial import KDTree
 
-    joined = before.copy(), after.copy()
-    sides = (first, before, source, after, target), (second, after, target, before, source)
+    joined = start_pair.copy(), end_pair.copy()
+    sides = (
+        (first, start_pair, source, end_pair, target),
+        (second, end_pair, target, start_pair, source),
+    )
     for pair, (leaflet, own, points, other, others) in zip(joined, sides, strict=True):
         nearest = other[KDTree(others).query(points)[1]]
         for unmatched in np.unique(leaflet[(own < 0) & (leaflet >= 0)]):
@@ -237,15 +260,15 @@ def _displacements(
     second: Indices,
     pairs: int,
 ) -> Floats:
-    """(n, 3) mean displacement of the leaflets and the attachment point around each point.
+    """(n, 3) displacement of each point, interpolated from those of the leaflets around it.
 
-    The nearer they are, the more they weigh.
+    The attachment point is included; weights are inverse distances.
     """
     from scipy.spatial import KDTree
 
-    places = np.concatenate([_centroids(source, first, pairs)[0], source[[attachments[0]]]])
+    nodes = np.concatenate([_centroids(source, first, pairs)[0], source[[attachments[0]]]])
     moved = np.concatenate([_centroids(target, second, pairs)[0], target[[attachments[1]]]])
-    distance, near = KDTree(places).query(source, k=min(STALK_NEIGHBORS, len(places)))
+    distance, nearest = KDTree(nodes).query(source, k=min(STALK_NEIGHBORS, len(nodes)))
     weight = 1.0 / np.maximum(distance, 1e-9 * (distance.max() + 1e-300))
     weight /= weight.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("nk,nkx->nx", weight, (moved - places)[near]))
+    return np.asarray(np.einsum("nk,nkx->nx", weight, (moved - nodes)[nearest]))

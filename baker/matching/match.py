@@ -1,4 +1,4 @@
-"""The segments of successive scans, matched (paper section 3.3), and organs through the series."""
+"""Match the segments of successive scans (section 3.3 of the paper), and chain them into organs."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -10,26 +10,23 @@ from baker.segmentation.hierarchy import Hierarchy
 
 @dataclass(frozen=True)
 class Match:
-    """The segments of two successive scans, matched one to one.
-
-    Matching may have merged segments of the second hierarchy that it was given.
-    """
+    """The segments of two successive scans, matched one to one."""
 
     first: Hierarchy
-    second: Hierarchy
+    second: Hierarchy  # in which matching may have merged segments
     pairs: tuple[tuple[int, int], ...]  # segment of the first scan, segment of the second
-    births: tuple[int, ...]  # new segments of the second scan, parents before their children
-    losses: tuple[int, ...]  # segments of the first scan that the second no longer has
+    births: tuple[int, ...]  # unmatched segments of the second scan, parents before children
+    losses: tuple[int, ...]  # unmatched segments of the first scan
 
     def start_of(self, end: int) -> int | None:
-        """The first scan's segment that becomes segment `end` of the second, if there is one."""
+        """The segment of the first scan that matches segment `end` of the second, or None."""
         return next((a for a, b in self.pairs if b == end), None)
 
 
 def match_from_pairs(
     first: Hierarchy, second: Hierarchy, pairs: Sequence[tuple[int, int]]
 ) -> Match:
-    """The match of these pairs; every other segment is born or lost."""
+    """The match with these pairs; all other segments are born or lost."""
     starts, ends = {a for a, _ in pairs}, {b for _, b in pairs}
     return Match(
         first=first,
@@ -41,7 +38,7 @@ def match_from_pairs(
 
 
 def match_by_label(first: Hierarchy, second: Hierarchy) -> Match:
-    """Consistent labels: the same label is the same organ (section 3.3, cases 1 and 2)."""
+    """Match segments with the same label (section 3.3 of the paper, cases 1 and 2)."""
     ends = {label: index for index, label in enumerate(second.labels)}
     return match_from_pairs(
         first, second, [(a, ends[label]) for a, label in enumerate(first.labels) if label in ends]
@@ -58,7 +55,7 @@ def match_series(
 ) -> list[Match]:
     """Match each scan of a series to the next one.
 
-    What is merged in a scan for the interval before it stays merged in the interval after it.
+    Segments that are merged for one interval stay merged in the next interval.
 
     Parameters
     ----------
@@ -66,12 +63,12 @@ def match_series(
         The aligned scans.
     hierarchies : sequence of Hierarchy
     by_label : bool
-        Labels are consistent: match by them. Else match down the hierarchies.
+        Match by labels, which are consistent; otherwise by the hierarchies.
     distance : callable
-        Of two segments, (n, 3) and (m, 3), in length units; for matching down the hierarchies. The
-        pipeline chooses it: the Wasserstein distance.
+        Of two segments, (n, 3) and (m, 3), in length units, such as the Wasserstein distance; used
+        if labels are not.
     report_progress : callable
-        Called with the number of segments matched and the number of all.
+        Called with the number of segments matched and their total.
 
     References
     ----------
@@ -100,12 +97,12 @@ def _report(report: Callable[[int, int], None], before: int, total: int, matched
 
 @dataclass(frozen=True)
 class Organ:
-    """One organ through the series."""
+    """One organ of the series."""
 
-    label: int | None  # in the scan in which it first appears; None where it has none
-    parent: int | None  # the organ that it grows from, by index; None for the root
-    first: int  # the first and the last scan that hold it
-    last: int
+    label: int | None  # in the first scan with the organ, None without labels
+    parent: int | None  # index of the organ that it grows from, None for the root
+    first: int  # index of the first scan with the organ
+    last: int  # index of the last scan with the organ
 
 
 def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Organ], list[Match]]:
@@ -116,44 +113,47 @@ def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Orga
     matches : sequence of Match
         Of successive intervals.
     consistent : bool
-        Labels name organs: one that was lost and comes back is the same organ again.
+        Whether labels are consistent: a lost organ that reappears is then the same organ.
 
     Returns
     -------
     organs : list of Organ
         By first appearance, the root first.
     matches : list of Match
-        The same, of hierarchies that know the organs of their segments.
+        The given ones, with the organs of the segments in their hierarchies.
     """
     organs: list[Organ] = []
-    known: dict[int | None, int] | None = {} if consistent else None
-    first = _named(matches[0].first, {}, 0, organs, known)
+    by_label: dict[int | None, int] | None = {} if consistent else None
+    first = _assign_organs(matches[0].first, {}, 0, organs, by_label)
     followed = []
     for k, match in enumerate(matches, start=1):
-        kept = {b: first.organs[a] for a, b in match.pairs}
-        second = _named(match.second, kept, k, organs, known)
+        matched = {b: first.organs[a] for a, b in match.pairs}
+        second = _assign_organs(match.second, matched, k, organs, by_label)
         followed.append(replace(match, first=first, second=second))
         first = second
     return organs, followed
 
 
-def _named(
+def _assign_organs(
     hierarchy: Hierarchy,
-    kept: dict[int, int],
+    matched: dict[int, int],
     scan: int,
     organs: list[Organ],
-    known: dict[int | None, int] | None,
+    by_label: dict[int | None, int] | None,
 ) -> Hierarchy:
-    """The organ of each segment: kept as it is, known by a label that names organs, or new."""
-    named = dict(kept)
+    """Assign an organ to each segment: by its match, else by its label, else a new one.
+
+    New organs are appended to `organs`, and `by_label` is updated.
+    """
+    assigned = dict(matched)
     for segment in hierarchy.from_the_root():
         label = hierarchy.labels[segment]
-        if segment not in named and known is not None and label in known:
-            named[segment] = known[label]
-        if segment not in named:
-            named[segment] = len(organs)
-            organs.append(Organ(label, named.get(hierarchy.parents[segment]), scan, scan))
-        if known is not None:
-            known[label] = named[segment]
-        organs[named[segment]] = replace(organs[named[segment]], last=scan)
-    return replace(hierarchy, organs=tuple(named[s] for s in range(len(hierarchy.segments))))
+        if segment not in assigned and by_label is not None and label in by_label:
+            assigned[segment] = by_label[label]
+        if segment not in assigned:
+            assigned[segment] = len(organs)
+            organs.append(Organ(label, assigned.get(hierarchy.parents[segment]), scan, scan))
+        if by_label is not None:
+            by_label[label] = assigned[segment]
+        organs[assigned[segment]] = replace(organs[assigned[segment]], last=scan)
+    return replace(hierarchy, organs=tuple(assigned[s] for s in range(len(hierarchy.segments))))

@@ -1,8 +1,8 @@
-"""Merging of organs that one scan cuts finer than its neighbors (section 3.3.1).
+"""Merge organs that one scan divides into more parts than its neighbouring scans (section 3.3.1).
 
-Where labels are numbered anew in every scan, a leaf may be one organ on one day and two on the
-next. The tracks then show a new organ beside one that has suddenly become smaller. Both are merged
-where together they have the size and the shape that the organ had in the neighboring scan.
+If labels are numbered anew in every scan, a leaf may be one organ in one scan and two in the next.
+The tracks then show a new organ next to one that has suddenly become smaller. The two are merged if
+together they have the size and shape of the organ in the neighbouring scan.
 """
 
 from collections.abc import Collection, Sequence
@@ -16,34 +16,34 @@ from baker.segmentation.hierarchy import split_by_label
 Points = NDArray[np.floating]
 Tracks = NDArray[np.int64]
 
-SAMPLE_SIZE = 200  # points of an organ that it is compared by
-MIN_POINTS = 5  # of an organ that has a shape
+SAMPLE_SIZE = 200  # points of an organ from which distances are computed
+MIN_POINTS = 5  # of an organ that is compared
 # Thresholds of docs/method.md, "Merging". Lengths are relative to the size of the whole organ in
-# the neighboring scan, or to the size that it would have now if it grew as the other organs do.
-MAX_REST_SIZE = 0.95  # of what is left of the organ
-WHOLE_SIZES = (0.85, 1.5)  # of both parts together, which need not have grown as others do
-MAX_DISTANCE_RATIO = 0.85  # of the distance from the whole organ, over that from what is left of it
+# the neighbouring scan, times the growth of the other organs (of MAX_REST_SIZE and MAX_GAP).
+MAX_REST_SIZE = 0.95  # of the organ without the part
+WHOLE_SIZES = (0.85, 1.5)  # of the organ with the part, with or without growth
+MAX_DISTANCE_RATIO = 0.85  # distance of the whole organ to both parts : to the rest alone
 MAX_GAP = 0.15  # between the parts
 
 
 def merge_parts(
     clouds: Sequence[Points], tracks: Sequence[Tracks], kept: Collection[int] = ()
 ) -> list[Tracks]:
-    """Merge the organs of a scan that are one organ in the scan before or after it.
+    """Merge the organs of a scan that are one organ in the previous or next scan.
 
     Parameters
     ----------
     clouds : sequence of (N, 3) float ndarray
         The aligned scans.
     tracks : sequence of (N,) int64 ndarray
-        The organ of each point, numbered the same in all scans.
+        The track number of each point.
     kept : collection of int
         Organs that are never merged into another one.
 
     Returns
     -------
     list of (N,) int64 ndarray
-        The organ of each point; no organ has a number that it did not have before.
+        The track number of each point; there are no new numbers.
 
     References
     ----------
@@ -52,20 +52,18 @@ def merge_parts(
     merged = list(tracks)
     for order in (range(len(merged)), range(len(merged))[::-1]):
         known = set(kept)
-        for near, scan in pairwise(order):
-            known |= set(np.unique(merged[near]).tolist())
-            merged[scan] = _merged(clouds[near], merged[near], clouds[scan], merged[scan], known)
+        for other, scan in pairwise(order):
+            known |= set(np.unique(merged[other]).tolist())
+            neighbor = clouds[other], merged[other]
+            merged[scan] = _merge_new(*neighbor, clouds[scan], merged[scan], known)
     return merged
 
 
-def _merged(
-    near_cloud: Points, near_tracks: Tracks, cloud: Points, tracks: Tracks, known: set[int]
+def _merge_new(
+    other_cloud: Points, other_tracks: Tracks, cloud: Points, tracks: Tracks, known: set[int]
 ) -> Tracks:
-    """The tracks of a scan, its new organs merged as the neighboring scan has them.
-
-    known: organs that are not new.
-    """
-    whole, organs = _organs(near_cloud, near_tracks), _organs(cloud, tracks)
+    """Merge the new organs of a scan, those not in `known`, by comparison with another scan."""
+    whole, organs = _organs(other_cloud, other_tracks), _organs(cloud, tracks)
     shared = whole.keys() & organs.keys()
     new = sorted(organs.keys() - known, key=lambda organ: -len(organs[organ]))
     if not new or not shared:
@@ -85,25 +83,27 @@ def _merged(
 
 
 def _organs(cloud: Points, tracks: Tracks) -> dict[int, Points]:
-    """The points of each organ that has enough of them, by its track number."""
+    """Track number -> points, of the organs with at least `MIN_POINTS`."""
     names, members = split_by_label(tracks)
     organs = zip(names, members, strict=True)
-    return {name: cloud.take(own, axis=0) for name, own in organs if len(own) >= MIN_POINTS}
+    return {name: cloud.take(each, axis=0) for name, each in organs if len(each) >= MIN_POINTS}
 
 
 def _distance_ratio(whole: Points, rest: Points, part: Points, growth: float) -> float:
-    """How much nearer an organ is to both its parts than to the rest; inf if these don't make it.
+    """The mean distance of an organ to two parts together, over that to the rest alone.
 
-    whole: the organ in the neighboring scan. rest, part: what it may be cut into in this scan.
-    growth: ratio of the sizes of other organs in this scan and in the neighboring one.
+    It is infinite if the parts are far apart or don't have the size of the organ.
+
+    whole: the organ in the neighbouring scan. rest, part: its two parts in this scan.
+    growth: ratio of the sizes of the other organs in this scan and in the neighbouring one.
     """
     from scipy.spatial import KDTree
 
     size = _size(whole)
     expected = growth * size
-    least, most = WHOLE_SIZES[0] * min(size, expected), WHOLE_SIZES[1] * max(size, expected)
-    whole_again = least < _size(np.concatenate([rest, part])) < most
-    if _size(rest) > MAX_REST_SIZE * expected or not whole_again:
+    low, high = WHOLE_SIZES[0] * min(size, expected), WHOLE_SIZES[1] * max(size, expected)
+    is_whole = low < _size(np.concatenate([rest, part])) < high
+    if _size(rest) > MAX_REST_SIZE * expected or not is_whole:
         return np.inf
     if KDTree(_sample(rest)).query(_sample(part))[0].min() > MAX_GAP * expected:
         return np.inf

@@ -1,16 +1,15 @@
-"""Score of matching an organ of one scan to an organ of another.
+"""Score the match of an organ of one scan with an organ of another.
 
-An organ that grows *covers* what it was: each point of the younger organ lies near the older one,
-however much longer that has become. So the mean distance from the younger to the older organ counts
-most. Besides, an organ keeps its direction and its place in the order along the stem, where new
-organs come on top, and it does not shrink. All of it is weighed against a loss and a birth.
-docs/method.md has the figures.
+A growing organ covers its former self: each point of the younger organ is near the older one,
+however much longer that is. So the main term is the mean distance from the points of the younger
+organ to the older one. Further terms penalise changes of direction and of the order along the stem,
+and shrinking. The score is relative to a loss and a birth (docs/method.md, "Tracking organs").
 
-A plant that leans, or a leaf that sinks with all its leaflets, takes neighboring organs the same
-way. So once some pairs are known, every other organ is looked for where its neighbors have gone.
+Where a plant leans, or a leaf sinks with all its leaflets, neighbouring organs move together. So
+once some pairs are known, every organ is first moved like its neighbours.
 
-Of two scans the one with the smaller organs is the younger, so a series read backwards gives the
-same organs.
+The scan with the smaller organs is the younger one, so that a series in reverse order gives the
+same result.
 """
 
 from collections.abc import Sequence
@@ -20,20 +19,20 @@ from numpy.typing import NDArray
 
 from baker.matching.descriptors import OrganDescriptors
 
-# Weights of docs/method.md, "Labels numbered anew in every scan"; lengths are in plant sizes.
-# An organ is seldom lost; small organs are born, large ones were there before.
+# Weights of docs/method.md, "Tracking organs"; lengths are in sizes of the plant's organs.
+# Organs are seldom lost, and new ones are small.
 LOSS_WEIGHT, BIRTH_WEIGHT, MATCH_BONUS = 1.8, 0.9, 1.2
 TURN_PENALTY = 0.3  # per radian
-ORDER_PENALTY, MAX_ORDER_CHANGE = 0.2, 2.0  # per organ more or fewer below
-BASE_BONUS = 0.75  # what begins at the stem's base is no birth
+ORDER_PENALTY, MAX_ORDER_CHANGE = 0.2, 2.0  # per change in the number of organs below
+BASE_BONUS = 0.75  # for an organ at the plant base, where none is born
 SHRINKING_PENALTY = 0.6  # per size lost
-MAX_PENALTY = 1.8  # from which on a loss and a birth are likelier
-MAX_DISTANCE, MAX_SWAY = 2.0, 0.1  # from the later organ, in its sizes; plus a share of the plant's
-CANDIDATES = 16  # organs of the other scan that each is compared with
-# Where an organ has moved is estimated from its nearest neighbors, which weigh 1 at most, and
-# shrunk towards no displacement, which has a weight, too (docs/method.md, "Tracking organs").
+MAX_PENALTY = 1.8  # above which a loss and a birth are more likely
+MAX_DISTANCE, MAX_SWAY = 2.0, 0.1  # limit: MAX_DISTANCE times the older organ's size + MAX_SWAY
+CANDIDATES = 16  # number of organs of the other scan that each organ is compared with
+# The displacement of an organ is estimated from its nearest neighbours, with weights of at most 1,
+# and from no displacement, with its own weight (docs/method.md, "Tracking organs").
 NEIGHBORS, STANDSTILL_WEIGHT = 3, 0.3
-MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the median of displacements; in plant sizes
+MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the geometric median; in sizes
 
 
 def match_scores(
@@ -46,13 +45,13 @@ def match_scores(
     first, second : OrganDescriptors
         Of n and m organs.
     pairs : sequence of (int, int)
-        Organs of both that match, as far as is known: each tells where others may have moved.
+        Pairs of organs that are matched so far; other organs are moved like their neighbours.
 
     Returns
     -------
     (n, m) float64 ndarray
-        In units of the plant's size. Above 0 a match is better than a loss and a birth; it is -inf
-        where a match is out of the question.
+        In sizes of the plant's organs. A match with a score above 0 is better than a loss and a
+        birth; impossible matches have -inf.
     """
     known = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
     if (first.sizes**2).sum() > (second.sizes**2).sum():
@@ -65,37 +64,39 @@ def _scores(
 ) -> NDArray[np.float64]:
     plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
     young = young.moved(neighbor_displacements(young, old, pairs, plant))
-    before, after = young.sizes[:, None] / plant, old.sizes / plant
+    young_size, old_size = young.sizes[:, None] / plant, old.sizes / plant
     distance = _covering_distances(young, old) / plant
     turn = np.arccos(np.clip(young.directions @ old.directions.T, -1.0, 1.0))
-    reordered = np.abs(young.order[:, None] - old.order)
-    reordered = MAX_ORDER_CHANGE * np.tanh(reordered / MAX_ORDER_CHANGE)
-    shrunk = np.maximum(before - after, 0.0)
-    # The square root: one organ far off is likelier than two a little off, for old organs stand.
+    order_change = np.abs(young.order[:, None] - old.order)
+    order_change = MAX_ORDER_CHANGE * np.tanh(order_change / MAX_ORDER_CHANGE)
+    shrinkage = np.maximum(young_size - old_size, 0.0)
+    # By its square root, one large distance is more likely than two of half its size.
     penalty = np.sqrt(distance) + TURN_PENALTY * turn
-    penalty += ORDER_PENALTY * reordered + SHRINKING_PENALTY * shrunk
+    penalty += ORDER_PENALTY * order_change + SHRINKING_PENALTY * shrinkage
     penalty -= BASE_BONUS * (1.0 - old.height)
-    reward = LOSS_WEIGHT * before + BIRTH_WEIGHT * after + MATCH_BONUS
-    possible = (penalty < MAX_PENALTY) & (distance < MAX_DISTANCE * after + MAX_SWAY)
-    return np.where(possible, reward - penalty, -np.inf)
+    reward = LOSS_WEIGHT * young_size + BIRTH_WEIGHT * old_size + MATCH_BONUS
+    is_possible = (penalty < MAX_PENALTY) & (distance < MAX_DISTANCE * old_size + MAX_SWAY)
+    return np.where(is_possible, reward - penalty, -np.inf)
 
 
 def neighbor_displacements(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
 ) -> NDArray[np.float64]:
-    """(n, 3) displacement that each organ shares with its neighbors among the (p, 2) pairs.
+    """(n, 3) displacement of each organ, estimated from its neighbours among the (p, 2) pairs.
 
-    That is the weighted geometric median of the displacements of their attachment points, found by
-    Weiszfeld's iteration: a neighbor that is matched wrongly hardly moves it. No organ counts for
-    itself, or a wrong match would confirm itself.
+    It is the weighted geometric median of the displacements of their attachment points, by
+    Weiszfeld's algorithm, on which a wrongly matched neighbour has little influence. The organ
+    itself is left out, so that a wrong match does not confirm itself.
+
+    plant: size of the plant's organs.
     """
     from scipy.spatial.distance import cdist
 
     if len(pairs) < 2:
         return np.zeros((len(young), 3))
-    places = young.attachments[pairs[:, 0]]
-    shifts = old.attachments[pairs[:, 1]] - places
-    distance = cdist(young.attachments, places)
+    matched = young.attachments[pairs[:, 0]]
+    shifts = old.attachments[pairs[:, 1]] - matched
+    distance = cdist(young.attachments, matched)
     distance[pairs[:, 0], np.arange(len(pairs))] = np.inf
     bandwidth = np.sort(distance, axis=1)[:, [min(NEIGHBORS, len(pairs) - 1) - 1]]
     weights = np.exp(-0.5 * (distance / np.maximum(bandwidth, 1e-30)) ** 2)
@@ -108,7 +109,7 @@ def neighbor_displacements(
 
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
-    """(n, m) mean distance of each young organ's points from each old one; inf if not compared."""
+    """(n, m) mean distance of the points of each young organ to each old one; inf if far away."""
     from scipy.spatial import KDTree
 
     distances = np.full((len(young), len(old)), np.inf)
@@ -119,14 +120,14 @@ def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArr
 
 
 def _candidates(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.bool_]:
-    """(n, m) whether either is among the nearest of the other, by attachment point or centroid."""
+    """(n, m) whether one organ is among the nearest of the other, by attachments or centroids."""
     from scipy.spatial.distance import cdist
 
     centroids = (np.array([s.mean(axis=0) for s in organs.samples]) for organs in (young, old))
     distance = np.minimum(cdist(young.attachments, old.attachments), cdist(*centroids))
-    near = np.zeros(distance.shape, bool)
+    is_near = np.zeros(distance.shape, bool)
     rows = np.argsort(distance, axis=1, kind="stable")[:, :CANDIDATES]
     columns = np.argsort(distance, axis=0, kind="stable")[:CANDIDATES]
-    np.put_along_axis(near, rows, True, axis=1)
-    np.put_along_axis(near, columns, True, axis=0)
-    return near
+    np.put_along_axis(is_near, rows, True, axis=1)
+    np.put_along_axis(is_near, columns, True, axis=0)
+    return is_near

@@ -5,7 +5,7 @@ import pytest
 
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.score import match_scores, neighbor_displacements
-from baker.matching.tracking import follow, track_organs
+from baker.matching.tracking import chain_organs, track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
 from grow import plant
 
@@ -160,7 +160,7 @@ def places(*counts):
 
 def test_tracks_are_numbered_by_appearance_and_then_along_the_plant():
     worth = {(0, 1): np.array([[-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])}
-    first, second = follow([np.array([9.0, 3.0]), np.array([5.0, 3.0, 1.0])], worth)
+    first, second = chain_organs([np.array([9.0, 3.0]), np.array([5.0, 3.0, 1.0])], worth)
     assert (first.tolist(), second.tolist()) == ([1, 0], [2, 1, 0])
 
 
@@ -171,19 +171,19 @@ def test_a_path_through_a_later_scan_beats_a_poor_successor():
         (1, 2): np.array([[-1.0, 4.0]]),
         (0, 2): np.array([[3.0, -1.0]]),
     }
-    assert [t.tolist() for t in follow(places(1, 1, 2), worth)] == [[0], [1], [0, 1]]
+    assert [t.tolist() for t in chain_organs(places(1, 1, 2), worth)] == [[0], [1], [0, 1]]
     successors = {(0, 1): one, (1, 2): two}
-    assert [t.tolist() for t in follow(places(1, 1, 2), successors)] == [[0], [0], [1, 0]]
+    assert [t.tolist() for t in chain_organs(places(1, 1, 2), successors)] == [[0], [0], [1, 0]]
 
 
 def test_no_match_is_worth_it():
     never = {(0, 1): np.full((2, 2), -np.inf)}
-    assert [t.tolist() for t in follow(places(2, 2), never)] == [[0, 1], [2, 3]]
+    assert [t.tolist() for t in chain_organs(places(2, 2), never)] == [[0, 1], [2, 3]]
 
 
 def test_births_and_losses_in_one_interval():
     worth = {(0, 1): np.array([[2.0, -1.0, -1.0], [-1.0, -1.0, -1.0]])}
-    assert [t.tolist() for t in follow(places(2, 3), worth)] == [[0, 1], [0, 2, 3]]
+    assert [t.tolist() for t in chain_organs(places(2, 3), worth)] == [[0, 1], [0, 2, 3]]
 
 
 def test_a_known_stem_orders_its_organs_however_they_hang():
