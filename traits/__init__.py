@@ -1,9 +1,9 @@
 """Traits of the plant in a growth clip: lengths, areas, angles and growth rates of its organs.
 
-Baker and player both use this package; it knows gclip alone. docs/exports.md describes the table.
+docs/traits.md says how they are measured, docs/exports.md describes the table.
 """
 
 import lazy_loader
 
-# numpy and scipy load when a trait is measured.
+# numpy and scipy are imported when a trait is measured.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""The medial axis of an organ, from its attachment point to its tip."""
+"""Estimate the medial axis of an organ, from its attachment point to its tip."""
 
 from __future__ import annotations
 
@@ -15,15 +15,13 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 
-# Lengths are in point spacings (the median distance to the nearest neighbour) unless told.
+# Lengths are in point spacings (the median distance to the nearest neighbour).
 GRAPH_NEIGHBORS = 10
 SLICE_LENGTH = 3.0
 MAX_SLICES = 40
-MAX_DETOUR = 8.0  # beyond it a point belongs to a leaflet beside the axis, not to the axis
-BASE_RIM = 3.0  # points this near to the farthest one from the tip are the base, too
-MAX_BASE_GAP = (
-    0.15  # distance of an end from the parent, in organ lengths, up to which it is a base
-)
+MAX_DETOUR = 8.0  # of points on the axis; leaflets make longer detours from the shortest path
+BASE_RIM = 3.0  # the base includes points that are so much nearer to the tip than the farthest one
+MAX_BASE_GAP = 0.15  # in organ lengths, between the base and the parent
 MAX_TIP_EXTRAPOLATION = 3.0
 
 
@@ -36,7 +34,7 @@ class Axis:
     line : ndarray of shape (n, 3)
         Points along the axis, from the attachment point to the tip.
     start : ndarray of shape (3,)
-        Unit vector: the direction of the first quarter of the organ.
+        Unit vector in the direction of the first quarter of the organ.
     """
 
     line: Points
@@ -55,16 +53,16 @@ class Axis:
 def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | None:
     """Estimate the medial axis of an organ.
 
-    The two ends are the points with the largest geodesic distance on the kNN graph. Both ends of a
-    branch with leaves may be tips; its base is then the point nearest to the parent. The organ is
-    cut into slices by geodesic distance from the base, and the axis joins their centroids.
+    The two ends are the points with the largest geodesic distance on the kNN graph. If both are far
+    from the parent, as in a branch with leaves, the base is the point nearest to the parent. The
+    organ is divided into slices by geodesic distance, and the axis connects their centroids.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3), float64
         Points of the organ.
     parent : ndarray of shape (M, 3), float64
-        Points of the organ it grows on. The end nearer to it is the base. Empty for the stem, whose
+        Points of the organ that it grows on, which determine the base. Empty for the stem, whose
         base is its lower end.
     up : ndarray of shape (3,)
         Unit vector.
@@ -72,7 +70,7 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     Returns
     -------
     Axis or None
-        None for fewer than 6 points, and where all points coincide.
+        None for fewer than 6 points, or if all points coincide.
     """
     from scipy.sparse.csgraph import dijkstra
 
@@ -80,27 +78,26 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
         return None
     graph, spacing = _graph(points)
 
-    @cache  # an end that turns out to be the base, or the tip, is asked again
+    @cache  # since the base and the tip are usually the two ends
     def distances_from(*sources: int) -> NDArray[np.float64]:
         return dijkstra(graph, directed=False, indices=list(sources), min_only=True)
 
     base = _base(points, parent, up, distances_from, spacing)
     from_base = distances_from(base)
     tip = int(from_base.argmax())
-    from_tip, whole = distances_from(tip), float(from_base[tip])
-    if whole <= 0.0:
+    from_tip, length = distances_from(tip), float(from_base[tip])
+    if length <= 0.0:
         return None
-    rim = from_tip >= from_tip[base] - BASE_RIM * spacing
-    rim &= np.linalg.norm(points - points[base], axis=1) <= whole / 4
-    from_base = distances_from(base, *np.flatnonzero(rim).tolist())
-    detour = from_base + from_tip
-    whole = float(detour.min())
-    # Leaflets beside the shortest path from base to tip are not part of the axis.
-    along = np.flatnonzero(detour <= whole + MAX_DETOUR * spacing)
-    share = (from_base - from_tip + whole)[along] / (2.0 * whole)
-    count = int(min(whole / (SLICE_LENGTH * spacing), MAX_SLICES, len(along) / 6))
-    centroids = _slice_centroids(points[along], share, max(count, 3))
-    last = points[along][share > 0.5]
+    is_base = from_tip >= from_tip[base] - BASE_RIM * spacing
+    is_base &= np.linalg.norm(points - points[base], axis=1) <= length / 4
+    from_base = distances_from(base, *np.flatnonzero(is_base).tolist())
+    path_length = from_base + from_tip
+    length = float(path_length.min())
+    on_axis = np.flatnonzero(path_length <= length + MAX_DETOUR * spacing)  # without leaflets
+    share = (from_base - from_tip + length)[on_axis] / (2.0 * length)
+    count = int(min(length / (SLICE_LENGTH * spacing), MAX_SLICES, len(on_axis) / 6))
+    centroids = _slice_centroids(points[on_axis], share, max(count, 3))
+    last = points[on_axis][share > 0.5]
     line = np.concatenate(
         [
             _end(points[base], centroids[0], centroids[1]),
@@ -108,7 +105,7 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
             _end(points[tip], centroids[-1], centroids[-2], last, MAX_TIP_EXTRAPOLATION * spacing),
         ]
     )
-    return Axis(line, _start(line, points[along], share))
+    return Axis(line, _start_direction(line, points[on_axis], share))
 
 
 def _base(
@@ -118,22 +115,19 @@ def _base(
     distances_from: Callable[..., NDArray[np.float64]],
     spacing: float,
 ) -> int:
-    """Index of the attachment point: the end of the organ that lies nearer to its parent."""
+    """Index of the attachment point: the end of the organ that is nearer to its parent."""
     from scipy.spatial import cKDTree
 
     first = int(distances_from(0).argmax())
-    across = distances_from(first)
-    ends = [first, int(across.argmax())]
+    from_first = distances_from(first)
+    ends = [first, int(from_first.argmax())]
     if not len(parent):
         return min(ends, key=lambda end: float(points[end] @ up))
     gap = cKDTree(parent).query(points)[0]
     base = min(ends, key=lambda end: float(gap[end]))
-    touching = int(gap.argmin())
-    return (
-        base
-        if gap[base] <= gap[touching] + MAX_BASE_GAP * across.max() + BASE_RIM * spacing
-        else touching
-    )
+    nearest = int(gap.argmin())
+    max_gap = gap[nearest] + MAX_BASE_GAP * from_first.max() + BASE_RIM * spacing
+    return base if gap[base] <= max_gap else nearest
 
 
 def _slice_centroids(points: Points, share: NDArray[np.float64], count: int) -> Points:
@@ -148,13 +142,16 @@ def _slice_centroids(points: Points, share: NDArray[np.float64], count: int) -> 
     return centroids
 
 
-def _start(line: Points, points: Points, share: NDArray[np.float64]) -> Points:
-    """Direction of the first quarter: the regression of its points on their relative geodesic
-    distance. Unlike a principal axis it holds for stems as wide as their quarter is long.
+def _start_direction(line: Points, points: Points, share: NDArray[np.float64]) -> Points:
+    """Direction of the first quarter, by regression of points on relative geodesic distance.
+
+    Unlike the principal axis, it is right for stems whose width is as large as a quarter's length.
     """
     quarter = share <= 0.25
-    about = points[quarter] - points[quarter].mean(axis=0) if quarter.any() else points[:0]
-    slope = (share[quarter] - share[quarter].mean()) @ about if len(about) > 2 else np.zeros(3)
+    centered = points[quarter] - points[quarter].mean(axis=0) if quarter.any() else points[:0]
+    slope = np.zeros(3)
+    if len(centered) > 2:
+        slope = (share[quarter] - share[quarter].mean()) @ centered
     chord = line[min(2, len(line) - 1)] - line[0]
     direction = slope if slope.any() else chord
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
@@ -164,29 +161,30 @@ def _start(line: Points, points: Points, share: NDArray[np.float64]) -> Points:
 def _end(
     point: Points, last: Points, before: Points, near: Points | None = None, most: float = 0.0
 ) -> Points:
-    """Last point of the axis, of shape (1, 3): its straight continuation up to the level of the
-    outermost point, which may lie on the rim of a stem's end or in the corner of a leaf's base.
+    """An end of the axis, (1, 3): its straight continuation to the level of the outermost point.
 
-    With `near`, (M, 3) points around a tip, the axis goes on beyond the outermost of them by the
-    expected distance between the extreme of all points and the extreme of a random half of them
-    (the tip itself is hardly ever sampled), at most by `most`.
+    That point itself may be beside the axis, at the edge of a stem or in a corner of a leaf.
+
+    With `near`, (M, 3) points around a tip, the axis is extrapolated, since the tip is rarely
+    sampled: by the expected distance from the outermost of all points to the outermost of a random
+    half of them, but at most by `most`.
     """
-    onward = last - before
-    onward = onward / max(float(np.linalg.norm(onward)), 1e-300)
-    beyond = 0.0
+    direction = last - before
+    direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
+    extrapolation = 0.0
     if near is not None and len(near):
-        level = np.sort(near @ onward)[:-32:-1]
+        level = np.sort(near @ direction)[:-32:-1]
         # The outermost point is in a random half with probability 1/2, else the second outermost is
         # that half's extreme with probability 1/4, and so on.
-        behind = (level[0] - level) @ (0.5 ** np.arange(1, len(level) + 1))
-        beyond = min(float(behind), most)
-    return (last + (max(float((point - last) @ onward), 0.0) + beyond) * onward)[None]
+        expected = (level[0] - level) @ (0.5 ** np.arange(1, len(level) + 1))
+        extrapolation = min(float(expected), most)
+    return (last + (max(float((point - last) @ direction), 0.0) + extrapolation) * direction)[None]
 
 
 def _graph(points: Points) -> tuple[csr_matrix, float]:
-    """Connected kNN graph with Euclidean edge lengths, and the median nearest-neighbour distance.
+    """Connected kNN graph with Euclidean edge lengths, and the point spacing.
 
-    Components are joined to the largest one by their shortest gap, one after the other.
+    Components are joined to the largest one by their shortest edge, one after the other.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components

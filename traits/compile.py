@@ -1,4 +1,4 @@
-"""The loops that traits take, compiled before the first table: `python -m traits.compile`."""
+"""Compile the functions that measure traits: `python -m traits.compile`."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from traits.surface import surface_of
 
 
 def measure_smallest() -> None:
-    """Measure an organ of a few points, which calls every loop."""
+    """Measure an organ of a few points, which calls every compiled function."""
     points = np.random.default_rng(0).random((50, 3))
     patches = fit_patches(points, points)
     surface_of(smoothed(patches, noise_of({0: patches}).usual).points)

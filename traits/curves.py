@@ -1,4 +1,4 @@
-"""Traits of organs and means of their fields over time, with how far they may be off: plots."""
+"""Curves of traits and mean fields of organs over time, with error margins, for plots."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from html import escape
+from itertools import chain
 from os import cpu_count
 from typing import TYPE_CHECKING
 
@@ -18,39 +19,39 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 PLOTTED = {"length": 1, "area": 2, "angle": 0}  # power of the length unit
-FIELD = "mean {}"  # a field of the scans, over an organ
-# What nine in ten values stay within, as shares of the largest (angles: in degrees), of those that
-# are sure and of others: `python -m bench.traits`.
+FIELD = "mean {}"  # name of the curve of a field
+# Errors of nine in ten values that are sure, and of others: relative, or in degrees
+# (`python -m bench.traits`).
 SURE, UNSURE = 0.05, 0.15
 SURE_ANGLE, UNSURE_ANGLE = 5.0, 15.0
 SVG_SIZE = (320.0, 84.0)
-FIXED = 'vector-effect="non-scaling-stroke"'  # strokes as wide however the picture is stretched
+FIXED = 'vector-effect="non-scaling-stroke"'  # a constant width of lines in a stretched picture
 
 
 @dataclass(frozen=True)
 class TraitCurve:
-    """One trait or mean field of one organ at the scans that show it."""
+    """One trait or mean field of one organ, at the scans with the organ."""
 
     track: int
     trait: str  #: one of `plotted`
     unit: str
     times: tuple[float, ...]
     values: tuple[float, ...]
-    margins: tuple[float, ...]  #: half the width of the band that the truth is likely in
+    margins: tuple[float, ...]  #: half the width of the error band
     sure: tuple[bool, ...]
 
     @property
     def bottom(self) -> float:
-        """Where a plot begins: at 0 for traits, at the lowest value for fields."""
+        """The lower end of a plot's axis: 0 for traits, the lowest value for fields."""
         return 0.0 if self.trait in PLOTTED else min(self.values)
 
     @property
     def top(self) -> float:
-        """The highest value that the band reaches."""
+        """The highest value of the error band."""
         return max(map(sum, self.points))
 
     def level(self, value: float) -> float:
-        """Where a value lies between bottom and top, from 0 to 1."""
+        """The position of a value between bottom and top, from 0 to 1."""
         return max(value - self.bottom, 0.0) / ((self.top - self.bottom) or 1.0)
 
     @property
@@ -60,23 +61,23 @@ class TraitCurve:
 
 
 def plotted(clip: Clip) -> list[str]:
-    """What there are curves of: the traits, and the mean of each field."""
+    """Names of the curves of a clip: the traits, and the mean of each field."""
     return [*PLOTTED, *(FIELD.format(field.name) for field in clip.fields)]
 
 
 def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[TraitCurve]:
-    """Lengths, areas, angles and mean fields of organs at the scans.
+    """Measure lengths, areas, angles and mean fields of organs at the scans.
 
     Parameters
     ----------
     clip : gclip.Clip
     tracks : collection of int, optional
-        Ids of the organs; all of them if not given.
+        Ids of the organs; by default all.
 
     Returns
     -------
     list of TraitCurve
-        By track id.
+        Sorted by track id.
     """
     chosen = range(len(clip.track_table)) if tracks is None else tracks
     namer, unit = Namer(clip, ""), clip.unit or "units"
@@ -84,39 +85,39 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
     unit_of = {trait: units[power] for trait, power in PLOTTED.items()}
     with ThreadPoolExecutor(cpu_count()) as threads:
         scans = list(threads.map(partial(measure, clip, only=chosen), clip.times))
-    found: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
-    for one in (one for scan in scans for one in scan):
-        if one.track is None:
+    curves: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
+    for organ in chain.from_iterable(scans):
+        if organ.track is None:
             continue
         for trait in PLOTTED:
-            value = getattr(one, trait)
+            value = getattr(organ, trait)
             if value is None:
                 continue
-            sure = namer.is_sure(one, trait, one.time)
+            sure = namer.is_sure(organ, trait, organ.time)
             if trait == "angle":
                 margin = SURE_ANGLE if sure else UNSURE_ANGLE
             else:
                 margin = value * (SURE if sure else UNSURE)
-            found.setdefault((one.track, trait), []).append((one.time, value, margin, sure))
-        for name, mean in field_means(clip, one.time, one.track).items():
-            known = (one.time, mean, 0.0, not namer.is_doubtful(one, one.time))
-            found.setdefault((one.track, FIELD.format(name)), []).append(known)
+            curves.setdefault((organ.track, trait), []).append((organ.time, value, margin, sure))
+        for name, mean in field_means(clip, organ.time, organ.track).items():
+            point = (organ.time, mean, 0.0, not namer.is_doubtful(organ, organ.time))
+            curves.setdefault((organ.track, FIELD.format(name)), []).append(point)
     return [
         TraitCurve(track, trait, unit_of.get(trait, ""), *map(tuple, zip(*points, strict=True)))
-        for (track, trait), points in sorted(found.items())
+        for (track, trait), points in sorted(curves.items())
     ]
 
 
 def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
-    """A curve as an SVG element of 320 × 84 units, whose x runs from the first day to the last.
+    """Draw a curve as an SVG element of 320 × 84 units.
 
     Parameters
     ----------
     curve : TraitCurve
     span : tuple of float
-        First and last day.
+        First and last day of the x axis.
     color : str
-        Of line and band, as CSS writes it.
+        Of the line and the error band, in CSS notation.
     """
     (width, height), (first, last) = SVG_SIZE, span
 
@@ -128,7 +129,7 @@ def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
     upper = [place(time, value + margin) for time, value, margin in points]
     lower = [place(time, value - margin) for time, value, margin in reversed(points)]
     line = [place(time, value) for time, value, _ in points]
-    # Points without length, as circles would be stretched with the picture.
+    # Lines of length 0 with round caps, since circles would be stretched with the picture.
     dots = "".join(
         f'<path d="M{at}h0" stroke-width="7" opacity="{1.0 if sure else 0.4}" {FIXED}/>'
         for at, sure in zip(line, curve.sure, strict=True)

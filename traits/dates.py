@@ -1,4 +1,4 @@
-"""What to call a moment between two scans, from how people wrote the scans' dates."""
+"""Convert between times and dates, in the style of the scans' dates."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 
 
 def date_at(scans: Sequence[ScanMark], day: float) -> str:
-    """The date of a moment: a scan's own, or one in between written in the way of its neighbours.
+    """The date of a time: that of a scan, or one between two scans in the style of theirs.
 
-    Between ISO dates it is an ISO date, between "day 3" and "day 5" a number with one decimal
-    ("day 3.4"); where the dates follow no such rule it is the bare time, "3.4".
+    Between ISO dates it is an ISO date, between "day 3" and "day 5" a day with one decimal
+    ("day 3.4"), and otherwise the time as a number, "3.4".
     """
     index = min(max(bisect_right([scan.time for scan in scans], day) - 1, 0), len(scans) - 1)
     before, after = scans[index], scans[min(index + 1, len(scans) - 1)]
     if day <= before.time or before is after:
         return before.date
     share = (day - before.time) / (after.time - before.time)
-    with suppress(ValueError, TypeError, OverflowError):  # no ISO dates, or one without its zone
+    with suppress(ValueError, TypeError, OverflowError):  # no ISO dates, or only one has a zone
         start, end = (datetime.fromisoformat(scan.date) for scan in (before, after))
         style = "%Y-%m-%d %H:%M" if ":" in before.date + after.date else "%Y-%m-%d"
         return (start + share * (end - start)).strftime(style)
@@ -37,16 +37,16 @@ def date_at(scans: Sequence[ScanMark], day: float) -> str:
 
 
 def day_of(scans: Sequence[ScanMark], text: str) -> float | None:
-    """The time that a text means: a number, a scan's own date, or an ISO date among theirs.
+    """The time of a text: the date of a scan, a number, or an ISO date if the scans have these.
 
-    None where it means none.
+    It is None if the text is something else.
     """
     dates = {scan.date: scan.time for scan in scans if scan.date}
     if text in dates:
         return dates[text]
     with suppress(ValueError):
         return float(text) if math.isfinite(float(text)) else None
-    with suppress(ValueError, TypeError):  # no ISO dates, or one without its zone
+    with suppress(ValueError, TypeError):  # no ISO dates, or only one has a zone
         since = datetime.fromisoformat(text) - datetime.fromisoformat(scans[0].date)
         return scans[0].time + since / timedelta(days=1)
     return None

@@ -1,4 +1,4 @@
-"""What the bake of a clip doubts (docs/format.md, `provenance.verdict`)."""
+"""Read the doubts of a clip's bake (docs/format.md, `provenance.verdict`)."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ class Doubt:
     start: float  #: times of the scans
     end: float
     track: int
-    what: str  #: "organ 3 tears"
+    what: str  #: a clause: "organ 3 tears"
     identity: bool  #: whether it may be another organ than before
 
     def concerns(self, time: float) -> bool:
-        """Whether what the organ measures at a time may be wrong.
+        """Whether the organ's traits at a time may be wrong.
 
-        Its motion matters between the two scans; which organ it is, from the first scan on.
+        A doubt about its motion concerns the interval, one about its identity all later times.
         """
         return self.start < time and (self.identity or time < self.end)
 
@@ -35,10 +35,10 @@ class _Verdict:
 
 
 def doubts_of(clip: Clip) -> tuple[Doubt, ...]:
-    """The doubts in a clip's provenance, by time; none where it has no verdict that we can read."""
+    """The doubts in a clip's provenance, sorted by time; none if it has no valid verdict."""
     try:
         doubts = msgspec.convert(clip.provenance.get("verdict"), _Verdict).doubts
     except msgspec.ValidationError:
         return ()
-    known = (d for d in doubts if {d.start, d.end} <= {*clip.times} and d.start < d.end)
-    return tuple(sorted(known, key=lambda doubt: doubt.start))
+    valid = (d for d in doubts if {d.start, d.end} <= {*clip.times} and d.start < d.end)
+    return tuple(sorted(valid, key=lambda doubt: doubt.start))

@@ -1,4 +1,4 @@
-"""Means of the scans' own fields (NDVI, temperature, ...) over organs."""
+"""Means of scalar fields (NDVI, temperature, ...) over organs."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ def field_means(clip: Clip, day: float, track: int | None = None) -> dict[str, f
     ----------
     clip : gclip.Clip
     day : float
-        At a scan's own time the mean is that of its points; in between, those of both scans are
-        weighted by time.
+        At the time of a scan, the mean is over its points; in between, the means of both scans are
+        interpolated.
     track : int, optional
-        Id of the organ; the whole plant if not given.
+        Id of the organ; by default the whole plant.
 
     Returns
     -------
     dict of str to float
-        By the field's name; without those that no point has.
+        By field, without fields that have no values.
     """
     if not clip.fields:
         return {}
     index, share = locate(clip, day)
     interval = clip.intervals[index]
-    shown = np.ones(len(interval), bool)
+    is_visible = np.ones(len(interval), bool)
     for group in interval.groups:
-        shown[group.first : group.stop] = group.motion is Motion.MOVE or share < 1.0
+        is_visible[group.first : group.stop] = group.motion is Motion.MOVE or share < 1.0
     if track is not None:
-        shown &= np.asarray(interval.tracks) == track
-    own = np.flatnonzero(shown)
-    # Several movers may share a scan's point, which counts once.
-    places = (interval.start_positions, interval.end_positions)
-    first, last = (np.unique(np.asarray(at[own]), axis=0, return_index=True)[1] for at in places)
-    found = {}
+        is_visible &= np.asarray(interval.tracks) == track
+    movers = np.flatnonzero(is_visible)
+    # Several movers may share a point of a scan, which counts once.
+    ends = (np.asarray(p[movers]) for p in (interval.start_positions, interval.end_positions))
+    first, last = (np.unique(points, axis=0, return_index=True)[1] for points in ends)
+    result = {}
     for field in clip.fields:
-        values = np.asarray(field.values[index], float)[own]
-        both = ((1.0 - share, values[first, 0]), (share, values[last, 1]))
-        means = [weight * _mean(ends) for weight, ends in both if weight]
+        values = np.asarray(field.values[index], float)[movers]
+        weighted = ((1.0 - share, values[first, 0]), (share, values[last, 1]))
+        means = [weight * _mean(of_scan) for weight, of_scan in weighted if weight]
         if np.isfinite(means).all():
-            found[field.name] = float(sum(means))
-    return found
+            result[field.name] = float(sum(means))
+    return result
 
 
 def _mean(values: np.ndarray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if len(known) else float("nan")
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else float("nan")

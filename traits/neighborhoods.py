@@ -1,6 +1,6 @@
 """Tangent frames, paraboloids and Voronoi cells of points, from their nearest neighbours.
 
-Compiled by numba: import this module late.
+The module is compiled by numba: import it in functions.
 """
 
 from math import exp, sqrt
@@ -13,18 +13,18 @@ from gclip.compiled import compiled
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-FRAME_NEIGHBORS = 20  # that the tangent plane of a paraboloid is fitted to
-CELL_FRAME_NEIGHBORS = 12  # and that of a Voronoi cell
-ROTATIONS = 18  # of Jacobi's method: six rounds make the rest of a (3, 3) matrix negligible
-# A paraboloid's terms are 1, x, y, x², xy, y²; z is the seventh column of the normal equations.
+FRAME_NEIGHBORS = 20  # to which the tangent plane of a paraboloid is fitted
+CELL_FRAME_NEIGHBORS = 12  # to which that of a Voronoi cell is fitted
+ROTATIONS = 18  # of Jacobi's method: six sweeps are sufficient for a (3, 3) matrix
+# The terms of a paraboloid are 1, x, y, x², xy, y²; z is the seventh column of normal equations.
 PAIRS = np.array([(a, b) for a in range(7) for b in range(a, 7)])
 DEGREES = np.array([0, 1, 1, 2, 2, 2])
-RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])  # for patches whose points lie on a line
+RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])  # regularisation, for points on a line
 
 
 @compiled
 def _tangent_frame(cloud: Floats, neighbors: Indices, count: int, axes: Floats) -> None:
-    """Principal axes of some neighbours, the columns of (3, 3), the normal first."""
+    """Principal axes of the first `count` neighbours, as columns of (3, 3), the normal first."""
     mean, spread = np.zeros(3), np.zeros((3, 3))
     for n in range(count):
         for a in range(3):
@@ -71,25 +71,24 @@ def fit_paraboloids(
     normals: Floats,
     fits: Floats,
 ) -> None:
-    """Fit paraboloids to each point's nearest neighbours by weighted least squares.
+    """Fit paraboloids to the nearest neighbours of each point by weighted least squares.
 
-    All sizes share the products of terms, whose weighted sums are all that least squares need.
+    The products of terms, which the normal equations sum up, are computed once for all sizes.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
     cloud : ndarray of shape (M, 3)
-        The points that the neighbours are among.
-    neighbors : ndarray of shape (N, k)
-        Their indices, by distance.
-    distance : ndarray of shape (N, k)
+        The cloud of the neighbours.
+    neighbors, distance : ndarrays of shape (N, k)
+        Indices of the neighbours, sorted by distance.
     sizes : ndarray of shape (P,)
-        Numbers of neighbours, ascending, the last k.
+        Numbers of neighbours to fit to, ascending up to k.
     normals : ndarray of shape (N, 3)
-        Set to the normals of the tangent planes.
+        Output: normals of the tangent planes.
     fits : ndarray of shape (3, P, N)
-        Set to the heights of the paraboloids over the points, to the mean squared residuals, and to
-        the shares of the noise variance that the heights keep.
+        Output: heights of the paraboloids above the points, mean squared residuals, and shares of
+        the noise variance that remain in the heights.
     """
     k, count = neighbors.shape[1], len(RIDGE)
     axes, local, terms = np.empty((3, 3)), np.empty(3), np.empty(count + 1)
@@ -144,10 +143,10 @@ def fit_paraboloids(
 
 @compiled
 def _sweep(matrix: Floats, count: int) -> None:
-    """Sweep operator on the first rows of a symmetric matrix, in place.
+    """Apply the sweep operator to the first `count` rows of a symmetric matrix, in place.
 
-    Of the normal equations, bordered by their right side, it leaves the inverse, the solution, and
-    in the corner the sum of squares that remains (Goodnight 1979).
+    Normal equations, bordered by their right side, become the inverse, the solution and, in the
+    corner, the residual sum of squares (Goodnight 1979).
     """
     for k in range(count):
         pivot = 1.0 / matrix[k, k]
@@ -172,25 +171,24 @@ def measure_cells(
     far: float,
     cells: Floats,
 ) -> None:
-    """Measure each point's Voronoi cell in its tangent plane.
+    """Measure the Voronoi cell of each point in its tangent plane.
 
-    Neighbours keep their direction in the tangent plane and their distance in space: a plain
-    projection would draw the sides of a thin stem together. Neighbours that stand upright on the
-    plane belong to another sheet and are ignored.
+    Neighbours are placed in the tangent plane at their direction and their distance in space, since
+    a projection would reduce the width of thin stems. Neighbours in a direction near the normal
+    belong to another surface and are ignored.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
-    neighbors : ndarray of shape (N, k)
-    distance : ndarray of shape (N, k)
+    neighbors, distance : ndarrays of shape (N, k)
     variance : float
-        Variance of the noise across the surface in the distance between neighbours.
+        Variance of the noise in the distance between neighbours.
     directions : ndarray of shape (D, 2)
         Unit vectors.
     far : float
-        The extent of cells that no neighbour bounds.
+        Extent of cells in directions without a neighbour.
     cells : ndarray of shape (N, D)
-        Set to the extents.
+        Output: extents of the cells.
     """
     k, axes = neighbors.shape[1], np.empty((3, 3))
     for i in range(len(points)):
@@ -205,7 +203,7 @@ def measure_cells(
                 y += offset * axes[a, 2]
             length = sqrt(x * x + y * y)
             if length > 0.5 * distance[i, n]:
-                # A neighbour at q ends the cell where |p|² = |p - q|², in direction w at
+                # A neighbour at q bounds the cell where |p|² = |p - q|²: in direction w at
                 # |q|² / 2 w·q.
                 scale = 2.0 / (length * sqrt(max(distance[i, n] ** 2 - variance, length**2)))
                 for d in range(len(directions)):

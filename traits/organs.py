@@ -1,4 +1,4 @@
-"""The points of each organ of a clip at a time, as evenly sampled as the scans themselves."""
+"""Sample the points of the organs of a clip at a time, as evenly as those of the scans."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 
-MAX_POINTS = 2500  # of an organ; where there are more, a random sample of them is measured
-CLOUD_FACTOR = 8  # times as many points tell where the surface lies
+MAX_POINTS = 2500  # of an organ; of more, a random sample is measured
+CLOUD_FACTOR = 8  # points to which the surface is fitted : points that are measured
 DENSITY_NEIGHBORS = 8  # the distance to this neighbour estimates the local density
 
 
@@ -27,13 +27,13 @@ class Organ(NamedTuple):
     points : ndarray of shape (N, 3)
         Points to measure.
     cloud : ndarray of shape (M, 3)
-        The points that they are a sample of.
+        A larger sample that includes these points.
     mixed : float
-        0 where all points come from one scan, 1 where half of them come from each of two.
+        0 if all points come from one scan, 1 if half of them come from each of two.
     seen : bool
-        Whether the preceding scan shows the organ; the size of any other is a guess.
+        Whether the previous scan has the organ; otherwise its size is a guess.
     known : float
-        0 in the interval before the organ is first seen, rising to 1 at that scan.
+        Weight of the organ for the noise: rises from 0 to 1 in the interval before its first scan.
     """
 
     points: Points
@@ -44,7 +44,7 @@ class Organ(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Organs by track id, and the weight of what is measured on them, in (0, 1]."""
+    """Organs by track id, and the weight of their measurements, in (0, 1]."""
 
     weight: float
     organs: dict[int, Organ]
@@ -53,10 +53,10 @@ class Sample(NamedTuple):
 def samples_at(clip: Clip, day: float) -> list[Sample]:
     """Sample the organs of a clip at a time.
 
-    Several movers may share a start or an end point. One sample keeps one mover a start point, the
-    other one mover an end point; at a scan's own time the sample is that scan. Between
-    scans both are measured and weighted by time, so that no trait jumps at a scan. A newborn organ
-    starts from its attachment points, which are no scan of it: both samples use its end points.
+    Several movers may share a start or an end point. One sample has one mover for each start point,
+    the other one for each end point. At the time of a scan, the sample is the scan; in between,
+    both samples are measured and weighted by time, so that traits are continuous. The start points
+    of an organ that is born are not its own, so both samples use its end points.
 
     Parameters
     ----------
@@ -83,59 +83,59 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
             clip.intervals[layer.interval],
             slice(layer.group.first, layer.group.stop),
         )
-        now = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
-        tracks, ends = (
-            np.asarray(interval.tracks[movers]),
-            np.asarray(interval.end_positions[movers]),
-        )
+        positions = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
+        tracks = np.asarray(interval.tracks[movers])
+        ends = np.asarray(interval.end_positions[movers])
         newborn = born[tracks] > begin
         starts = np.where(newborn[:, None], ends, interval.start_positions[movers])
         moved |= {track for track in np.unique(tracks[~newborn]).tolist() if lost[track] != begin}
-        for kept, weight, places in zip(parts, weights, (starts, ends), strict=True):
+        for part, weight, side in zip(parts, weights, (starts, ends), strict=True):
             if weight:
-                for track, chosen in _distinct(tracks, places).items():
-                    kept.setdefault(track, []).append(now[chosen])
+                for track, chosen in _distinct(tracks, side).items():
+                    part.setdefault(track, []).append(positions[chosen])
     mixed = 4.0 * passed * (1.0 - passed)
     return [
         Sample(
             weight,
             {
                 track: Organ(
-                    *_sample(np.concatenate(part), weight),
+                    *_even_sample(np.concatenate(points), weight),
                     mixed=mixed if track in moved else 0.0,
                     seen=bool(born[track] <= begin) or passed == 1.0,
                     known=passed if born[track] == begin else float(born[track] < begin),
                 )
-                for track, part in kept.items()
+                for track, points in part.items()
             },
         )
-        for kept, weight in zip(parts, weights, strict=True)
+        for part, weight in zip(parts, weights, strict=True)
         if weight
     ]
 
 
-def _distinct(tracks: NDArray[np.integer], places: NDArray) -> dict[int, NDArray[np.intp]]:
-    """For each track, the indices of movers whose (N, 3) places differ, the first of each place."""
-    order = np.lexsort((*places.T[::-1], tracks))
-    of, at, first = tracks[order], places[order], np.ones(len(order), bool)
-    first[1:] = (of[1:] != of[:-1]) | (at[1:] != at[:-1]).any(axis=1)
-    order, of = order[first], of[first]
-    return {track: order[of == track] for track in np.unique(of).tolist()}
+def _distinct(tracks: NDArray[np.integer], points: NDArray) -> dict[int, NDArray[np.intp]]:
+    """Track -> indices of its first mover at each distinct point, of (N, 3)."""
+    order = np.lexsort((*points.T[::-1], tracks))
+    sorted_tracks, sorted_points = tracks[order], points[order]
+    first = np.ones(len(order), bool)
+    first[1:] = sorted_tracks[1:] != sorted_tracks[:-1]
+    first[1:] |= (sorted_points[1:] != sorted_points[:-1]).any(axis=1)
+    order, sorted_tracks = order[first], sorted_tracks[first]
+    return {track: order[sorted_tracks == track] for track in np.unique(sorted_tracks).tolist()}
 
 
-def _sample(points: Points, weight: float) -> tuple[Points, Points]:
-    """A random sample whose density is even, and the larger sample that it was taken from.
+def _even_sample(points: Points, weight: float) -> tuple[Points, Points]:
+    """A random sample of even density, and the larger sample that it was taken from.
 
-    Two samples share `MAX_POINTS` by their weights: their mean is as sure as all of these in one.
+    Two samples share `MAX_POINTS` by their weights, so that their mean has the same precision.
     """
     from scipy.spatial import cKDTree
 
-    most = max(round(MAX_POINTS * weight), 1)
-    if len(points) <= most:
+    count = max(round(MAX_POINTS * weight), 1)
+    if len(points) <= count:
         return points, points
     rng = np.random.default_rng(0)
-    cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * most]]
+    cloud = points[rng.permutation(len(points))[: CLOUD_FACTOR * count]]
     distance = cKDTree(cloud).query(cloud, k=DENSITY_NEIGHBORS + 1)[0][:, -1]
     # Weighted sampling without replacement: the largest u^(1/w) (Efraimidis and Spirakis 2006).
-    order = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(np.float32).tiny)
-    return cloud[np.sort(np.argsort(order, kind="stable")[-most:])], cloud
+    keys = np.log(rng.random(len(cloud))) / np.maximum(distance**2, np.finfo(np.float32).tiny)
+    return cloud[np.sort(np.argsort(keys, kind="stable")[-count:])], cloud

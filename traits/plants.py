@@ -1,4 +1,4 @@
-"""Tables of traits as files: of one plant, or of many, whose unchanged rows are kept."""
+"""Write tables of traits of one plant, or of many with rows kept from an earlier table."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def write_traits(
     path : Path
     clip : gclip.Clip
     plant : str
-        What the table calls it.
+        Its name in the table.
     progress : callable
-        Called with "traits", the days measured and the days in all.
+        Called with the name of the stage, the number of days measured and their total.
 
     Raises
     ------
     UserError
-        Where the file can't be written.
+        If the file can't be written.
     """
     table = io.StringIO()
     write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
@@ -45,16 +45,15 @@ def write_traits(
 
 
 class TraitsTable:
-    """One table of many plants, in the making.
+    """A table of many plants, which keeps rows of an existing table for clips that are unchanged.
 
-    Rows of plants whose clips are up to date are taken from the table that was there before.
-    UserError where that can't be read.
+    Raises UserError where the existing table can't be read.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._sources: dict[str, tuple[str, str]] = {}
-        self._rows: dict[str, bytes] = {}  # compressed, as there may be thousands of plants
+        self._rows: dict[str, bytes] = {}  # compressed, since there may be thousands of plants
         if not path.is_file():
             return
         try:
@@ -65,19 +64,19 @@ class TraitsTable:
         except OSError as error:
             raise UserError(f"{path} can't be read: {error.strerror or error}.") from None
         except (UnicodeDecodeError, csv.Error):
-            pass  # no table that we wrote, from here on
+            pass  # the rest was not written by this program
 
     def known(self, plant: str) -> tuple[str, str] | None:
-        """Of which clip the table has this plant's rows; see `traits.table.provenance`."""
+        """The `traits.table.provenance` of a plant's rows in the existing table, or None."""
         return self._sources.get(plant)
 
     def add(self, plant: str, rows: str) -> None:
-        """Take a plant's rows, CSV without a header; nothing where those known are right."""
+        """Set the rows of a plant, CSV without a header; "" keeps the existing ones."""
         if rows:
             self._rows[plant] = zlib.compress(rows.encode())
 
     def save(self, plants: Iterable[str]) -> None:
-        """Write the rows of these plants in their order; whole or not at all."""
+        """Write the rows of these plants, in this order, atomically."""
         rows = (zlib.decompress(self._rows[plant]) for plant in plants if plant in self._rows)
         _write(self.path, chain([f"{','.join(COLUMNS)}\n".encode()], rows))
 
@@ -88,14 +87,14 @@ def _write(path: Path, chunks: Iterable[bytes]) -> None:
 
 
 def _plants(file: Iterable[str]) -> Iterator[tuple[str, tuple[str, str], str]]:
-    """Each plant of a table that we wrote: its name, what its rows are of, and these."""
+    """Yield the name, provenance and rows of each plant of a table that this program wrote."""
     reader = csv.reader(file)
     if tuple(next(reader, ())) != COLUMNS:
         return
-    for name, rows in groupby(reader, itemgetter(0)):
-        own = list(rows)
-        if {(len(row), *row[-2:]) for row in own} != {(len(COLUMNS), *own[0][-2:])}:
+    for name, group in groupby(reader, itemgetter(0)):
+        rows = list(group)
+        if {(len(row), *row[-2:]) for row in rows} != {(len(COLUMNS), *rows[0][-2:])}:
             raise csv.Error("rows of several clips")
         text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows(own)
-        yield name, (own[0][-2], own[0][-1]), text.getvalue()
+        csv.writer(text, lineterminator="\n").writerows(rows)
+        yield name, (rows[0][-2], rows[0][-1]), text.getvalue()

@@ -1,4 +1,4 @@
-"""Noise of the scanner: its estimate, and moving least squares to remove it."""
+"""Estimate the noise of a scanner, and remove it by moving least squares."""
 
 from typing import NamedTuple
 
@@ -7,23 +7,22 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-# Neighbours that a paraboloid may be fitted to; residuals about the first estimate the noise.
-PATCH_SIZES = (12, 20, 40, 100)
-MAX_PATCH = 40  # of them where the cloud has no more points than are to be smoothed
-BIAS_WEIGHT = 0.4  # a paraboloid's bias at its centre, relative to its mean over the patch
+PATCH_SIZES = (12, 20, 40, 100)  # neighbours of a paraboloid; the first is used to estimate noise
+MAX_PATCH = 40  # neighbours, times the ratio of the cloud's points to the points to be smoothed
+BIAS_WEIGHT = 0.4  # bias of a paraboloid at its centre : mean bias over the patch
 MIN_POINTS_FOR_NOISE = 36
-MAX_NOISE_RATIO = 1.25  # noise of one organ relative to the plant's, at most
+MAX_NOISE_RATIO = 1.25  # noise of an organ : noise of the plant
 
 
 class Smoothed(NamedTuple):
-    """(N, 3) points, and the share of the noise variance that is left in them."""
+    """(N, 3) points, and the share of the noise variance that remains in them."""
 
     points: Points
     left: float
 
 
 class Noise(NamedTuple):
-    """Standard deviation of the scanner's noise: of the plant, and by track id of single organs."""
+    """Standard deviation of the noise: of the plant, and of single organs by track id."""
 
     usual: float
     own: dict[int, float]
@@ -42,11 +41,11 @@ class Patches(NamedTuple):
         Number of points of the cloud that the neighbours are from.
     normals : ndarray of shape (N, 3)
     height : ndarray of shape (P, N)
-        Of the paraboloids over the points, along the normals.
+        Heights of the paraboloids above the points, along the normals.
     residual : ndarray of shape (P, N)
-        Mean squared residual of the neighbours.
+        Mean squared residuals of the neighbours.
     left : ndarray of shape (P, N)
-        Share of the noise variance that the projected point still has.
+        Shares of the noise variance that remain in the projected points.
     """
 
     points: Points
@@ -64,12 +63,12 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
     ----------
     points : ndarray of shape (N, 3)
     cloud : ndarray of shape (M, 3)
-        The cloud that the points belong to.
+        The cloud to which the points belong.
 
     Returns
     -------
     Patches
-        Of no sizes (P = 0) where the cloud has too few points.
+        With P = 0 if the cloud has too few points.
     """
     from scipy.spatial import cKDTree
 
@@ -87,45 +86,45 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
 def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) -> Noise:
     """Estimate the standard deviation of the scanner's noise, for the plant and for each organ.
 
-    Residuals about a paraboloid through the neighbours come from noise and, where the surface has
-    detail finer than the point spacing, from that detail. The lower quartile over the plant is
-    therefore taken for the noise. Organs may differ, as thin leaves scanned from both sides do
-    from stems.
+    Residuals of paraboloids come from noise, and from detail of the surface that is finer than the
+    point spacing. The noise is therefore estimated by the lower quartile of the organs. Single
+    organs may have more or less, like thin leaves that are scanned from both sides.
 
     Parameters
     ----------
     organs : dict of int to Patches
         By track id.
     known : dict of int to float, optional
-        Weight of each organ in the plant's estimate, 0 to 1; by default 1 for all.
+        Weight of each organ in the estimate of the plant, 0 to 1; by default 1.
 
     Returns
     -------
     Noise
     """
-    found = {
+    residuals = {
         track: float(np.sqrt(np.median(patches.residual[0])))
         for track, patches in organs.items()
         if len(patches.points) >= MIN_POINTS_FOR_NOISE
     }
-    if not found:
+    if not residuals:
         return Noise(0.0, {})
-    order = sorted(found, key=lambda track: (found[track], track))
+    order = sorted(residuals, key=lambda track: (residuals[track], track))
     sizes = np.array([organs[track].cloud_size for track in order], float)
     weights = sizes * [1.0 if known is None else known[track] for track in order]
     weights = weights if weights.any() else sizes
-    # About the quartile, the mean of an eighth to either side: no jump where organs come and go.
+    # The mean of quantiles 1/8 to 3/8 instead of the quartile is continuous as organs come and go.
     share = np.clip(np.append(0.0, weights.cumsum() / weights.sum()), 1 / 8, 3 / 8)
-    usual = float(4.0 * np.diff(share) @ [found[track] for track in order])
-    return Noise(usual, {track: min(own, MAX_NOISE_RATIO * usual) for track, own in found.items()})
+    usual = float(4.0 * np.diff(share) @ [residuals[track] for track in order])
+    limit = MAX_NOISE_RATIO * usual
+    return Noise(usual, {track: min(noise, limit) for track, noise in residuals.items()})
 
 
 def smoothed(patches: Patches, noise: float) -> Smoothed:
     """Project points onto paraboloids fitted to their neighbours (moving least squares).
 
-    Small patches leave variance, large ones add bias where the surface is curved. Each point takes
-    the patch size of least estimated risk, variance plus squared bias, and stays where it is if
-    none reduces it. Planes instead of paraboloids would shrink stems.
+    Small patches leave variance, large ones add bias where the surface is curved. For each point,
+    the patch size with the least estimated risk is used, variance plus squared bias; the point is
+    not moved if no size reduces the risk. Planes instead of paraboloids would shrink stems.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The area of the surface that scanned points were sampled from."""
+"""Estimate the area of the surface from which points were sampled."""
 
 from typing import NamedTuple
 
@@ -7,52 +7,52 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-CELL_NEIGHBORS = 24  # neighbours that may bound a point's Voronoi cell
-DIRECTIONS = 32  # in which the extent of a cell is measured
-# Disc radii, in mean point distances, and the width of the strip by which the union of discs
-# exceeds a border: for uniformly random points (an integral), and for evenly spread ones (measured
-# on quasi-random and on Poisson-disc samples, which hardly differ).
+CELL_NEIGHBORS = 24  # neighbours that may bound the Voronoi cell of a point
+DIRECTIONS = 32  # number of directions in which the extent of a cell is measured
+# Radii of discs, in mean point distances, and the width of the strip by which the union of discs
+# exceeds a border: for uniformly random points (by integration), and for evenly spread ones
+# (measured on quasi-random and on Poisson-disc samples, which hardly differ).
 DISC_RADII = np.array([1.2, 2.2])
 RANDOM_STRIP, EVEN_STRIP = np.array([0.601, 1.729]), np.array([0.731, 1.814])
-# Share of a disc of half a mean distance that lies in its own Voronoi cell, likewise.
+# Share of a disc of half a mean distance that is in its own Voronoi cell, for both.
 RANDOM_OWN_SHARE, EVEN_OWN_SHARE = 0.699, 0.831
-# Distance from the border, in mean point distances, by which half-way states of two scans shrink:
-# a point on the border moves to one that is seldom as near to it. Measured on leaves at rest.
+# Width, in mean point distances, by which the border recedes half-way between two scans, as points
+# on the border rarely move to points on the border. Measured on leaves that don't move.
 MIXING_INSET = 0.06
 MIN_POINTS_FOR_AREA = 12
 
 
 class Surface(NamedTuple):
-    """Area, and the share of points at a border: where it is large the area is a guess."""
+    """Area, and the share of points at a border; if that is large, the area is uncertain."""
 
     area: float
     border: float
 
 
 def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
-    """The area own_share of `surface_of`."""
+    """The area of `surface_of`."""
     return surface_of(points, variance, mixed).area
 
 
 def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Surface:
     """Estimate the area of the surface that points were sampled from.
 
-    The union of discs about the points covers most of the surface and exceeds its border a little.
-    Each disc is clipped to the Voronoi cell of its point, so that no place counts twice. Discs of
-    radius R about points of density λ cover, of a surface of area A with border length B,
+    The union of discs around the points covers most of the surface and exceeds its border a little.
+    Each disc is clipped to the Voronoi cell of its point, so that nothing counts twice. Discs of
+    radius R around points of density λ cover, of a surface of area A with border length B,
 
         A c(R) + B s(R),    c = 1 - exp(-λ π R²) for random points, 1 for evenly spread ones,
 
-    where s is the width gained beyond the border less what is missed within it. Two radii give two
-    equations for A and B. The overlap of small discs tells how evenly the points are spread.
+    where s is the width of the strip covered beyond the border minus that missed within it. Two
+    radii give two equations for A and B. The overlap of small discs measures how even points are.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
     variance : float
-        Variance of the noise across the surface that is left in the distance between neighbours.
+        Variance of the noise that remains in the distance between neighbours.
     mixed : float
-        0 where all points come from one scan, 1 where half of them come from each of two.
+        0 if all points come from one scan, 1 if half of them come from each of two.
 
     Returns
     -------
@@ -68,11 +68,11 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
     def covered(radius: float) -> float:
         return float((np.minimum(cells, radius) ** 2).sum()) * np.pi / DIRECTIONS
 
-    least = 0.3 * covered(DISC_RADII[0] * unit)
-    found = covered(DISC_RADII[0] * unit)
+    area = covered(DISC_RADII[0] * unit)
+    min_area = 0.3 * area
     for _ in range(12):
-        before, unit = unit, float(np.sqrt(found / len(points)))
-        if abs(unit - before) < 1e-7 * unit:
+        previous, unit = unit, float(np.sqrt(area / len(points)))
+        if abs(unit - previous) < 1e-7 * unit:
             break
         own_share = covered(0.5 * unit) / (len(points) * np.pi * (0.5 * unit) ** 2)
         even = np.clip(
@@ -80,14 +80,14 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
         )
         inside = 1.0 - (1.0 - even) * np.exp(-np.pi * DISC_RADII**2)
         strip = (1.0 - even) * RANDOM_STRIP + even * EVEN_STRIP - mixed * MIXING_INSET
-        both = [covered(radius * unit) for radius in DISC_RADII]
-        found = max(float(np.linalg.solve(np.column_stack([inside, strip]), both)[0]), least)
+        areas = [covered(radius * unit) for radius in DISC_RADII]
+        area = max(float(np.linalg.solve(np.column_stack([inside, strip]), areas)[0]), min_area)
     border = (cells > DISC_RADII[1] * unit).any(axis=1)
-    return Surface(found, float(border.mean()))
+    return Surface(area, float(border.mean()))
 
 
 def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]:
-    """Rough mean point distance, and the extents of the points' Voronoi cells, (N, DIRECTIONS)."""
+    """Approximate mean point distance, and (N, DIRECTIONS) extents of the Voronoi cells."""
     from scipy.spatial import cKDTree
 
     from traits.neighborhoods import measure_cells

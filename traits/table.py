@@ -1,4 +1,4 @@
-"""Traits as a table in long format, one value a row (RFC 4180 CSV)."""
+"""Write traits as a table in long format, with one value in each row (RFC 4180 CSV)."""
 
 from __future__ import annotations
 
@@ -35,31 +35,31 @@ COLUMNS = (
     *("trait", "value", "unit", "state", "time", "date", "start", "end", "elapsed", "time_unit"),
     *("points", "sure", "method", "clip_digest"),
 )
-DIGITS = 7  # that a float32 clip has to tell
+DIGITS = 7  # the precision of float32
 
 
 def data_frame(
     clip: Clip, days: Sequence[float] | None = None, plant: str = "plant"
 ) -> pandas.DataFrame:
-    """Measure a clip on some days: the table of `write_table`, for pandas.
+    """Measure a clip on some days, as a pandas data frame.
 
     Parameters
     ----------
     clip : Clip
     days : sequence of float, optional
-        In the clip's time unit; by default those of `measure_days`.
+        In the clip's unit of time; by default those of `measure_days`.
     plant : str
-        Its name, in the first column.
+        The name in the first column.
 
     Returns
     -------
     pandas.DataFrame
-        One value a row, in the columns that docs/exports.md describes; ``sure`` as bool.
+        One value in each row, with the columns of docs/exports.md; ``sure`` as bool.
 
     Raises
     ------
     UserError
-        Where pandas is not installed.
+        If pandas is not installed.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def data_frame(
 
 @dataclass(frozen=True)
 class Namer:
-    """A clip and the name of its plant, which all rows of the table repeat."""
+    """A clip, the name of its plant for the table, and the doubts about its organs."""
 
     clip: Clip
     plant: str
@@ -92,17 +92,17 @@ class Namer:
     def _doubts(self) -> tuple[Doubt, ...]:
         return doubts_of(self.clip)
 
-    def is_sure(self, one: Measurement, trait: str, time: float) -> bool:
-        """Whether a trait is measured well, of the organ that it is said to be of."""
-        return trait in one.sure and not self.is_doubtful(one, time)
+    def is_sure(self, organ: Measurement, trait: str, time: float) -> bool:
+        """Whether a trait is measured well, and the organ is not in doubt."""
+        return trait in organ.sure and not self.is_doubtful(organ, time)
 
-    def is_doubtful(self, one: Measurement, time: float) -> bool:
-        """Whether the bake doubts what becomes of the organ."""
-        return any(d.track == one.track and d.concerns(time) for d in self._doubts)
+    def is_doubtful(self, organ: Measurement, time: float) -> bool:
+        """Whether a doubt of the bake concerns the organ at a time."""
+        return any(d.track == organ.track and d.concerns(time) for d in self._doubts)
 
 
 def measure_days(clip: Clip) -> list[float]:
-    """Days of a clip to measure: those of its scans, and the middle of each interval."""
+    """The days of a clip that are measured: those of its scans, and the middle of each interval."""
     middles = [(before + after) / 2 for before, after in pairwise(clip.times)]
     return sorted([*clip.times, *middles])
 
@@ -115,17 +115,17 @@ def write_table(
 ) -> None:
     """Measure a clip on some days and write the traits as CSV.
 
-    Values are marked `scan` or `between`. Rows marked `rate` hold the growth rate of a trait from
-    one scan to the next, with both times and the time elapsed; they need the scans' own days.
+    Values have the state `scan` or `between`. Rows with the state `rate` have the growth rate of a
+    trait from one scan to the next, with both times; they need the days of the scans.
 
     Parameters
     ----------
     file : text file
     namer : Namer
     days : sequence of float
-        In the clip's time unit; see `measure_days`.
+        In the clip's unit of time; see `measure_days`.
     progress : callable, optional
-        Called with the number of days measured, and of all.
+        Called with the number of days measured and their total.
     """
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -144,53 +144,56 @@ def write_table(
     progress(len(days), len(days))
 
 
-def _values(namer: Namer, found: Iterable[Measurement], about: tuple[str, str]) -> Iterator[list]:
+def _values(namer: Namer, found: Iterable[Measurement], source: tuple[str, str]) -> Iterator[list]:
+    """The rows of measurements at one time."""
     clip = namer.clip
-    for one in found:
-        state = "scan" if one.time in clip.times else "between"
-        when = [state, _number(one.time), namer.date_at(one.time), "", "", ""]
+    for organ in found:
+        state = "scan" if organ.time in clip.times else "between"
+        when = [state, _number(organ.time), namer.date_at(organ.time), "", "", "", clip.time_unit]
+        values = []
         for trait, power in TRAITS.items():
-            value = getattr(one, trait)
-            if value is not None:
-                what = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
-                how = _how(namer, one, trait, one.time)
-                yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
-        for name, value in field_means(clip, one.time, one.track).items():
-            what = [f"mean_{name}", _number(value), ""]
-            how = [one.points, "no" if namer.is_doubtful(one, one.time) else "yes"]
-            yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
-        if one.angle is not None:
-            what = ["angle", _number(one.angle), "degrees"]
-            how = _how(namer, one, "angle", one.time)
-            yield [*_who(namer, one), *what, *when, clip.time_unit, *how, *about]
+            if (value := getattr(organ, trait)) is not None:
+                columns = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
+                values.append((columns, _quality(namer, organ, trait, organ.time)))
+        for name, value in field_means(clip, organ.time, organ.track).items():
+            sure = "no" if namer.is_doubtful(organ, organ.time) else "yes"
+            values.append(([f"mean_{name}", _number(value), ""], [organ.points, sure]))
+        if organ.angle is not None:
+            columns = ["angle", _number(organ.angle), "degrees"]
+            values.append((columns, _quality(namer, organ, "angle", organ.time)))
+        for columns, quality in values:
+            yield [*_identity(namer, organ), *columns, *when, *quality, *source]
 
 
 def _rates(
     namer: Namer,
     before: Iterable[Measurement],
     after: Iterable[Measurement],
-    about: tuple[str, str],
+    source: tuple[str, str],
 ) -> Iterator[list]:
-    clip, earlier = namer.clip, {one.track: one for one in before}
+    """The rows of growth rates between two scans."""
+    clip, by_track = namer.clip, {organ.track: organ for organ in before}
     for late in after:
-        early = earlier.get(late.track)
+        early = by_track.get(late.track)
         if early is None:
             continue
-        passed = late.time - early.time
-        when = ["rate", "", "", _number(early.time), _number(late.time), _number(passed)]
+        span = late.time - early.time
+        times = [_number(early.time), _number(late.time), _number(span)]
+        when = ["rate", "", "", *times, clip.time_unit]
         for trait, power in TRAITS.items():
             first, last = getattr(early, trait), getattr(late, trait)
             if first is not None and last is not None:
                 unit = f"{_unit(clip, power)}/{clip.time_unit.removesuffix('s')}"
-                what = [f"{NAMES.get(trait, trait)}_growth", _number((last - first) / passed), unit]
-                how = _how(namer, late if trait in early.sure else early, trait, late.time)
-                yield [*_who(namer, late), *what, *when, clip.time_unit, *how, *about]
+                name, rate = f"{NAMES.get(trait, trait)}_growth", _number((last - first) / span)
+                quality = _quality(namer, late if trait in early.sure else early, trait, late.time)
+                yield [*_identity(namer, late), name, rate, unit, *when, *quality, *source]
 
 
-def _who(namer: Namer, one: Measurement) -> list:
-    if one.track is None:
+def _identity(namer: Namer, organ: Measurement) -> list:
+    """The columns from `plant` to `lost`."""
+    if organ.track is None:
         return [namer.plant, "plant", "", "", "", "", "", ""]
-    track = namer.clip.track_table[one.track]
+    track = namer.clip.track_table[organ.track]
     parent = None if track.parent is None else namer.clip.track_table[track.parent]
     return [
         namer.plant,
@@ -204,8 +207,9 @@ def _who(namer: Namer, one: Measurement) -> list:
     ]
 
 
-def _how(namer: Namer, one: Measurement, trait: str, time: float) -> list:
-    return [one.points, "yes" if namer.is_sure(one, trait, time) else "no"]
+def _quality(namer: Namer, organ: Measurement, trait: str, time: float) -> list:
+    """The columns `points` and `sure`."""
+    return [organ.points, "yes" if namer.is_sure(organ, trait, time) else "no"]
 
 
 def _unit(clip: Clip, power: int) -> str:
@@ -219,24 +223,23 @@ def _number(value: float) -> str:
 
 def provenance(clip: Clip) -> tuple[str, str]:
     """Name and version of this program, and a digest of the clip's provenance."""
-    made = json.dumps(clip.provenance, sort_keys=True).encode()
-    return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(made).hexdigest()}"
+    document = json.dumps(clip.provenance, sort_keys=True).encode()
+    return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(document).hexdigest()}"
 
 
 def _safe(row: list) -> list:
-    """Escape cells that a spreadsheet would take for a formula: names come from files (OWASP, CSV
-    injection). Numbers may begin with a minus sign.
-    """
-    return [_text(cell) if isinstance(cell, str) else cell for cell in row]
+    """Escape cells that a spreadsheet would interpret as a formula (OWASP, CSV injection)."""
+    return [_escape(cell) if isinstance(cell, str) else cell for cell in row]
 
 
-def _text(cell: str) -> str:
+def _escape(cell: str) -> str:
     cell = printable(cell)
     return f"'{cell}" if _is_formula(cell) else cell
 
 
 def _is_formula(cell: str) -> bool:
-    # Spreadsheets skip blanks and fold full-width characters, as NFKC does.
+    """Whether a cell starts like a formula, and is not a number."""
+    # Spreadsheets ignore blanks and normalise full-width characters, like NFKC.
     if not normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
         return False
     try:

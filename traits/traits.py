@@ -1,4 +1,4 @@
-"""Traits of a plant and its organs at a time: height, length, area, convex hull, angle."""
+"""Measure traits of a plant and its organs at a time: height, length, area, hull, angle."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 HULL_SUBSAMPLES = 4  # random halves of an organ's points, to extrapolate the volume of its hull
-HULL_EXTRAPOLATION = 1.5  # times the difference to half the points: the deficit falls as count^-0.7
-MIXING_DEFICIT = 1.0  # likewise, of points that come half from one scan and half from another
-HULL_NOISE_LIFT = 0.5  # standard deviations of the noise by which it moves the hull outwards
-# A hull is sure where both corrections are below these shares of its volume.
+HULL_EXTRAPOLATION = 1.5  # of the deficit of half of the points, which falls as count^-0.7
+MIXING_DEFICIT = 1.0  # added to that for points of which half are from either scan
+HULL_NOISE_LIFT = 0.5  # outward displacement of the hull, in standard deviations of the noise
+# Shares of the hull's volume, below which both corrections must be for a hull to be sure.
 MAX_HULL_EXTRAPOLATION, MAX_HULL_NOISE = 0.12, 0.05
 MIN_POINTS_FOR_SURE = 100
-# Lengths are sure from this many mean point distances on, and up to this share of border points.
+# Least length, in mean point distances, and greatest share of border points of sure lengths.
 MIN_SURE_LENGTH, MAX_BORDER_FOR_LENGTH = 30.0, 0.33
 MAX_BORDER_FOR_HULL, MAX_NOISE_LEFT = 0.25, 0.55
-MAX_AREA_DOUBT = 0.3  # share of border points plus noise in mean point distances
-NEGLIGIBLE_NOISE = 0.05  # mean point distances
-MIN_SURE_AREA_SHARE = 0.8  # of the organs' area, for the plant's area to be sure
+MAX_AREA_DOUBT = 0.3  # of the share of border points plus the noise in mean point distances
+NEGLIGIBLE_NOISE = 0.05  # in mean point distances
+MIN_SURE_AREA_SHARE = 0.8  # of the plant's area that must be sure for the sum to be sure
 TRAITS = ("height", "length", "area", "hull", "angle")
 
 
@@ -37,27 +37,27 @@ TRAITS = ("height", "length", "area", "hull", "angle")
 class Measurement:
     """Traits of one organ, or of the whole plant, at one time.
 
-    Lengths are in the clip's unit. A trait is None where there are too few points, or where a plant
-    has no such trait.
+    Lengths are in the clip's unit. A trait is None if there are too few points, or if it does not
+    exist for the whole plant.
 
     Attributes
     ----------
     track : int or None
         Track id of the organ; None for the whole plant.
     height : float
-        Of the highest point above the plant base.
+        Height of the highest point above the plant base.
     length : float or None
         Along the medial axis, from the attachment point to the tip.
     area : float or None
-        Of the scanned surface: one side of a leaf, or both where both were scanned.
+        Area of the scanned surface: one side of a leaf, or both if both were scanned.
     hull : float or None
         Volume of the convex hull of the surface that the points were sampled from.
     angle : float or None
-        Between the vertical and the first quarter of the axis, in degrees.
+        Angle between the vertical and the first quarter of the axis, in degrees.
     sure : frozenset of str
-        The traits that are within 5 % (5 degrees) of the truth in nine of ten such cases, measured
-        on grown plants. Excluded are organs of few points, organs with detail finer than the point
-        spacing, and organs that no scan has shown yet.
+        The traits whose error is below 5 % (5 degrees) in nine of ten such cases, measured on
+        procedural plants. Excluded are organs with few points, with detail finer than the point
+        spacing, or without any scan so far.
     """
 
     time: float
@@ -74,8 +74,8 @@ class Measurement:
 def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list[Measurement]:
     """Measure the plant and its organs at a time.
 
-    Lost organs count as long as they are part of the plant. An organ that is born between two scans
-    does not count at the first of them, which does not show it.
+    Lost organs are measured as long as they are part of the plant. An organ that is born between
+    two scans is not measured at the first of them.
 
     Parameters
     ----------
@@ -92,13 +92,13 @@ def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list
     """
     plant = _Plant.of(clip)
     samples = samples_at(clip, day)
-    found = [plant.measured(day, sample.organs, only) for sample in samples]
-    return _weighted_mean(found, [sample.weight for sample in samples])
+    measured = [plant.measure(day, sample.organs, only) for sample in samples]
+    return _weighted_mean(measured, [sample.weight for sample in samples])
 
 
 @dataclass(frozen=True)
 class _Plant:
-    """Facts of a clip that do not change in time."""
+    """The properties of a clip that do not change in time."""
 
     born: dict[int, float]
     parents: dict[int, int | None]
@@ -116,31 +116,32 @@ class _Plant:
             _floor(clip),
         )
 
-    def measured(
-        self, day: float, seen: dict[int, Organ], only: Collection[int] | None
+    def measure(
+        self, day: float, sampled: dict[int, Organ], only: Collection[int] | None
     ) -> list[Measurement]:
+        """Measure the plant and its organs, or only some organs, on one sample."""
         wanted = self.born.keys() if only is None else only
         needed = {*wanted, *(self.parents.get(track) for track in wanted)}
-        alive = {
+        organs = {
             track: organ
-            for track, organ in sorted(seen.items())
+            for track, organ in sorted(sampled.items())
             if track in needed and (day not in self.scans or self.born[track] <= day)
         }
-        patches = {track: fit_patches(one.points, one.cloud) for track, one in alive.items()}
-        noise = noise_of(patches, known={track: one.known for track, one in alive.items()})
+        patches = {track: fit_patches(o.points, o.cloud) for track, o in organs.items()}
+        noise = noise_of(patches, known={track: organ.known for track, organ in organs.items()})
         smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
-        found, nothing = [], np.zeros((0, 3))
-        for track, organ in ((track, organ) for track, organ in alive.items() if track in wanted):
-            (points, left), own = smooth[track], noise.of(track)
+        measured, no_points = [], np.zeros((0, 3))
+        for track in (track for track in organs if track in wanted):
+            organ, deviation, (points, left) = organs[track], noise.of(track), smooth[track]
             parent = self.parents.get(track)
-            parent_points = nothing if parent not in smooth else smooth[parent].points
+            parent_points = no_points if parent not in smooth else smooth[parent].points
             axis = axis_of(points, parent_points, self.up)
-            surface = surface_of(points, left * own**2, organ.mixed)
-            hull = _hull(points, organ.mixed, own)
+            surface = surface_of(points, left * deviation**2, organ.mixed)
+            hull = _hull(points, organ.mixed, deviation)
             length = None if axis is None else axis.length
-            sure = _sure(surface, len(points), length or 0.0, own, left)
+            sure = _sure_traits(surface, len(points), length or 0.0, deviation, left)
             sure = sure if hull.sure else sure - {"hull"}
-            found.append(
+            measured.append(
                 Measurement(
                     time=day,
                     track=track,
@@ -153,37 +154,41 @@ class _Plant:
                     sure=sure if organ.seen else frozenset(),
                 )
             )
-        if only is not None or not found:
-            return found
-        every = np.concatenate([organ.points for organ in smooth.values()])
-        mixed = max(organ.mixed for organ in alive.values())
-        return [_whole(day, found, every, mixed, noise.usual), *found]
+        if only is not None or not measured:
+            return measured
+        points = np.concatenate([organ.points for organ in smooth.values()])
+        mixed = max(organ.mixed for organ in organs.values())
+        return [_measure_whole(day, measured, points, mixed, noise.usual), *measured]
 
 
-def _whole(
+def _measure_whole(
     day: float, organs: list[Measurement], points: NDArray[np.float64], mixed: float, noise: float
 ) -> Measurement:
-    areas = [one.area or 0.0 for one in organs]
-    surface, hull = sum(areas), _hull(points, mixed, noise)
+    """The traits of the whole plant, from those of its organs and all (N, 3) points."""
+    hull = _hull(points, mixed, noise)
+    area = sum(organ.area or 0.0 for organ in organs)
+    sure_area = sum(organ.area or 0.0 for organ in organs if "area" in organ.sure)
     sure = frozenset(TRAITS if hull.sure else set(TRAITS) - {"hull"})
-    known = sum(one.area or 0.0 for one in organs if "area" in one.sure)
     return Measurement(
         time=day,
         track=None,
         points=len(points),
-        height=max(one.height for one in organs),
+        height=max(organ.height for organ in organs),
         length=None,
-        area=surface or None,
+        area=area or None,
         hull=hull.volume,
         angle=None,
-        sure=sure if known > MIN_SURE_AREA_SHARE * surface else sure & {"height", "hull"},
+        sure=sure if sure_area > MIN_SURE_AREA_SHARE * area else sure & {"height", "hull"},
     )
 
 
-def _sure(surface: Surface, count: int, length: float, noise: float, left: float) -> frozenset[str]:
-    """Traits of an organ that are likely within 5 % of the truth.
+def _sure_traits(
+    surface: Surface, count: int, length: float, noise: float, left: float
+) -> frozenset[str]:
+    """The traits of an organ whose error is likely below 5 %.
 
-    Many border points, and noise that smoothing can't remove, tell of detail finer than the points.
+    Many border points, and noise that smoothing can't remove, indicate detail finer than the point
+    spacing.
     """
     sure = {"height"}
     spacing = float(np.sqrt(surface.area / max(count, 1)))
@@ -199,27 +204,21 @@ def _sure(surface: Surface, count: int, length: float, noise: float, left: float
     return frozenset(sure)
 
 
-def _weighted_mean(found: list[list[Measurement]], weights: list[float]) -> list[Measurement]:
-    """Weighted mean of the measurements on two samples of the plant; or those of the only one."""
-    if len(found) == 1:
-        return found[0]
-    mixed = []
-    for one, other in zip(*found, strict=True):
+def _weighted_mean(measured: list[list[Measurement]], weights: list[float]) -> list[Measurement]:
+    """The weighted mean of the measurements on one or two samples of the plant."""
+    if len(measured) == 1:
+        return measured[0]
+    means = []
+    for first, second in zip(*measured, strict=True):
         values = {}
         for trait in TRAITS:
-            pair = getattr(one, trait), getattr(other, trait)
+            pair = getattr(first, trait), getattr(second, trait)
             known = [(v, w) for v, w in zip(pair, weights, strict=True) if v is not None]
             total = sum(weight for _, weight in known)
             values[trait] = sum(v * w for v, w in known) / total if known else None
-        mixed.append(
-            replace(
-                one,
-                points=max(one.points, other.points),
-                sure=one.sure & other.sure,
-                **values,
-            )
-        )
-    return mixed
+        points, sure = max(first.points, second.points), first.sure & second.sure
+        means.append(replace(first, points=points, sure=sure, **values))
+    return means
 
 
 def _floor(clip: Clip) -> float:
@@ -227,34 +226,34 @@ def _floor(clip: Clip) -> float:
     first = clip.at(clip.times[0])
     height = first.local.astype(np.float64) @ up_vector(clip.up)
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
-    own = height[first.tracks == root]
-    # Quantiles, since a few outliers may float below; extrapolated by as much as lies between them.
-    low, next_to_low = np.quantile(own if len(own) else height, [0.01, 0.02])
-    return float(2.0 * low - next_to_low)
+    of_root = height[first.tracks == root]
+    # Extrapolated from two quantiles, since a few outliers may be below the plant.
+    low, higher = np.quantile(of_root if len(of_root) else height, [0.01, 0.02])
+    return float(2.0 * low - higher)
 
 
 def up_vector(up: str) -> NDArray[np.float64]:
-    """(3,) unit vector of an axis such as "-z"."""
+    """(3,) unit vector of a direction such as "-z"."""
     direction = np.zeros(3)
     direction["xyz".index(up[-1])] = -1.0 if up.startswith("-") else 1.0
     return direction
 
 
 class _Hull(NamedTuple):
-    """Volume, None for coplanar or too few points; and whether it is likely within 5 %."""
+    """Volume, None for coplanar or too few points; and whether its error is likely below 5 %."""
 
     volume: float | None
     sure: bool
 
 
 def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -> _Hull:
-    """Convex hull of the surface that (N, 3) points were sampled from.
+    """Convex hull of the surface from which (N, 3) points were sampled.
 
-    The hull of a sample is smaller than that of its surface: by count^-1 at faces, by count^-0.5 at
-    borders. Richardson extrapolation from random halves of the points estimates the deficit. It is
-    larger for half-way states of two scans, since extreme points of one seldom move to extreme
-    points of the other. Noise moves the hull outwards, since the outermost points are those that
-    noise moved out. The result is sure where both corrections are small.
+    The hull of a sample is smaller than that of the surface: by count^-1 at faces, by count^-0.5 at
+    borders. The deficit is estimated by Richardson extrapolation from random halves of the points.
+    It is larger half-way between two scans, since extreme points of one rarely move to extreme
+    points of the other. Noise moves the hull outwards, since it moved the outermost points
+    outwards. The result is sure if both corrections are small.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -266,7 +265,7 @@ def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -
         deficit = float(hull.volume - np.mean([ConvexHull(points[half]).volume for half in parts]))
     except (QhullError, ValueError):
         return _Hull(None, False)
-    volume, taken = float(hull.volume), HULL_NOISE_LIFT * noise * float(hull.area)
-    added = (HULL_EXTRAPOLATION + MIXING_DEFICIT * mixed) * deficit
-    sure = added < MAX_HULL_EXTRAPOLATION * volume and taken < MAX_HULL_NOISE * volume
-    return _Hull(max(volume + added - taken, 0.5 * volume), sure)
+    volume, noise_volume = float(hull.volume), HULL_NOISE_LIFT * noise * float(hull.area)
+    missing = (HULL_EXTRAPOLATION + MIXING_DEFICIT * mixed) * deficit
+    sure = missing < MAX_HULL_EXTRAPOLATION * volume and noise_volume < MAX_HULL_NOISE * volume
+    return _Hull(max(volume + missing - noise_volume, 0.5 * volume), sure)

@@ -1,4 +1,4 @@
-"""One interval's work as a unit that any thread, process or machine can do on its own."""
+"""Solve single intervals: independent jobs for threads, processes or other machines."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,33 +38,29 @@ from gclip.pack import pack_interval
 
 @dataclass(frozen=True)
 class InterpolationOptions:
-    """What the options say about the movers of all intervals."""
+    """The options of all intervals."""
 
-    transport: TransportOptions  # its `workers` does not count
-    registered: bool  # whether organs are deformed onto each other before they are transported
-    # organs deform along curved paths, carried by their parents, or go in straight lines
-    curved: bool
-    even: float
-    precision: str
+    transport: TransportOptions  # its `workers` is ignored
+    registered: bool  # whether organs are registered non-rigidly before they are transported
+    curved: bool  # whether organs deform along curved paths and move with their parents
+    even: float  # see `with_even_density`
+    precision: str  # see `pack_interval`
 
 
 @dataclass(frozen=True)
 class IntervalJob:
-    """All that an interval's movers are worked out from: arrays, numbers and small dataclasses.
-
-    What spans intervals is settled before: alignment, segments, tracks, timings and the floor.
-    """
+    """The input from which the movers of one interval are computed."""
 
     times: tuple[float, float]  # of the two scans
     start: Keyframe
     end: Keyframe
     match: Match
     bases: tuple[NDArray[np.floating], NDArray[np.floating]]  # (3,) plant bases
-    tasks: tuple[Task, ...]  # what is transported, and what is lost
-    timings: Mapping[int, Timing]  # by organ, of those that don't move evenly
+    tasks: tuple[Task, ...]  # the organs that are matched, born or lost
+    timings: Mapping[int, Timing]  # organ -> timing, unless it moves evenly
     vertical: Vertical
-    decays: Mapping[int, Motion]  # by lost organ, how it leaves
-    floor: float  # height that lost organs fall to; 0 where none falls
+    decays: Mapping[int, Motion]  # lost organ -> motion
+    floor: float  # height to which lost organs fall; 0 if none falls
     attachments: tuple[Attachments, Attachments]  # of matched organs, in both scans
     spacing: float  # mean point spacing of the two scans
     options: InterpolationOptions
@@ -77,17 +73,20 @@ def interval_jobs(
     options: Options,
     unlabelled: bool,
 ) -> list[IntervalJob]:
-    """Gather what each interval is solved from, and settle what spans intervals.
+    """Make the job of each interval, and compute what depends on several intervals.
 
     Parameters
     ----------
-    series, options : AlignedSeries, Options
-        The options are resolved.
-    matches, tasks : sequence of Match and tuple of Task
+    series : AlignedSeries
+    matches : sequence of Match
         Of each interval.
+    tasks : sequence of tuple of Task
+        Of each interval.
+    options : Options
+        Resolved.
     unlabelled : bool
-        The organs were found without labels. Most of what is lost then is a bit of a leaf that the
-        next scan counts to that leaf: it fades instead of falling.
+        Whether organs were found without labels. Most lost organs are then parts of a leaf that is
+        segmented differently in the next scan, so they fade instead of falling.
     """
     keyframes = list(series.keyframes)
     if options.smooth:
@@ -99,7 +98,7 @@ def interval_jobs(
         timings = organ_timings(clouds, matches, series.times, series.spacing)
     registered = not (options.paper or options.whole)
     chosen = InterpolationOptions(
-        transport=TransportOptions(  # the paper's cost is the distance, on a kNN support as it is
+        transport=TransportOptions(  # in the paper, costs are distances on a plain kNN support
             method="sinkhorn" if options.transport == "sinkhorn" else "exact",
             power=1 if options.paper else 2,
             neighbors=options.neighbors,
@@ -113,7 +112,7 @@ def interval_jobs(
         even=options.even or 0.0,
         precision=options.precision,
     )
-    attached_at = organ_attachments(clouds, spacings, matches)
+    attachments = organ_attachments(clouds, spacings, matches)
     decays = _decays(tasks, matches, Motion(options.decay), unlabelled)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
@@ -128,7 +127,7 @@ def interval_jobs(
             vertical=series.vertical,
             decays=decays[k],
             floor=series.floor if Motion.FALL in decays[k].values() else 0.0,
-            attachments=attached_at[k],
+            attachments=attachments[k],
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             options=chosen,
         )
@@ -142,7 +141,7 @@ def _decays(
     decay: Motion,
     unlabelled: bool,
 ) -> list[dict[int, Motion]]:
-    """How each lost organ leaves: what a later scan shows again was hidden, and does not fall."""
+    """The motion of each lost organ; an organ that reappears in a later scan does not fall."""
     decays, later = [], set[int]()
     for interval, match in zip(reversed(tasks), reversed(matches), strict=True):
         lost = [task.organ for task in interval if task.event == "loss"]
@@ -154,28 +153,26 @@ def _decays(
 
 
 IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
-"""Solves all jobs of a series; the intervals come in the jobs' order."""
+"""Solves all jobs of a series; yields the intervals in their order."""
 
 
 def solve_intervals(
     jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
 ) -> Iterator[Interval]:
-    """Solve intervals on threads of this process.
-
-    The threads take an interval each; where there are fewer intervals, they share its organs.
+    """Solve intervals in threads: an interval each or, if there are fewer, an organ each.
 
     Parameters
     ----------
     jobs : sequence of IntervalJob
     report_progress : callable
-        Called with the number of organs solved, and of all.
+        Called with the number of organs solved and their total.
     workers : int
-        Threads.
+        Number of threads; the intervals don't depend on it.
 
     Yields
     ------
     gclip.Interval
-        In the jobs' order; the same bytes whatever the number of threads.
+        In the order of the jobs.
     """
     with thread_map(workers) as map:
         if len(jobs) >= workers:
@@ -188,19 +185,9 @@ def solve_intervals(
 def solve_by(
     map: MapLike, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    """Solve intervals by a map, such as that of any executor of `concurrent.futures`.
+    """Solve intervals with a map, such as that of an executor of `concurrent.futures`.
 
-    Parameters
-    ----------
-    map : map-like callable
-        Over intervals, in their order.
-    jobs : sequence of IntervalJob
-    report_progress : callable
-        Called with the number of organs solved, and of all.
-
-    Yields
-    ------
-    gclip.Interval
+    report_progress: called with the number of organs solved and their total.
     """
     done, total = 0, sum(len(job.tasks) for job in jobs)
     report_progress(0, total)
@@ -211,10 +198,15 @@ def solve_by(
 
 
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
-    """Solve one interval; the same bytes whatever the map and the workers.
+    """Solve one interval; the result does not depend on `map` and `workers`.
 
-    map: over organs, by threads. workers: threads for the transport of an organ that is more than a
-    thread's share of all.
+    Parameters
+    ----------
+    job : IntervalJob
+    map : map-like callable
+        Maps over the organs, in threads.
+    workers : int
+        Number of threads for the transport of an organ that is larger than a thread's share.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
     paths = OrganPaths(clouds[1], job.match.second) if options.curved else None
@@ -234,13 +226,13 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
         if task.event == "match" and all(task.organ in side for side in shapes):
-            motion, parts = _motion_and_parts(start, end, *(side[task.organ] for side in shapes))
+            motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), parts)
         moved = moving(task, plan, job.start, job.end, job.timings.get(task.organ))
         return moved, paths.deviation(task.organ, motion, start, plan.rows) if paths else None
 
-    # The largest first, so that none is left to a single thread in the end.
+    # The largest organs first, so that threads finish at about the same time.
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     moved, deviations = zip(*(solutions[k] for k in np.argsort(order)), strict=True)
@@ -254,15 +246,15 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     )
 
 
-def _motion_and_parts(
+def _register_organ(
     start: NDArray[np.floating],
     end: NDArray[np.floating],
     source: OrganShape,
     target: OrganShape,
 ) -> tuple[OrganMotion | None, Sequence[LeafletPair]]:
-    """How an organ deforms, and its points to pair: deformed as a whole, or leaflet by leaflet.
+    """The motion of an organ, and its parts that are transported separately.
 
-    Through an organ with leaflets no one spine runs: it has no motion.
+    An organ with leaflets has no single spine, and therefore no motion.
     """
     bases = [
         int(((points - shape.attachment) ** 2).sum(axis=1).argmin())

@@ -1,6 +1,6 @@
-"""An organ's movers in one interval: where they start and end, and the paths between.
+"""The movers of an organ in one interval: their start, end and path.
 
-Organs deform on their way, and carry what grows on them.
+Organs deform between the two scans, and their children move with them.
 """
 
 from collections.abc import Sequence
@@ -23,22 +23,21 @@ from gclip.pack import Movers, elevate_degree
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]
 Deviation = tuple[Floats, dict[int, Floats]]
-"""Deviations at mid-interval: (M, 3) of movers, and (3,) of where each child is attached."""
+"""Deviations at mid-interval: (M, 3) of movers, and (3,) of the attachment of each child."""
 
-POINTS_COMPARED = 100  # of an organ that show where it touches its parent
+POINTS_COMPARED = 100  # of a child, to find its attachment point
 
 
 @dataclass(frozen=True)
 class OrganMovers:
-    """The movers of one task, and what is known of them."""
+    """The movers of one task."""
 
     movers: Movers
     pair: SegmentPair  # for the report
-    area: Floats | None = None  # (M,), at mid-interval; None where density stays
-    # (M,), numbers from 0 on of the points they leave, and reach; None of what is lost
-    start_points: Indices | None = None
-    end_points: Indices | None = None
-    born: bool = False  # they unfold from an attachment point
+    area: Floats | None = None  # (M,) at mid-interval; None if no movers are to be added
+    start_points: Indices | None = None  # (M,) numbers of the points of the task; None if lost
+    end_points: Indices | None = None  # likewise
+    born: bool = False  # whether they unfold from an attachment point
 
 
 def moving(
@@ -48,9 +47,9 @@ def moving(
     end: Keyframe,
     timing: Timing | None = None,
 ) -> OrganMovers:
-    """The movers of a matched or a new organ, by the plan between its points.
+    """The movers of a matched or new organ, from the correspondences of its points.
 
-    timing: how a matched organ moves; by default evenly, in straight lines, as a new one unfolds.
+    timing: of a matched organ; by default movers move evenly.
     """
     a, b = task.start[plan.rows], task.end[plan.columns]
     origin, target = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
@@ -59,7 +58,7 @@ def moving(
         colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
     born, area, normals = task.event == "birth", None, None
     if start.normals is not None and end.normals is not None:
-        last = end.normals.take(b, axis=0)  # what is born has no surface at first
+        last = end.normals.take(b, axis=0)  # a new organ has no surface at the start
         normals = np.hstack([last if born else start.normals.take(a, axis=0), last])
     movers = Movers(Motion.MOVE, (origin, target), np.full(len(a), task.organ), *colors, normals)
     if start.area is not None and end.area is not None:
@@ -70,9 +69,9 @@ def moving(
 
 
 def shifted(moved: OrganMovers, shift: Floats) -> OrganMovers:
-    """Movers, on curves of degree 2 at most, that are shifted by (M, 3) at mid-interval."""
+    """Shift movers on curves of degree 1 or 2 by (M, 3) at mid-interval."""
     origin, control, target = elevate_degree(moved.movers.curve, 2)
-    # The control point counts half there.
+    # The weight of the control point at mid-interval is 1/2.
     curve = (origin, (control + 2.0 * shift).astype(np.float32), target)
     return replace(moved, movers=replace(moved.movers, curve=curve))
 
@@ -80,10 +79,10 @@ def shifted(moved: OrganMovers, shift: Floats) -> OrganMovers:
 def leaving(
     task: Task, start: Keyframe, decay: Motion, vertical: Vertical, floor: float
 ) -> OrganMovers:
-    """The movers of a lost organ, in their colours (section 3.3.1, decay).
+    """The movers of a lost organ (section 3.3.1 of the paper, decay).
 
-    They fall straight down to the height `floor`, or stay where they are (as what is lower does)
-    until they have faded or are removed.
+    They fall vertically to the height `floor`, unless they are below it, or stay in place until
+    they have faded or are removed.
     """
     origin = start.positions.take(task.start, axis=0)
     lower = np.minimum(vertical.height(origin), floor)
@@ -99,10 +98,12 @@ def leaving(
 def mid_area(
     before: Floats, a: Indices, after: Floats, b: Indices, born: bool = False
 ) -> NDArray[np.float64]:
-    """(M,) area of each mover at mid-interval.
+    """(M,) area that each mover represents at mid-interval.
 
-    Movers that share a point share its area; what is born has none at first. Lengths are averaged,
-    not areas. before, after: areas of the movers' start and end points; a, b: their indices.
+    The area of a point is divided among its movers; a new organ has no area at the start. Lengths
+    are averaged instead of areas.
+
+    before, after: (M,) areas of the start and end points of the movers; a, b: (M,) their indices.
     """
     start = np.sqrt(before / np.bincount(a)[a])
     end = np.sqrt(after / np.bincount(b)[b])
@@ -117,11 +118,9 @@ def _pair(
 
 
 class OrganPaths:
-    """Finds how the organs of an interval deviate from straight paths.
+    """The deviations of the organs of an interval from straight paths.
 
-    Straight go the root, and organs of few points.
-
-    end: points of the second scan, (N, 3), and scan: its hierarchy.
+    end, scan: (N, 3) points of the second scan, and its hierarchy.
     """
 
     def __init__(self, end: Floats, scan: Hierarchy) -> None:
@@ -131,42 +130,43 @@ class OrganPaths:
     def deviation(
         self, organ: int, motion: OrganMotion | None, start: Floats, rows: Indices
     ) -> Deviation | None:
-        """How movers from these rows of an organ deviate; None where they go straight."""
+        """The deviation of an organ's movers, which start at `rows`; None for the root."""
         from scipy.spatial import cKDTree
 
         segment = self._segments.get(organ, NO_PARENT)
         if motion is None or segment == self._scan.root:
             return None
         shift = motion.deviation(start).take(rows, axis=0)
-        tree, touched = cKDTree(motion.deformed), dict[int, int]()
+        tree, attached_to = cKDTree(motion.deformed), dict[int, int]()
         for child, members in enumerate(self._scan.segments):
             if self._scan.parents[child] == segment and len(members):
-                some = members[:: max(1, len(members) // POINTS_COMPARED)]
-                distances, nearest = tree.query(self._end.take(some, axis=0))
-                touched[child] = int(nearest[np.argmin(distances)])
-        shifts = at_levels(motion.deviations, motion.along[[*touched.values()]])
-        return shift, dict(zip(touched, shifts, strict=True))
+                sample = members[:: max(1, len(members) // POINTS_COMPARED)]
+                distances, nearest = tree.query(self._end.take(sample, axis=0))
+                attached_to[child] = int(nearest[np.argmin(distances)])
+        shifts = at_levels(motion.deviations, motion.along[[*attached_to.values()]])
+        return shift, dict(zip(attached_to, shifts, strict=True))
 
     def curved(
         self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
     ) -> list[OrganMovers]:
-        """The solved tasks, carried along by their parents; those that deviate, on curves."""
+        """Shift the movers of each task by their deviation and by that of their attachment."""
         segments = [self._segments.get(_track(moved)) for moved in solved]
-        of = {s: d for s, d in zip(segments, deviations, strict=True) if d is not None}
-        carried: dict[int, Floats] = {NO_PARENT: np.zeros(3)}
+        by_segment = {s: d for s, d in zip(segments, deviations, strict=True) if d is not None}
+        attachment_shift: dict[int, Floats] = {NO_PARENT: np.zeros(3)}
         for child in self._scan.from_the_root():
             parent = self._scan.parents[child]
-            own = of[parent][1].get(child) if parent in of else None
-            carried[child] = carried[parent] + (0.0 if own is None else own)
-        done = []
+            relative = by_segment[parent][1].get(child) if parent in by_segment else None
+            relative = np.zeros(3) if relative is None else relative
+            attachment_shift[child] = attachment_shift[parent] + relative
+        result = []
         for moved, segment, deviation in zip(solved, segments, deviations, strict=True):
             if segment is not None and moved.start_points is not None:
-                shift = np.broadcast_to(carried[segment], (len(moved.movers), 3))
+                shift = np.broadcast_to(attachment_shift[segment], (len(moved.movers), 3))
                 if deviation is not None:
                     shift = shift + deviation[0]
                 moved = shifted(moved, shift) if shift.any() else moved
-            done.append(moved)
-        return done
+            result.append(moved)
+        return result
 
 
 def _track(moved: OrganMovers) -> int:

@@ -1,9 +1,9 @@
-"""Add movers where they would be sparse between two scans.
+"""Add movers where they would be sparse at mid-interval.
 
-A scan's points follow its scanner, and an organ has as many movers as the larger of its two sides
-has points. So at mid-interval an organ that doubles is sparser than the stem beside it, and one
-that is being born is denser. Where movers are few for their area, more are added: with the ends of
-others, so that both scans show nothing but their own points, yet displaced in between.
+The number of an organ's movers follows from its points in the scans. So at mid-interval, an organ
+that grows fast is sparser than others, and a new one is denser. Where movers are sparse for their
+area, movers are repeated: with the same start and end, so that the scans are still reproduced
+exactly, but displaced in between.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from gclip.pack import Movers, elevate_degree
 if TYPE_CHECKING:
     from baker.interpolation.movers import OrganMovers
 
-MAX_OVERHANG = 0.35  # of the square root of a mover's area: how far it may be from its mean
-NEIGHBORS = 8  # towards which additions to a lonely mover are displaced in turn
+MAX_OVERHANG = 0.35  # distance of a mover from the mean of its group : square root of its area
+NEIGHBORS = 8  # towards which repetitions of a mover that shares no point are displaced in turn
 
 Array = NDArray[Any]
 Floats = NDArray[np.floating]
@@ -33,105 +33,110 @@ Floats = NDArray[np.floating]
 def with_even_density(
     tasks: Sequence[OrganMovers], growth: float, map: MapLike = map
 ) -> list[Movers]:
-    """An interval's movers, and up to `growth` times as many more where they are sparse.
+    """Repeat movers of an interval where they are sparse, up to `growth` times their number.
 
-    Tasks without an area are left as they are. The added movers of a task follow its own. map: over
-    tasks, by threads.
+    Tasks without an area are left unchanged. The added movers of a task follow the others.
+
+    Parameters
+    ----------
+    tasks : sequence of OrganMovers
+    growth : float
+    map : map-like callable
+        Maps over the tasks, in threads.
     """
-    known = [task.area for task in tasks if task.area is not None]
-    density = _density(np.concatenate(known), growth) if known else 0.0
-    return list(map(_filled, tasks, [density] * len(tasks)))
+    areas = [task.area for task in tasks if task.area is not None]
+    density = _target_density(np.concatenate(areas), growth) if areas else 0.0
+    return list(map(_fill, tasks, [density] * len(tasks)))
 
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:
-    """(N, 3) positions on Bézier curves at the share `u` of the interval."""
+    """(N, 3) positions on Bézier curves at the parameter u."""
     weights = bernstein(len(curve) - 1, u)
     return np.tensordot(weights, np.stack(curve), axes=1)
 
 
-def _density(areas: Floats, growth: float) -> float:
-    """Movers per area at which filling up to it adds `growth` times as many.
+def _target_density(areas: Floats, growth: float) -> float:
+    """The density, in movers per area, that is reached with `growth` times as many movers.
 
-    At most what the twentieth densest has: then all are even.
+    It is at most that of the densest twentieth, with which all movers are even.
     """
     descending = np.sort(areas)[::-1].astype(float)
-    held = np.cumsum(descending)
-    if not held[-1] > 0:
+    total = np.cumsum(descending)
+    if not total[-1] > 0:
         return 0.0
-    # If the first n are filled up, `density * held[n - 1] - n` movers are added.
-    candidates = (growth * len(areas) + np.arange(1, len(areas) + 1)) / held
-    # The first is always filled, though (1 / 49) * 49 is less than 1.
-    filled = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
-    return float(min(candidates[filled], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
+    # If the n sparsest movers are filled up, `density * total[n - 1] - n` movers are added.
+    candidates = (growth * len(areas) + np.arange(1, len(areas) + 1)) / total
+    # At least the sparsest is filled, even if rounding makes (1 / 49) * 49 less than 1.
+    last = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
+    return float(min(candidates[last], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
 
 
-def _filled(task: OrganMovers, density: float) -> Movers:
-    """A task's movers, and some of them once more with their inner control points shifted."""
+def _fill(task: OrganMovers, density: float) -> Movers:
+    """Repeat some of a task's movers, with their inner control points shifted."""
     movers, degree = task.movers, max(2, len(task.movers.curve) - 1)
     if task.area is None or len(movers) <= NEIGHBORS:
         return movers
     middle = position_at(movers.curve, 0.5)
-    own = _spread_out(middle, np.maximum(density * task.area - 1, 0))
-    if not len(own):
+    repeated = _choose_repeated(middle, np.maximum(density * task.area - 1, 0))
+    if not len(repeated):
         return movers
-    # At mid-interval the ends keep a weight of 2 / 2 ** degree.
-    shift = _aside(task, middle, own) / (1 - 2.0 ** (1 - degree))
+    # The weight of the inner control points at mid-interval is 1 - 2 / 2 ** degree.
+    shift = _displacements(task, middle, repeated) / (1 - 2.0 ** (1 - degree))
 
     def extended(values: Array, shift: Floats | int = 0) -> Array:
-        return np.concatenate([values, values.take(own, axis=0) + shift], dtype=values.dtype)
+        return np.concatenate([values, values.take(repeated, axis=0) + shift], dtype=values.dtype)
 
     start, *control, end = elevate_degree(movers.curve, degree)
-    names = ("start_colors", "end_colors", "normals")
-    optional: dict[str, Any] = {
-        n: getattr(movers, n) for n in names if getattr(movers, n) is not None
-    }
-    more: dict[str, Any] = {name: extended(one) for name, one in optional.items()}
+    attributes = {n: getattr(movers, n) for n in ("start_colors", "end_colors", "normals")}
+    optional: dict[str, Any] = {n: extended(v) for n, v in attributes.items() if v is not None}
     return replace(
         movers,
         curve=(extended(start), *(extended(points, shift) for points in control), extended(end)),
         tracks=extended(movers.tracks),
-        **more,
+        **optional,
     )
 
 
-def _aside(task: OrganMovers, middle: Floats, own: NDArray[np.intp]) -> Floats:
-    """(n, 3) displacements of the additions from their movers at mid-interval.
+def _displacements(task: OrganMovers, middle: Floats, repeated: NDArray[np.intp]) -> Floats:
+    """(n, 3) displacements of repeated movers at mid-interval.
 
-    Movers from one point spread out, movers to one point draw together: an addition keeps that
-    order where it goes on from the others through its mover, no farther than the gap to those from
-    the next point: beyond a tip there are none. A mover that shares no point has it between itself
-    and a neighbour.
+    Movers with the same start or end point form a group around its mean. A repetition is displaced
+    away from that mean, by at most `MAX_OVERHANG`, since beyond a tip there are no other movers. A
+    mover that shares no point is displaced towards a neighbour.
     """
     from scipy.spatial import cKDTree
 
-    leaving = middle - _mean_of_twins(task.start_points, middle)
+    from_mean = middle - _group_mean(task.start_points, middle)
     assert task.area is not None
-    length, limit = np.linalg.norm(leaving, axis=1), MAX_OVERHANG * np.sqrt(task.area)
-    leaving *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
-    shared = (leaving + middle - _mean_of_twins(task.end_points, middle)) / 2
-    turn = np.arange(len(own)) - np.searchsorted(own, own)
-    shift = 2 * shared.take(own, axis=0)
-    lonely = ~shift.any(axis=1)
-    if lonely.any():
-        ranks = np.arange(2, min(int(turn[lonely].max()), NEIGHBORS - 1) + 3)
+    length, limit = np.linalg.norm(from_mean, axis=1), MAX_OVERHANG * np.sqrt(task.area)
+    from_mean *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
+    shared = (from_mean + middle - _group_mean(task.end_points, middle)) / 2
+    repetition = np.arange(len(repeated)) - np.searchsorted(repeated, repeated)
+    shift = 2 * shared.take(repeated, axis=0)
+    is_single = ~shift.any(axis=1)
+    if is_single.any():
+        ranks = np.arange(2, min(int(repetition[is_single].max()), NEIGHBORS - 1) + 3)
         tree = cKDTree(middle, balanced_tree=False)
-        nearest = tree.query(middle[own[lonely]], k=ranks)[1]
-        partner = nearest[np.arange(len(nearest)), turn[lonely] % NEIGHBORS]
-        # A third of the way: the neighbour's own addition may come as far towards this one.
-        shift[lonely] = (middle[partner] - middle[own[lonely]]) / 3
-    return shift / (1 + turn // np.where(lonely, NEIGHBORS, 1))[:, None]
+        nearest = tree.query(middle[repeated[is_single]], k=ranks)[1]
+        neighbor = nearest[np.arange(len(nearest)), repetition[is_single] % NEIGHBORS]
+        # A third of the distance, since the neighbour's repetition may be as near from its side.
+        shift[is_single] = (middle[neighbor] - middle[repeated[is_single]]) / 3
+    return shift / (1 + repetition // np.where(is_single, NEIGHBORS, 1))[:, None]
 
 
-def _mean_of_twins(ends: NDArray[np.integer] | None, values: Floats) -> Floats:
-    """(N, 3) each mover's mean of `values` over all movers that have the same end."""
-    assert ends is not None  # what has an area moves from points to points
-    sums = np.stack([np.bincount(ends, weights).take(ends) for weights in values.T], axis=1)
-    return sums / np.bincount(ends).take(ends)[:, None]
+def _group_mean(group: NDArray[np.integer] | None, values: Floats) -> Floats:
+    """(N, 3) mean of `values` over the movers of each mover's group."""
+    assert group is not None  # movers with an area have start and end points
+    sums = np.stack([np.bincount(group, weights).take(group) for weights in values.T], axis=1)
+    return sums / np.bincount(group).take(group)[:, None]
 
 
-def _spread_out(points: Floats, wanted: Floats) -> NDArray[np.intp]:
-    """Which movers to repeat, ascending: even steps along the Morton curve leave no clusters."""
+def _choose_repeated(points: Floats, wanted: Floats) -> NDArray[np.intp]:
+    """Indices of the movers to repeat, ascending, in even steps along the Morton curve.
+
+    wanted: (N,) the number of repetitions of each mover, as a fraction.
+    """
     order = morton_order(points)
-    reached = np.cumsum(wanted[order])
-    steps = np.arange(0.5, reached[-1], 1.0) if len(order) else np.empty(0)
-    return np.sort(order[np.searchsorted(reached, steps)])
+    total = np.cumsum(wanted[order])
+    steps = np.arange(0.5, total[-1], 1.0) if len(order) else np.empty(0)
+    return np.sort(order[np.searchsorted(total, steps)])

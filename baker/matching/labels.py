@@ -168,7 +168,9 @@ def follow_labels(
         return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
     if not unlabelled:
         corrected = [place for correction in corrections for place in correction.places]
-        merged = merge_parts(clouds, tracks, {int(tracks[scan][point]) for scan, point in corrected})
+        merged = merge_parts(
+            clouds, tracks, {int(tracks[scan][point]) for scan, point in corrected}
+        )
         if any(map(np.any, map(np.not_equal, merged, tracks))):
             # A part may have been linked to another organ of the next scan.
             hierarchies = coarse_hierarchies(clouds, merged, root_points)

@@ -1,1 +1,1 @@
-"""How the mass of one segment flows into another, and which points move where (section 3.4)."""
+"""Optimal transport between matched segments, and correspondences of points (section 3.4)."""

@@ -1,4 +1,4 @@
-"""The loops that halve a cloud down to single points."""
+"""Compiled recursive bisection of a cloud down to single points."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,10 @@ Floats = NDArray[np.float64]
 
 @compiled
 def bisect(points: Floats, order: Ints, axes: Ints, known: bool) -> None:
-    """Put the `order` of (3, n) points in place, part by part, level by level.
+    """Sort the `order` of (3, n) points in place, level by level, part by part.
 
-    Part p of a level of `parts` parts is cut along ``axes[parts + p]``: by its longest extent where
-    the axes are not known, which is written there. Equivalent, for each part, to
+    Part p of a level of `parts` parts is bisected along ``axes[parts + p]``; if the axes are not
+    known, along its longest extent, which is written there. Equivalent, for each part, to
     ``order[begin:stop] = order[begin:stop][np.argsort(points[axis, order[begin:stop]])]``.
     """
     n, parts = len(order), 1
@@ -44,7 +44,7 @@ def _longest_extent(points: Floats, part: Ints) -> int:
 
 @compiled
 def _select(values: Floats, order: Ints, begin: int, stop: int, middle: int) -> None:
-    """Put the smaller values before the middle of a part, the others behind (Hoare's quickselect).
+    """Move the smaller values of a part before its middle, the others after it (quickselect).
 
     Equivalent to ``np.argpartition(values[order[begin:stop]], middle - begin)`` on that part.
     """

@@ -1,4 +1,4 @@
-"""The solver's loops, compiled before the first problem: once, and with progress."""
+"""Compile the solver before the first problem, and report progress."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,17 +12,17 @@ from baker.transport.space_partition import bisection_plan
 def compile_kernels(
     report_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> str | None:
-    """Compile every loop of the solver, or read it where an earlier process has kept it.
+    """Compile all functions of the solver, or load them from numba's cache.
 
     Parameters
     ----------
     report_progress : callable
-        Called with 0 and 1 once something has to be compiled, with 1 and 1 when that is done.
+        Called with (0, 1) if something has to be compiled, and with (1, 1) when that is done.
 
     Returns
     -------
     str or None
-        A sentence for the user where compiled code cannot be kept, so that every process compiles.
+        A sentence for the user if compiled code can't be cached.
     """
     from numba.core.event import Listener, install_listener
 
@@ -52,7 +52,7 @@ def compile_kernels(
 
 
 def _solve_smallest() -> None:
-    """A problem that calls every loop: two clouds of four points, of all types as in a bake."""
+    """Solve a problem of two clouds of four points, with the types of arrays as in a bake."""
     from baker.transport.network_simplex import improve_cells
 
     points = np.random.default_rng(0).random((4, 3))

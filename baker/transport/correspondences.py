@@ -1,4 +1,4 @@
-"""Corresponding points of an organ in two scans, from its transport plans (end of section 3.4)."""
+"""Find corresponding points of an organ from its transport plan (end of section 3.4)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,13 +14,13 @@ from baker.transport.support import balance
 
 @dataclass(frozen=True)
 class Correspondences:
-    """Pairs of points of an organ's two scans; every point is in at least one pair."""
+    """Pairs of points of an organ in two scans; every point is in at least one pair."""
 
-    rows: Indices  # (M,) points of the start, M <= n + m; ordered by row, then column
+    rows: Indices  # (M,) points of the start, M <= n + m; sorted by row, then column
     columns: Indices  # (M,) points of the end
-    distance: float  # Wasserstein distance in length units, of all plans together
+    distance: float  # Wasserstein distance in length units, over all plans
     marginal_error: float  # L1 error of the marginals, the largest of all plans
-    solver: str  # what found the plan that moves the most
+    solver: str  # of the plan with the largest cost
     notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 
@@ -35,9 +35,8 @@ def correspond(
         The organ in two successive scans, in length units.
     options : TransportOptions
     parts : sequence of LeafletPair, optional
-        Parts that are transported each on its own, by the mass that both scans have around each
-        point: so leaves that are born beside a leaf take none of its points. Together they have
-        every point of either scan exactly once.
+        A partition of the points into parts that are transported separately, with `shared_masses`,
+        so that the points of a leaf are not transported to new leaves next to it.
 
     Returns
     -------
@@ -45,33 +44,33 @@ def correspond(
     """
     whole = LeafletPair(np.arange(len(start)), np.arange(len(end)), (start, end))
     options = replace(options, shared=bool(parts))
-    rows, columns, work, plans = [], [], [], []
+    rows, columns, part_costs, plans = [], [], [], []
     for part in parts or (whole,):
         source, target = start[part.start], end[part.end]
-        placed_source, placed_target = part.registered or balance(source, target)
-        plan = solve(placed_source, placed_target, options)
+        registered_source, registered_target = part.registered or balance(source, target)
+        plan = solve(registered_source, registered_target, options)
         i, j = largest_entries(plan, len(source), len(target))
         rows.append(part.start[i])
         columns.append(part.end[j])
         cost = plan.mass @ costs(source, target, (plan.rows, plan.columns), options.power)
-        work.append(float(cost) * (len(target) / len(end)))
+        part_costs.append(float(cost) * (len(target) / len(end)))
         plans.append(plan)
     order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
-    moved = (f"its leaflets moved each on its own, {len(parts)} parts in all",)
+    note = f"its leaflets moved each on its own, {len(parts)} parts in all"
     return Correspondences(
         np.concatenate(rows)[order],
         np.concatenate(columns)[order],
-        sum(work) ** (1 / options.power),
+        sum(part_costs) ** (1 / options.power),
         max(plan.marginal_error for plan in plans),
-        plans[int(np.argmax(work))].solver,
-        moved if len(parts) > 1 else plans[0].notes,
+        plans[int(np.argmax(part_costs))].solver,
+        (note,) if len(parts) > 1 else plans[0].notes,
     )
 
 
 def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The non-zero entries of T-hat = (T' + T'') / 2: the maxima of T's rows and of its columns.
+    """The non-zero entries of the paper's T-hat = (T' + T'') / 2, the row and column maxima of T.
 
-    Ties go to the lowest index. The n by m plan uses every point.
+    Of equal entries the first one is the maximum. n, m: numbers of rows and columns.
     """
     sides = (plan.rows, n), (plan.columns, m)
     chosen = np.zeros(len(plan.mass), bool)
@@ -81,12 +80,12 @@ def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDAr
 
 
 def _maxima(group: Indices, mass: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """(count,) the entry of the largest mass in each group, on ties the first one.
+    """(count,) the first entry of the largest mass in each group.
 
     Equivalent to ``[np.argmax(np.where(group == g, mass, -1)) for g in range(count)]``.
     """
     largest, entries = np.zeros(count), np.full(count, -1)
     np.maximum.at(largest, group, mass)
     backwards = np.flatnonzero(mass == largest[group])[::-1]
-    entries[group[backwards]] = backwards  # of those of a group the last to be written stays
+    entries[group[backwards]] = backwards  # assignment to equal indices keeps the last value
     return entries

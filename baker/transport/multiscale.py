@@ -1,10 +1,10 @@
-"""The optimal plan of large clouds, from coarse to fine and cell by cell.
+"""Solve the transport problem of large clouds from coarse to fine, by domain decomposition.
 
-Both clouds are cut into ever smaller blocks. The plan between the blocks of one level, handed out
-to the blocks within them, is a feasible plan of the next level that is nearly optimal, and is
-improved there; on the last level the blocks are the points. Large levels are improved in cells,
-each solved exactly by the network simplex, in sweeps that cut elsewhere (domain decomposition).
-Time and memory grow linearly with the points.
+Both clouds are divided into blocks, level by level. The plan between the blocks of one level is
+refined to a feasible, nearly optimal plan of the next level, and improved there; on the last level
+the blocks are the points. Large levels are divided into cells, each of which is solved exactly by
+the network simplex, in several sweeps with different cells. Time and memory are linear in the
+number of points.
 
 References
 ----------
@@ -21,21 +21,21 @@ from baker.geometry.parallel import thread_map
 from baker.transport.problem import Edges, Indices, Masses, Points, TransportOptions, costs
 from baker.transport.space_partition import Blocks, bisection_order, cut, refine_plan
 
-BLOCKS_OF_COARSEST_LEVEL = 64  # of either side
+BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
 BLOCKS_IN_A_BLOCK = 4
-STEPS = (-3, -1, 1, 3)  # along two bisections, to the points whose partners are priced
-POINTS_OF_CELL = 400  # of both sides together
-MAX_POINTS_OF_ONE_CELL = 3_000  # of both sides, up to which a level has one cell
-MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller side, up to which neighbours are not looked for
-MAX_PAIRS_PRICED = 1_500_000  # of the last level, up to which all pairs of a cell are priced
-SWEEPS_OF_SMALL_CELLS = 2  # in later ones cells double, for mass that has farther to go
-MAX_SWEEPS = 6  # the time that a point takes grows with the cells
-PARTS_PER_WORKER = 4  # that a worker's cells are solved in
-MIN_GAIN = 3e-3  # share of the cost that a sweep has to gain
+STEPS = (-3, -1, 1, 3)  # in the orders of two bisections, from a point to its neighbours
+POINTS_OF_CELL = 400  # of both clouds together
+MAX_POINTS_OF_ONE_CELL = 3_000  # of both clouds; a smaller level is one cell
+MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller cloud; without neighbours, all pairs are priced
+MAX_PAIRS_PRICED = 1_500_000  # on the last level; if there are fewer, all pairs are priced
+SWEEPS_OF_SMALL_CELLS = 2  # in later sweeps, the size of cells doubles
+MAX_SWEEPS = 6  # the time for a point increases with the size of its cell
+PARTS_PER_WORKER = 4  # into which the cells of a sweep are divided
+MIN_GAIN = 3e-3  # share of the cost; if a sweep gains less, it is the last one
 
 
 Coupling = tuple[Edges, Masses, str]
-"""A feasible plan in whole masses, and what found it."""
+"""The pairs and integer masses of a feasible plan, and the name of the solver."""
 
 
 def couple(
@@ -45,7 +45,10 @@ def couple(
     demand: Masses,
     options: TransportOptions,
 ) -> Coupling:
-    """The plan of least cost between two clouds, (n, 3) and (m, 3), of masses of equal sum."""
+    """Compute the plan of least cost between two clouds.
+
+    start, end: (n, 3) and (m, 3). supply, demand: (n,) and (m,) masses of equal sum.
+    """
     n, m = len(start), len(end)
     if n < m:
         edges, mass, solver = couple(end, start, demand, supply, options)
@@ -61,7 +64,7 @@ def couple(
     edges = np.zeros(1, np.int64), np.zeros(1, np.int64)
     mass = np.array([supply.sum()])
     for index, rows in enumerate(row_levels):
-        # A cloud that has fewer levels than the other waits at its points.
+        # The cloud with fewer levels stays at its last level, its points.
         columns = column_levels[min(index, len(column_levels) - 1)]
         if index >= len(column_levels):
             columns = columns._replace(first=np.arange(len(columns.points)))
@@ -74,19 +77,19 @@ def couple(
 
 
 class _Level(NamedTuple):
-    """A cloud as n blocks, in the order of its bisection; on the finest level as n points."""
+    """A level of a cloud: n blocks in the order of its bisection, at last single points."""
 
     points: NDArray[np.float64]  # (n, 3) centroids
     masses: Masses
-    first: Indices  # where each block of the level above begins
+    first: Indices  # the first block in each block of the coarser level
 
     def blocks_above(self) -> Blocks:
-        """The blocks of the level above, made of this level's."""
+        """The blocks of the coarser level, which consist of the blocks of this one."""
         return Blocks(np.arange(len(self.points)), self.first)
 
 
 def _levels(points: Points, masses: Masses) -> list[_Level]:
-    """The levels of a cloud in the order of its bisection, from coarse to fine."""
+    """The levels of a cloud from coarse to fine; points are in the order of its bisection."""
     n = len(points)
     counts, count = [], BLOCKS_OF_COARSEST_LEVEL
     while 3 * count <= n:
@@ -94,7 +97,7 @@ def _levels(points: Points, masses: Masses) -> list[_Level]:
         count *= BLOCKS_IN_A_BLOCK
     levels, above = [], np.zeros(1, np.int64)
     for count in (*counts, n):
-        first = -(-np.arange(count) * n // count)  # blocks lie within those of the level above
+        first = -(-np.arange(count) * n // count)  # so that blocks are nested
         blocks = Blocks(np.arange(n), first)
         centroids = points.astype(np.float64) if count == n else blocks.centroids(points)
         levels.append(_Level(centroids, blocks.masses(masses), np.searchsorted(first, above)))
@@ -110,50 +113,47 @@ def _improve(
     options: TransportOptions,
     last: bool,
 ) -> tuple[Edges, Masses]:
-    """Improve a feasible plan in one sweep; on the last level until a sweep gains too little."""
+    """Improve a feasible plan in one sweep, or on the last level in several."""
     from baker.transport.network_simplex import improve_cells
 
     start, end = rows.points, columns.points
     n, m = len(start), len(end)
-    few = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
-    exhaustive = few or (last and n * m <= MAX_PAIRS_PRICED)
-    nothing = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
-    other = options.seed + MAX_SWEEPS
-    near = nothing if few else (_neighbors(start, other), _neighbors(end, other))
+    is_small = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
+    exhaustive = is_small or (last and n * m <= MAX_PAIRS_PRICED)
+    neighbors: tuple[Indices, Indices] = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
+    if not is_small:
+        seed = options.seed + MAX_SWEEPS
+        neighbors = _neighbors(start, seed), _neighbors(end, seed)
     if n + m <= MAX_POINTS_OF_ONE_CELL:
         whole = np.array([0, len(mass)])
-        return improve_cells(start, end, near, edges, mass, whole, options.power, exhaustive)
-
-    def cost() -> float:
-        return float(mass @ costs(start, end, edges, options.power))
-
-    now = cost()
+        return improve_cells(start, end, neighbors, edges, mass, whole, options.power, exhaustive)
+    cost = float(mass @ costs(start, end, edges, options.power))
     for sweep in range(MAX_SWEEPS if last else 1):
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
         cells = round((n + m) / size)
         cell = _cells(start, cells, options.seed, sweep)
-        edges, mass = _sweep(start, end, near, edges, mass, cell, exhaustive, options)
-        before, now = now, cost()
-        # A sweep can't see past its cells' borders: the next one cuts elsewhere.
-        if cells == 1 or before - now <= MIN_GAIN * now:
+        edges, mass = _sweep(start, end, neighbors, edges, mass, cell, exhaustive, options)
+        previous, cost = cost, float(mass @ costs(start, end, edges, options.power))
+        # No mass crosses the border of a cell, so the next sweep has different cells.
+        if cells == 1 or previous - cost <= MIN_GAIN * cost:
             break
     return edges, mass
 
 
 def _neighbors(points: NDArray[np.float64], seed: int) -> Indices:
-    """(n, 8) what lies beside each point in the cloud's order, and in that of another bisection.
+    """(n, 8) points near each point, in the order of the cloud and in that of another bisection.
 
-    Plans come as near to the optimum as with the four nearest points, and sooner.
+    Plans are as near to the optimum as with the four nearest points, but found sooner.
     """
-    place = np.empty(len(points), np.int64)
-    order, own = bisection_order(points, seed)[0], np.arange(len(points))
-    place[order] = own
-    beside = own[:, None] + STEPS, place[:, None] + STEPS
-    return np.hstack([own.take(beside[0], mode="clip"), order.take(beside[1], mode="clip")])
+    rank = np.empty(len(points), np.int64)
+    order, index = bisection_order(points, seed)[0], np.arange(len(points))
+    rank[order] = index
+    adjacent = index[:, None] + STEPS, rank[:, None] + STEPS
+    return np.hstack([index.take(adjacent[0], mode="clip"), order.take(adjacent[1], mode="clip")])
 
 
 def _cells(start: Points, cells: int, seed: int, sweep: int) -> Indices:
-    """(n,) the cell of each row; every sweep cuts elsewhere, the first along the bisection."""
+    """(n,) the cell of each row, different in every sweep, at first by the bisection."""
     cell = np.arange(len(start)) * cells // len(start)
     if sweep > 0:
         by_cell = cell.copy()
@@ -164,14 +164,14 @@ def _cells(start: Points, cells: int, seed: int, sweep: int) -> Indices:
 def _sweep(
     start: NDArray[np.float64],
     end: NDArray[np.float64],
-    near: tuple[Indices, Indices],
+    neighbors: tuple[Indices, Indices],
     edges: Edges,
     mass: Masses,
     cell: Indices,
     exhaustive: bool,
     options: TransportOptions,
 ) -> tuple[Edges, Masses]:
-    """Solve each cell's rows exactly for the masses that they now send."""
+    """Solve each cell exactly, with the masses that its rows send and its columns receive now."""
     from baker.transport.network_simplex import improve_cells
 
     order = np.argsort(cell[edges[0]] * len(start) + edges[0], kind="stable")
@@ -182,7 +182,7 @@ def _sweep(
         cells = first[begin : stop + 1]
         part = slice(cells[0], cells[-1])
         return improve_cells(
-            start, end, near, (rows[part], columns[part]), mass[part], cells - cells[0],
+            start, end, neighbors, (rows[part], columns[part]), mass[part], cells - cells[0],
             options.power, exhaustive,
         )  # fmt: skip
 

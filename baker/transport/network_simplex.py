@@ -5,19 +5,18 @@ The transport problem is the linear program
     minimise    sum_ij T_ij c_ij,    c_ij = |p_i - q_j| ** power
     subject to  sum_j T_ij = a_i,  sum_i T_ij = b_j,  T >= 0
 
-A basic solution carries flow on the arcs of a spanning tree only. Its node potentials u, v make the
-reduced cost c_ij - u_i - v_j zero on these arcs; where it is negative, the arc (i, j) enters the
-tree, flow is pushed around the cycle that it closes, and an arc that this empties leaves.
+A basic solution has flow only on the arcs of a spanning tree. Its node potentials u, v make the
+reduced cost c_ij - u_i - v_j zero on these arcs. An arc (i, j) with a negative reduced cost enters
+the tree, flow is pushed around the cycle that it closes, and an arc without flow leaves the tree.
 
-Three things fit the method to geometry. It starts from a plan that is nearly optimal. It prices the
-partners of a point's neighbours before all others: for the squared distance, a plan that is optimal
-against these is optimal against all ("shielding"; a few nearest neighbours come close to the
-neighbours that this needs). And it works on cells, so small that their nodes stay in the cache.
-docs/method.md has the figures against POT, whose solver starts from nothing and takes a dense cost
-matrix.
+Three things adapt the method to geometry. It starts from a nearly optimal plan. It prices the
+partners of a point's neighbours before all other arcs: for squared distances, a plan that is
+optimal among these is optimal ("shielding"; a few nearest neighbours are nearly sufficient). And it
+solves cells that are small enough for the processor's cache. docs/method.md has a comparison with
+POT, whose solver has no initial plan and needs a dense cost matrix.
 
-Compiled by numba: import this module late. Its functions call each other at most two levels deep,
-for numba compiles and optimises a function once more for every level above it.
+The module is compiled by numba: import it in functions. Its functions call each other at most two
+levels deep, since numba compiles a function again for every level above it.
 
 References
 ----------
@@ -38,7 +37,7 @@ from baker.transport.problem import Edges, Masses
 from gclip.compiled import compiled
 
 NO_NODE: Any = np.uint32(0xFFFFFFFF)
-TOLERANCE = 1e-12  # of the largest cost in the tree: below it a reduced cost is not negative
+TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
 UNBOUNDED = 2**62
 BLOCK_SIZE: Any = np.uint32(16)  # columns that are priced together
 
@@ -52,13 +51,13 @@ NODE = np.dtype(
         ("y", np.float64),
         ("z", np.float64),
         ("potential", np.float64),
-        ("flow", np.int64),  # on the arc to the parent; 0 where that is the root
+        ("flow", np.int64),  # on the arc to the parent; 0 if that is the root
         ("parent", np.uint32),  # these four are indices of nodes, or NO_NODE
         ("first_child", np.uint32),
         ("next_sibling", np.uint32),
         ("previous_sibling", np.uint32),
-        ("size", np.uint32),  # nodes of the subtree, this one included
-        ("stack", np.uint32),  # scratch space of depth-first traversals, of no node in particular
+        ("size", np.uint32),  # number of nodes of the subtree, including this one
+        ("stack", np.uint32),  # memory for the stack of traversals, unrelated to the node
     ]
 )
 Tree = Any  # (n + m + 1,) ndarray of NODE
@@ -75,13 +74,26 @@ def improve_cells(
     power: int,
     exhaustive: bool,
 ) -> tuple[Edges, Masses]:
-    """Make each cell of a feasible plan optimal for the masses that its points send and receive.
+    """Solve each cell of a feasible plan for the masses that its points send and receive.
 
-    start, end: (n, 3) and (m, 3). neighbors: (n, k) and (m, k) of each point on its own side, whose
-    partners are priced first. edges, mass: the plan, cell after cell; every row is in one cell
-    only. first: (cells + 1,) where in the plan each cell begins. power: the cost of a pair is
-    distance ** power. exhaustive: price all pairs of a cell in the end, which makes it optimal for
-    certain. Returns the arcs of a spanning tree of each cell that carry flow, and their mass.
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float64
+    neighbors : (n, k) and (m, k) int
+        Neighbours of each point in its own cloud, whose partners are priced first.
+    edges, mass : Edges, (E,) int64
+        The plan, cell after cell; every row is in one cell only.
+    first : (cells + 1,) int
+        Index in the plan of the first pair of each cell.
+    power : int
+        The cost of a pair is distance ** power.
+    exhaustive : bool
+        Price all pairs of a cell in the end, which guarantees that it is optimal.
+
+    Returns
+    -------
+    edges, mass : Edges, (F,) int64
+        The arcs with flow of a spanning tree of each cell.
     """
     local_rows = np.full(len(start), NO_NODE, np.uint32)
     local_columns = np.full(len(end), NO_NODE, np.uint32)
@@ -132,15 +144,16 @@ def network_simplex(
     power: int,
     exhaustive: bool,
 ) -> None:
-    """Solve in place: the plan's arcs in, an optimal spanning tree out.
+    """Turn a feasible plan into an optimal spanning tree, in place.
 
-    tree: the coordinates are set. n: rows. near: (n + m, k). tails, heads: (E,) nodes of the arcs.
+    tree: with coordinates. n: number of rows. near: (n + m, k) neighbours. tails, heads, mass: (E,)
+    nodes and flow of the arcs of the plan.
     """
     root, rows = np.uint32(len(tree) - 1), np.uint32(n)
     in_tree = np.zeros(len(tails), np.bool_)
     largest_cost = _build_tree(tree, tails, heads, mass, power, in_tree)
     tolerance = TOLERANCE * largest_cost
-    # A plan with cycles has more arcs than a tree: the others enter with the flow that they carry.
+    # A plan with cycles has more arcs than a tree; the other arcs enter with their flow.
     for arc in range(len(tails)):
         if not in_tree[arc]:
             reduced = _reduced_cost(tree, tails[arc], heads[arc], power)
@@ -157,7 +170,7 @@ def network_simplex(
             node = np.uint32(node + 1) if node + 1 < root else np.uint32(0)
         if not exhaustive:
             return
-        # Price all pairs, row by row: once, then near ones again; or until none enters.
+        # Price all pairs once, row by row, and then near ones again, until no arc enters.
         blocks = _blocks(tree, rows)
         node, idle, priced, entered = np.uint32(0), np.uint32(0), np.uint32(0), False
         while idle < rows and (near.shape[1] == 0 or priced < rows):
@@ -176,12 +189,15 @@ def network_simplex(
 def _build_tree(
     tree: Tree, tails: Ints, heads: Ints, mass: Masses, power: int, in_tree: NDArray[np.bool_]
 ) -> float:
-    """Span the plan's arcs, as far as they close no cycle; returns the largest cost among them."""
+    """Build a spanning tree of the plan's arcs, except those that close a cycle.
+
+    `in_tree` is set for its arcs; returns the largest cost among them.
+    """
     root = np.uint32(len(tree) - 1)
     for v in range(len(tree)):
         tree[v].parent, tree[v].first_child, tree[v].flow = NO_NODE, NO_NODE, 0
         tree[v].potential, tree[v].size = 0.0, 1
-    # Arcs by node: those of v stand from first[v] to first[v + 1].
+    # Adjacency lists: the arcs of v are arcs[first[v] : first[v + 1]].
     first = np.zeros(len(tree) + 1, np.int64)
     for arc in range(len(tails)):
         first[tails[arc] + 2] += 1
@@ -210,7 +226,7 @@ def _build_tree(
                 if tree[w].parent == NO_NODE:
                     in_tree[arc] = True
                     _attach(tree, w, v)
-                    # On the tree's arcs the reduced cost is 0.
+                    # The reduced cost of an arc of the tree is 0.
                     cost = _reduced_cost(tree, v, w, power)
                     tree[w].flow, tree[w].potential = mass[arc], cost
                     largest = max(largest, cost + tree[v].potential)
@@ -224,9 +240,9 @@ def _build_tree(
 
 @compiled
 def _price_near(tree: Tree, near: Ints, v: Node, power: int, limit: float) -> tuple[float, Node]:
-    """Among the partners of a node's neighbours: the least reduced cost below the limit, and whose.
+    """The least reduced cost below the limit of arcs to partners of neighbours, and that partner.
 
-    A neighbour's partners are the nodes that it shares an arc of the tree with.
+    The partners of a neighbour are the nodes to which it has an arc in the tree.
     """
     root, best = np.uint32(len(tree) - 1), NO_NODE
     for w in near[v]:
@@ -248,9 +264,9 @@ def _price_near(tree: Tree, near: Ints, v: Node, power: int, limit: float) -> tu
 def _price_all(
     tree: Tree, n: Node, blocks: Floats, row: Node, power: int, limit: float
 ) -> tuple[float, Node]:
-    """A row's least reduced cost below the limit among all columns, and the column.
+    """The least reduced cost below the limit of a row's arcs, and the column.
 
-    A block of columns is looked at where its box and its highest potential allow such a cost.
+    Only blocks of columns are examined whose bounding box and largest potential allow such a cost.
     """
     best, stop = NO_NODE, np.uint32(len(tree) - 1)
     x, y, z = tree[row].x, tree[row].y, tree[row].z
@@ -273,7 +289,7 @@ def _price_all(
 
 @compiled
 def _blocks(tree: Tree, n: Node) -> Floats:
-    """(blocks, 7) lows and highs of each block's columns along the axes, and its largest potential.
+    """(blocks, 7) lower and upper corner of each block of columns, and its largest potential.
 
     Equivalent to ``[[*xyz.min(axis=0), *xyz.max(axis=0), potential.max()] for each 16 columns]``.
     """
@@ -291,7 +307,7 @@ def _blocks(tree: Tree, n: Node) -> Floats:
 
 @compiled
 def _update_potentials(tree: Tree, n: Node, blocks: Floats) -> None:
-    """Put each block's largest potential there."""
+    """Update the largest potential of each block."""
     blocks[:, 6] = -np.inf
     for column in range(n, np.uint32(len(tree) - 1)):
         block = (column - n) // BLOCK_SIZE
@@ -300,16 +316,16 @@ def _update_potentials(tree: Tree, n: Node, blocks: Floats) -> None:
 
 @compiled
 def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried: Any) -> None:
-    """Let an arc enter the tree, and one leave that this empties.
+    """Let an arc enter the tree and another one, whose flow becomes 0, leave it.
 
-    reduced: the entering arc's reduced cost; carried: the flow that it has already.
+    reduced: the reduced cost of the entering arc; carried: the flow that it has already.
 
-    Of several arcs that are emptied the last one leaves, along the cycle in the direction of the
-    flow from its apex on. So all arcs without flow point to the root, the tree stays strongly
+    If the flow of several arcs becomes 0, the last one along the cycle leaves, in the direction of
+    the flow from the apex. So all arcs without flow point to the root, the tree stays strongly
     feasible, and degenerate pivots do not cycle (Cunningham 1976).
     """
     root = np.uint32(len(tree) - 1)
-    # Climb to the apex of the cycle; the subtree of the smaller size can't contain the other node.
+    # Climb to the apex of the cycle; the smaller subtree can't contain the other node.
     a, row_flow, row_leaving = row, UNBOUNDED, NO_NODE
     b, column_flow, column_leaving = column, UNBOUNDED, NO_NODE
     while a != b:
@@ -328,7 +344,7 @@ def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried
     moved, leaving = (row_flow, row_leaving) if on_row_side else (column_flow, column_leaving)
     v, parent = (row, column) if on_row_side else (column, row)
     size = tree[leaving].size
-    # Push the flow around the cycle; the size of the leaving subtree moves to the other side.
+    # Push the flow around the cycle; add the size of the leaving subtree on the other side.
     w = parent
     while w != apex:
         tree[w].flow += -moved if (w >= n) == on_row_side else moved
@@ -343,7 +359,7 @@ def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried
         tree[w].flow += -moved if (w < n) == on_row_side else moved
         tree[w].size -= size
         w = tree[w].parent
-    # Hang the subtree on the entering arc: the path from v up to the leaving arc is reversed.
+    # Attach the subtree by the entering arc: the path from v up to the leaving arc is reversed.
     top, below, taken, flow = v, parent, np.uint32(0), moved + carried
     while True:
         old_parent, old_flow, old_size = tree[v].parent, tree[v].flow, tree[v].size
@@ -360,7 +376,7 @@ def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried
             break
         taken, flow = old_size, old_flow
         v, below = old_parent, v
-    # Potentials count against each other only: those of the smaller part of the tree are shifted.
+    # Only differences of potentials matter: those of the smaller part of the tree are shifted.
     shift, skipped = reduced if on_row_side else -reduced, NO_NODE
     if 2 * size > root:
         shift, skipped, top = -shift, top, root

@@ -1,4 +1,4 @@
-"""The transport problem of two segments: its options, its masses and costs, and a plan."""
+"""The transport problem of two segments: options, masses, costs and plans."""
 
 import math
 from collections.abc import Sequence
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.floating]
 Indices = NDArray[np.integer]
-Masses = NDArray[np.int64]  # whole units: n points supply m / g each, m points demand n / g each
+Masses = NDArray[np.int64]  # in integer units, so that sums are exact
 Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry mass
 
-# Of the masses that both clouds have.
-NEIGHBORS = 10  # points, within whose distance the other cloud's are counted
-MIN_SHARE = 0.02  # of a uniform mass: every point is moved
-MAX_SAMPLE = 250  # points of a cloud, each for those after it along the Morton curve
-TOTAL_MASS = 10**9  # whole units
+# Of `shared_masses`.
+NEIGHBORS = 10  # to the distance of this neighbour, points of the other cloud are counted
+MIN_SHARE = 0.02  # of a uniform mass, so that every point is transported
+MAX_SAMPLE = 250  # points of a cloud whose masses are computed; others along the curve share them
+TOTAL_MASS = 10**9  # integer units
 
 
 @dataclass(frozen=True)
@@ -36,18 +36,18 @@ class TransportOptions:
     feasible: bool = True  # Sinkhorn: add feasible plans' pairs to the paper's support
     tolerance: float = 1e-3  # Sinkhorn stops at this L1 error of the marginals ...
     iterations: int = 2000  # ... or after so many iterations
-    seed: int = 0  # directions of the bisections that give first plans; any gives a good plan
-    workers: int = 1  # threads of the exact method; the plan is the same whatever their number
-    shared: bool = False  # exact: masses by what both segments have around a point, not uniform
+    seed: int = 0  # of the directions of bisections
+    workers: int = 1  # number of threads of the exact method; the plan does not depend on it
+    shared: bool = False  # exact: `shared_masses` instead of `uniform_masses`
 
 
 @dataclass(frozen=True)
 class Plan:
     """A transport plan: a sparse coupling of two segments, each of mass 1."""
 
-    rows: NDArray[np.int32]  # (E,) points of the start; ordered by row, then column
+    rows: NDArray[np.int32]  # (E,) points of the start; sorted by row, then column
     columns: NDArray[np.int32]  # (E,) points of the end
-    mass: NDArray[np.float64]  # (E,) what flows between them
+    mass: NDArray[np.float64]  # (E,) transported mass
     cost: float  # sum of mass times distance ** power
     distance: float  # cost ** (1 / power): the Wasserstein distance in the points' unit
     marginal_error: float  # L1 error of the row sums plus that of the column sums
@@ -56,7 +56,7 @@ class Plan:
 
 
 def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.float64]:
-    """(E,) the costs of pairs of points, (n, 3) and (m, 3).
+    """(E,) costs of pairs of (n, 3) and (m, 3) points.
 
     Equivalent to ``np.linalg.norm(start[edges[0]] - end[edges[1]], axis=1) ** power``.
     """
@@ -79,9 +79,9 @@ def make_plan(
     notes: Sequence[str] = (),
     masses: tuple[Masses, Masses] | None = None,
 ) -> Plan:
-    """Order a coupling's pairs, and compute its cost and the error of its marginals.
+    """Sort the pairs of a coupling, and compute its cost and the error of its marginals.
 
-    mass: (E,), of sum 1; masses: the marginals, of equal sums, uniform by default.
+    mass: (E,), with sum 1; masses: the marginals, by default uniform.
     """
     order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
     rows, columns = edges[0][order], edges[1][order]
@@ -101,23 +101,23 @@ def make_plan(
 
 
 def _marginal_error(indices: Indices, mass: NDArray[np.float64], marginal: Masses) -> float:
-    """L1 error of one side's sums, from a marginal in whole units."""
+    """L1 error of the sums over rows or columns, given the marginal in integer units."""
     sums = np.bincount(indices, mass, len(marginal))
     return float(np.abs(sums - marginal / marginal.sum()).sum())
 
 
 def uniform_masses(n: int, m: int) -> tuple[Masses, Masses]:
-    """The smallest whole masses that are uniform on either side and have the same sum."""
+    """The smallest integer masses that are uniform on both sides and have equal sums."""
     common = math.gcd(n, m)
     return np.full(n, m // common), np.full(m, n // common)
 
 
 def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
-    """Masses of registered clouds, by how much of the other cloud is around each point.
+    """Masses of registered clouds, smaller for points that have no counterparts in the other cloud.
 
-    A point's mass is the number of the other cloud's points that are no farther than its tenth
-    neighbour in its own cloud, of as many points; fully from ten on. Of large clouds a sample is
-    looked at. In whole units, at least 1, of equal sums.
+    The mass of a point is proportional to the number of points of the other cloud within the
+    distance of its tenth neighbour, corrected for the clouds' sizes, up to ten. For large clouds it
+    is computed on a sample. Masses are integers of at least 1, with equal sums.
     """
     from scipy.spatial import KDTree
 
@@ -128,17 +128,18 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
         source, target = (KDTree(points, balanced_tree=False) for points in (start, end))
         shares = _share(source, target, k), _share(target, source, k)
     supply, demand = (np.maximum(1, TOTAL_MASS * (s / s.sum())).astype(np.int64) for s in shares)
-    # What rounding has taken goes to the largest, of which it is next to nothing.
+    # The rounding error is added to the largest mass.
     supply[np.argmax(supply)] += max(0, int(demand.sum() - supply.sum()))
     demand[np.argmax(demand)] += max(0, int(supply.sum() - demand.sum()))
     return supply, demand
 
 
 def _share(own: "KDTree", other: "KDTree", k: int) -> NDArray[np.float64]:
+    """(n,) number of points of the other cloud near each point, relative to k."""
     order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
     sample = own.data[order[::step]]
     radius = own.query(sample, k=[k])[0][:, 0] * 1.0001
-    found = other.query_ball_point(sample, radius, return_length=True)
+    counts = other.query_ball_point(sample, radius, return_length=True)
     share = np.empty(own.n)
-    share[order] = np.clip(found / other.n * own.n / k, MIN_SHARE, 1.0).repeat(step)[: own.n]
+    share[order] = np.clip(counts / other.n * own.n / k, MIN_SHARE, 1.0).repeat(step)[: own.n]
     return share

@@ -1,4 +1,4 @@
-"""The paper's regularised transport (3.4, equations 2-5) on a sparse support, in the log domain."""
+"""Regularised transport by Sinkhorn iterations on a sparse support (section 3.4, eqs. 2 to 5)."""
 
 from typing import Any, NamedTuple
 
@@ -18,42 +18,41 @@ from baker.transport.problem import (
 from baker.transport.space_partition import bisection_plan
 from baker.transport.support import balance, nearest, unique
 
-FEASIBLE_PLANS = 4  # bisections whose pairs join the support; one alone is a bottleneck
-OVER_RELAXATION = 1.8  # 7 to 10 times fewer iterations than 1
-CHEAP_ITERATIONS = 50  # cheap iterations after one in the log domain
-STALLED_BLOCKS = 5  # on an infeasible support, blocks without progress before giving up
-MIN_PROGRESS = 0.01  # the share by which the error must fall meanwhile
-MIN_MASS = 1e-12  # share of a point's mass below which a pair carries nothing
+FEASIBLE_PLANS = 4  # number of bisection plans that are added to the support
+OVER_RELAXATION = 1.8  # needs 7 to 10 times fewer iterations than 1
+CHEAP_ITERATIONS = 50  # number of plain iterations after one in the log domain
+STALLED_BLOCKS = 5  # number of blocks of iterations without progress before it stops
+MIN_PROGRESS = 0.01  # relative decrease of the error that counts as progress
+MIN_MASS = 1e-12  # share of a point's mass below which a pair is dropped
 
 
 class Scaling(NamedTuple):
-    """Where Sinkhorn's iterations ended; the column sums are exact to rounding."""
+    """The result of Sinkhorn's iterations; the column sums are exact up to rounding."""
 
-    mass: NDArray[np.float64]  # (E,) T's entries on the support
+    mass: NDArray[np.float64]  # (E,) entries of T on the support
     error: float  # L1 error of the row sums
-    iterations: int  # updates of both u and v
+    iterations: int  # number of updates of both u and v
 
 
 def regularized_plan(start: Points, end: Points, options: TransportOptions) -> Plan:
-    """Sinkhorn's plan between two segments; always a usable one.
+    """Compute Sinkhorn's plan between two segments.
 
-    On the paper's plain support (`feasible=False`) often only a part of the mass can flow. The
-    plan is then where the iterations stall, and the notes give its marginal error.
+    On the plain support of the paper (`feasible=False`), often only a part of the mass can be
+    transported. The iterations then end where they stall, and the notes give the marginal error.
     """
     n, m = len(start), len(end)
     source, target, support = _support(start, end, options)
     cost = costs(source, target, support, options.power)
-    typical = float(np.median(cost) or cost.mean() or 1.0)  # most costs may be zero, or all
-    found = scale(
+    typical = float(np.median(cost) or cost.mean() or 1.0)  # most or all costs may be zero
+    scaling = scale(
         support, cost / (options.gamma * typical), n, m,
         options.tolerance, options.iterations, options.feasible,
     )  # fmt: skip
     notes = []
-    if found.error >= options.tolerance:
-        notes.append(
-            f"stopped after {found.iterations} iterations at a marginal error of {found.error:.2g}"
-        )
-    kept, mass = _usable(support, cost, found.mass, n, m)
+    if scaling.error >= options.tolerance:
+        iterations, error = scaling.iterations, scaling.error
+        notes.append(f"stopped after {iterations} iterations at a marginal error of {error:.2g}")
+    kept, mass = _drop_small(support, cost, scaling.mass, n, m)
     return make_plan(start, end, kept, mass, options.power, "sinkhorn", notes=notes)
 
 
@@ -64,8 +63,7 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
         return source, target, nearest(source, target, options.neighbors)
     balanced = balance(start, end)
     if options.power == 2:
-        # The same plan solves both, regularised or not: the costs differ by terms of the row and
-        # of the column alone, which u and v take in.
+        # The plan is the same: the costs differ only by terms of the rows and of the columns.
         source, target = balanced
     masses = uniform_masses(len(start), len(end))
     plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(FEASIBLE_PLANS)]
@@ -83,13 +81,22 @@ def scale(
 ) -> Scaling:
     """Sinkhorn's iterations u = a / Kv, v = b / K'u with K = exp(-cost), a = 1 / n, b = 1 / m.
 
-    Costs may be of any size: every 50 iterations u and v are absorbed into potentials, with one
-    iteration in the log domain; cheap iterations that would leave the range of floats are dropped.
+    Costs may be of any size: every 50 iterations, u and v are absorbed into potentials by one
+    iteration in the log domain; plain iterations that would overflow are dropped.
 
-    support: rows and columns of the pairs, ordered by row; every row and column is in a pair. cost:
-    (E,) in units of gamma. Iterations stop at an L1 error of the marginals of `tolerance`, and are
-    over-relaxed if all mass can flow on the support (`feasible`); if not, they stop where they
-    stall.
+    Parameters
+    ----------
+    support : Edges
+        Sorted by row; every row and column is in a pair.
+    cost : (E,) float64
+        In units of gamma.
+    n, m : int
+        Numbers of rows and columns.
+    tolerance, iterations : float, int
+        L1 error of the marginals, or number of iterations, at which to stop.
+    feasible : bool
+        Whether all mass can be transported on the support. If so, iterations are over-relaxed; if
+        not, they stop where they stall.
 
     References
     ----------
@@ -119,7 +126,7 @@ def scale(
         )
         if errors[-1] < tolerance or done >= iterations or stalled:
             return Scaling(mass, errors[-1], done)
-        if errors[-1] > 1.5 * min(errors):  # over-relaxation is only sure to converge near the end
+        if errors[-1] > 1.5 * min(errors):  # over-relaxation may diverge far from the solution
             relaxation = (1.0 + relaxation) / 2.0
         kernel = csr_matrix((mass, columns, np.append(row_start, len(rows))), shape=(n, m))
         v, cheap = _iterate(kernel, min(CHEAP_ITERATIONS, iterations - done - 1), relaxation)
@@ -128,16 +135,16 @@ def scale(
 
 
 def _iterate(kernel: Any, count: int, relaxation: float) -> tuple[NDArray[np.float64], int]:
-    """v after up to `count` over-relaxed iterations from u = v = 1, and how many those were."""
+    """v after at most `count` over-relaxed iterations from u = v = 1, and their number."""
     n, m = kernel.shape
     u, v = np.ones(n), np.ones(m)
-    for taken in range(count):
+    for done in range(count):
         with np.errstate(all="ignore"):
             next_u = u ** (1.0 - relaxation) * (n * (kernel @ v)) ** -relaxation
             next_v = v ** (1.0 - relaxation) * (m * (kernel.T @ next_u)) ** -relaxation
             size = max(next_u.max(), next_v.max(), 1.0 / next_u.min(), 1.0 / next_v.min())
         if not size < 1e100:
-            return v, taken
+            return v, done
         u, v = next_u, next_v
     return v, count
 
@@ -145,20 +152,20 @@ def _iterate(kernel: Any, count: int, relaxation: float) -> tuple[NDArray[np.flo
 def _log_sum_exp(
     values: NDArray[np.float64], group: Indices, first: Indices
 ) -> NDArray[np.float64]:
-    """log(sum(exp(values))) of each group of neighbouring entries."""
+    """log(sum(exp(values))) of each group of consecutive entries."""
     top = np.maximum.reduceat(values, first)
     return top + np.log(np.add.reduceat(np.exp(values - top[group]), first))
 
 
-def _usable(
+def _drop_small(
     support: Edges, cost: NDArray[np.float64], mass: NDArray[np.float64], n: int, m: int
 ) -> tuple[Edges, NDArray[np.float64]]:
-    """Drop pairs that carry next to nothing; a point left without any keeps its nearest pair."""
+    """Drop pairs with hardly any mass, but keep the cheapest pair of a point without others."""
     kept = mass > MIN_MASS / max(n, m)
     by_cost = np.argsort(cost, kind="stable")
     for side, count in zip(support, (n, m), strict=True):
-        touched = np.zeros(count, bool)
-        touched[side[kept]] = True
+        has_pair = np.zeros(count, bool)
+        has_pair[side[kept]] = True
         points, first = np.unique(side[by_cost], return_index=True)
-        kept[by_cost[first[~touched[points]]]] = True
+        kept[by_cost[first[~has_pair[points]]]] = True
     return (support[0][kept], support[1][kept]), mass[kept]

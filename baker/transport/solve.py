@@ -1,4 +1,4 @@
-"""A pair of segments: its transport plan, and its Wasserstein distance (paper, section 3.4)."""
+"""The transport plan and the Wasserstein distance of two segments (section 3.4 of the paper)."""
 
 import numpy as np
 
@@ -18,10 +18,10 @@ from baker.transport.support import balance, explained_cost
 
 
 def solve(start: Points, end: Points, options: TransportOptions | None = None) -> Plan:
-    """The transport plan between a segment's points at two times.
+    """Compute the optimal transport plan between two segments.
 
-    Minimises sum(T * distance ** power) over all couplings T with the segments' masses. Clouds that
-    are small together (n m up to 1.5 million) are solved to the optimum, others to within 1 %.
+    It minimises sum(T * distance ** power) over all couplings T with the given masses. For clouds
+    with n m up to 1.5 million the plan is optimal, for larger ones within 1 % of the optimum.
 
     Parameters
     ----------
@@ -49,10 +49,10 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
         return regularized_plan(start, end, options)
 
     n, m = len(start), len(end)
-    # Where the clouds are does not matter to squared distances, only to rounding.
+    # For squared distances, translations change rounding errors only.
     source = start - start.mean(axis=0)
     target = end - (end if options.power == 2 else start).mean(axis=0)
-    # Of few points all pairs are looked at: it does not matter how they lie.
+    # `balance` improves the choice of pairs to price; of few points, all pairs are priced.
     if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
         source, target = balance(start, end)
     masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
@@ -63,33 +63,32 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
 def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0) -> float:
     """2-Wasserstein distance of two segments.
 
-    Exact where neither side has more than `samples` points. Above, each side is replaced by the
-    centroids of `samples` compact blocks of its points, in what is left after the closed-form
-    Gaussian part, which uses all points. Measured on organs of real plants: within 1.3 % at 256
-    samples in 10 ms, but up to 6 % where the distance is that between the points.
+    It is exact if both have at most `samples` points. Otherwise the Gaussian part is computed in
+    closed form from all points, and the rest from the centroids of `samples` blocks of each
+    segment. On organs of real plants it is within 1.3 % of the exact distance with 256 samples, in
+    10 ms; within 6 % if it is as small as the point spacing.
 
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float ndarray
-        Length units.
     samples : int
     seed : int
-        Of the directions of cuts.
+        Of the directions of bisections.
 
     Returns
     -------
     float
-        Length units.
+        In the unit of the points.
     """
     start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
     options = TransportOptions(seed=seed)
     if max(len(start), len(end)) <= samples:
         return solve(start, end, options).distance
     source, target = balance(start, end)
-    known = explained_cost(start, end, source, target)
+    gaussian_cost = explained_cost(start, end, source, target)
     rows, columns = (cut(cloud, samples, seed) for cloud in (source, target))
     supply, demand = uniform_masses(len(start), len(end))
     centres = rows.centroids(source), columns.centroids(target)
     edges, mass, _ = couple(*centres, rows.masses(supply), columns.masses(demand), options)
-    left = float(mass @ costs(*centres, edges, options.power)) / float(supply.sum())
-    return max(known + left, 0.0) ** 0.5
+    remaining_cost = float(mass @ costs(*centres, edges, options.power)) / float(supply.sum())
+    return max(gaussian_cost + remaining_cost, 0.0) ** 0.5

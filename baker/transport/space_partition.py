@@ -1,4 +1,4 @@
-"""Recursive bisection: clouds cut into even blocks, and plans carried from blocks to points."""
+"""Recursive bisection of clouds into blocks, and refinement of plans from blocks to points."""
 
 from functools import cache
 from typing import NamedTuple
@@ -10,10 +10,10 @@ from baker.transport.problem import Edges, Indices, Masses, Points
 
 
 class Blocks(NamedTuple):
-    """A cloud cut into compact blocks that hold equally many points, to within one."""
+    """A partition of a cloud into compact blocks, whose numbers of points differ by at most one."""
 
     order: Indices  # (n,) indices of the points, block after block
-    first: Indices  # (blocks,) where in `order` each block begins
+    first: Indices  # (blocks,) index in `order` of the first point of each block
 
     def masses(self, masses: Masses) -> Masses:
         """(blocks,) int64, the sum of the points' masses in each block."""
@@ -28,13 +28,24 @@ class Blocks(NamedTuple):
 def bisection_order(
     points: Points, seed: int, axes: Indices | None = None
 ) -> tuple[Indices, Indices]:
-    """Order a cloud by halving it down to single points: what lies together stands together.
+    """Sort a cloud by recursive bisection, so that neighbours in space are near in the order.
 
-    Every part is cut across its longest extent, in a frame that is rotated at random.
+    Every part is bisected across its longest extent, in a randomly rotated frame.
 
-    axes: those that another cloud of n points or more was cut along. Cut along the same ones, what
-    is at the same place of both orders lies at about the same place. Returns the order, and the
-    axes: part p of a level of 2 ** level parts is cut along ``axes[2 ** level + p]``.
+    Parameters
+    ----------
+    points : (n, 3) float
+    seed : int
+        Of the rotation.
+    axes : (a,) int, optional
+        Those of another cloud of at least n points; the orders of two similar clouds with the same
+        axes correspond.
+
+    Returns
+    -------
+    order : (n,) int64
+    axes : (a,) int64
+        Part p of a level of 2 ** level parts is bisected along ``axes[2 ** level + p]``.
     """
     from baker.transport.bisection import bisect
 
@@ -48,12 +59,12 @@ def bisection_order(
 
 @cache
 def random_rotation(seed: int) -> NDArray[np.float64]:
-    """(3, 3) a random rotation or reflection."""
+    """(3, 3) random rotation or reflection."""
     return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
 
 
 def cut(points: Points, count: int, seed: int) -> Blocks:
-    """Cut a cloud into `count` blocks; another seed cuts elsewhere."""
+    """Divide a cloud into `count` blocks by bisection in a frame given by the seed."""
     n = len(points)
     count = min(count, n)
     return Blocks(bisection_order(points, seed)[0], np.arange(count) * n // count)
@@ -62,15 +73,26 @@ def cut(points: Points, count: int, seed: int) -> Blocks:
 def refine_plan(
     rows: Blocks, columns: Blocks, supply: Masses, demand: Masses, edges: Edges, mass: Masses
 ) -> tuple[Edges, Masses]:
-    """A feasible plan between points from a feasible plan between blocks.
+    """Refine a feasible plan between blocks to a feasible plan between points.
 
-    Along each pair of blocks the north-west corner rule hands out the mass in the blocks' order.
-    With one block a side this is the bisection coupling (BSP-OT, Genest et al. 2025, there for
-    equal sizes). Masses are whole, so the plan is feasible for any sizes; it has at most n + m
-    pairs more than that of the blocks.
+    The mass of each pair of blocks is distributed by the north-west corner rule, in the order of
+    the blocks. With a single block on each side this is the bisection coupling (BSP-OT, Genest et
+    al. 2025). Integer masses make the plan feasible for any sizes; it has at most n + m more pairs
+    than the plan between blocks.
 
-    supply, demand: masses of the n and the m points. edges, mass: (E,), of blocks. Returns those of
-    points, by row, then column, in the order of the blocks.
+    Parameters
+    ----------
+    rows, columns : Blocks
+        Of n and m points.
+    supply, demand : (n,) and (m,) int64
+        Masses of the points.
+    edges, mass : Edges, (E,) int64
+        The plan between blocks.
+
+    Returns
+    -------
+    edges, mass : Edges, (F,) int64
+        Sorted by row, then column, in the order of the blocks.
     """
     by_row = np.argsort(edges[0] * len(columns.first) + edges[1], kind="stable")
     block, mass = edges[1][by_row], mass[by_row]

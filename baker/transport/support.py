@@ -1,8 +1,8 @@
-"""Which pairs of points may carry mass.
+"""Choose the pairs of points that may carry mass: the support of the plan.
 
-Two ideas make a few neighbours enough where the paper's k = 15 usually can't carry all of the
-mass: look for neighbours after the part of the motion that a linear map explains has been taken
-out (`balance`), and start from a plan that is feasible by construction (`bisection`).
+With the k = 15 nearest neighbours of the paper, usually not all of the mass can be transported.
+Two things make few neighbours sufficient: to search for them after a linear map has been factored
+out (`balance`), and to start from a plan that is feasible by construction (`bisection_plan`).
 """
 
 import numpy as np
@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 from baker.transport.problem import Edges, Points
 
 TINY = float(np.finfo(float).tiny)
-RIDGE = 1e-4  # share of the mean variance added to each axis, so that flat segments are invertible
+RIDGE = 1e-4  # share of the mean variance added to each axis, so that covariances are invertible
 
 
 def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre both clouds and map them linearly so that their covariances agree.
+    """Center both clouds and map them linearly so that their covariances agree.
 
-    The optimal plan stays the same. It has the largest sum of <p, q>, and <p, q> = <A p, A^-T q>
-    for every invertible A. With S the optimal map between the Gaussians of the same moments
-    (S Cov(p) S = Cov(q)), A = S^1/2 takes translation, growth and stretching out of the cost, and
-    what is left is what the solver must decide.
+    The optimal plan does not change: it maximises the sum of <p, q>, and <p, q> = <A p, A^-T q> for
+    every invertible A. Let S be the optimal map between Gaussians with the moments of the clouds,
+    S Cov(p) S = Cov(q). Then A = S^1/2 removes translation, growth and stretching from the cost.
 
     References
     ----------
@@ -36,17 +35,17 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
     target += RIDGE * np.trace(target) / 3 * np.eye(3)
     root, inverse = _matrix_powers(source, 0.5, -0.5)
     gauss_map = inverse @ _matrix_powers(root @ target @ root, 0.5)[0] @ inverse
-    ahead, back = _matrix_powers(gauss_map, 0.5, -0.5)
-    return p @ ahead, q @ back
+    root, inverse = _matrix_powers(gauss_map, 0.5, -0.5)
+    return p @ root, q @ inverse
 
 
 def explained_cost(
     start: Points, end: Points, balanced_start: Points, balanced_end: Points
 ) -> float:
-    """The part of the squared-distance cost that `balance` takes out, the same for every plan."""
+    """The part of the squared-distance cost that `balance` removes, which all plans have."""
     shift = np.mean(end, axis=0) - np.mean(start, axis=0)
-    before = _moment(start - np.mean(start, axis=0)) + _moment(end - np.mean(end, axis=0))
-    return float(shift @ shift) + before - _moment(balanced_start) - _moment(balanced_end)
+    moments = _moment(start - np.mean(start, axis=0)) + _moment(end - np.mean(end, axis=0))
+    return float(shift @ shift) + moments - _moment(balanced_start) - _moment(balanced_end)
 
 
 def _moment(points: Points) -> float:
@@ -62,20 +61,20 @@ def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArr
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
-    """Pairs of every point with its k nearest ones on the other side, both ways (section 3.4)."""
+    """The pairs of each point with its k nearest points of the other cloud (section 3.4)."""
     from scipy.spatial import KDTree
 
     n, m = len(start), len(end)
-    ahead = KDTree(end).query(start, min(k, m))[1].reshape(n, -1)
-    back = KDTree(start).query(end, min(k, n))[1].reshape(m, -1)
+    in_end = KDTree(end).query(start, min(k, m))[1].reshape(n, -1)
+    in_start = KDTree(start).query(end, min(k, n))[1].reshape(m, -1)
     return unique(
-        (np.repeat(np.arange(n), ahead.shape[1]), ahead.ravel()),
-        (back.ravel(), np.repeat(np.arange(m), back.shape[1])),
+        (np.repeat(np.arange(n), in_end.shape[1]), in_end.ravel()),
+        (in_start.ravel(), np.repeat(np.arange(m), in_start.shape[1])),
     )
 
 
 def unique(*supports: Edges) -> Edges:
-    """The union of supports, ordered by row, then column.
+    """The union of supports, sorted by row, then column.
 
     Equivalent to ``np.unique(np.concatenate(supports, axis=1), axis=1)``.
     """
@@ -83,5 +82,5 @@ def unique(*supports: Edges) -> Edges:
     columns = np.concatenate([columns for _, columns in supports]).astype(np.int64)
     width = int(columns.max(initial=0)) + 1
     keys = rows * width + columns
-    keys.sort()  # np.unique hashes integers, ten times slower here
+    keys.sort()  # np.unique uses a hash table, which takes ten times as long here
     return np.divmod(keys[np.diff(keys, prepend=-1) > 0], width)
