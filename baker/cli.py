@@ -74,8 +74,7 @@ def bake_command(
         ),
     ] = "",
     list_only: Annotated[
-        bool,
-        typer.Option("--list", help="Only say what would be baked, and how sure that is."),
+        bool, typer.Option("--list", help="Only say what would be baked, and how sure that is.")
     ] = False,
     version: VersionOption = False,
     **flags: Any,

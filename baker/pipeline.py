@@ -13,31 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment import Alignment, align
-from baker.alignment.keyframes import (
-    AlignedSeries,
-    Keyframe,
-    aligned_keyframes,
-    hold_out,
-)
+from baker.alignment.keyframes import AlignedSeries, Keyframe, aligned_keyframes, hold_out
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import painted, with_fields
-from baker.interpolation.interval_job import (
-    IntervalSolver,
-    interval_jobs,
-    solve_intervals,
-)
+from baker.interpolation.interval_job import IntervalSolver, interval_jobs, solve_intervals
 from baker.interpolation.provenance import describe_provenance, describe_tracks
-from baker.matching import (
-    LabelUse,
-    follow_labels,
-    follow_organs,
-    label_policy,
-    match_series,
-)
+from baker.matching import LabelUse, follow_labels, follow_organs, label_policy, match_series
 from baker.matching.corrections import (
     PointCorrection,
     confirmed_organs,

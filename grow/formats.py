@@ -13,9 +13,7 @@ Record = NDArray[np.void]
 
 
 def record(
-    points: NDArray[np.float32],
-    labels: NDArray[np.int64] | None,
-    colors: NDArray[np.uint8] | None,
+    points: NDArray[np.float32], labels: NDArray[np.int64] | None, colors: NDArray[np.uint8] | None
 ) -> Record:
     """(N,) structured array of the points, with fields x y z [red green blue] [label]."""
     fields: list[tuple[str, str]] = [(axis, "<f4") for axis in "xyz"]

@@ -59,9 +59,7 @@ def stem_base(points: Points, vertical: Vertical) -> Points:
 
 
 def common_base(
-    samples: Sequence[EvenSample],
-    stems: Sequence[int | None],
-    vertical: Vertical,
+    samples: Sequence[EvenSample], stems: Sequence[int | None], vertical: Vertical
 ) -> tuple[list[list[Points]], NDArray[np.bool_]]:
     """Find the position of the plant base on which most scans agree.
 

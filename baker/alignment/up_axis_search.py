@@ -21,9 +21,7 @@ SAMPLE_SIZE = 800
 
 
 def find_up(
-    samples: Sequence[EvenSample],
-    requested: str = "auto",
-    ground_up: str = "",
+    samples: Sequence[EvenSample], requested: str = "auto", ground_up: str = ""
 ) -> tuple[str, list[Finding]]:
     """The axis direction along which a series grows: "x", "y", "z", "-x", "-y" or "-z".
 

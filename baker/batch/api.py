@@ -86,8 +86,7 @@ def bake(
 
 @contextmanager
 def _scan_files(
-    scans: str | PathLike[str] | Sequence[Any],
-    attributes: Mapping[str, Sequence[ArrayLike | None]],
+    scans: str | PathLike[str] | Sequence[Any], attributes: Mapping[str, Sequence[ArrayLike | None]]
 ) -> Iterator[list[Path]]:
     """The files of the scans; scans in memory are written to temporary NPY and NPZ files.
 

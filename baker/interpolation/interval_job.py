@@ -9,13 +9,7 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import (
-    Deviation,
-    OrganMovers,
-    OrganPaths,
-    leaving,
-    moving,
-)
+from baker.interpolation.movers import Deviation, OrganMovers, OrganPaths, leaving, moving
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -136,10 +130,7 @@ def interval_jobs(
 
 
 def _decays(
-    tasks: Sequence[tuple[Task, ...]],
-    matches: Sequence[Match],
-    decay: Motion,
-    unlabelled: bool,
+    tasks: Sequence[tuple[Task, ...]], matches: Sequence[Match], decay: Motion, unlabelled: bool
 ) -> list[dict[int, Motion]]:
     """The motion of each lost organ; an organ that reappears in a later scan does not fall."""
     decays, later = [], set[int]()
@@ -247,10 +238,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
 
 
 def _register_organ(
-    start: NDArray[np.floating],
-    end: NDArray[np.floating],
-    source: OrganShape,
-    target: OrganShape,
+    start: NDArray[np.floating], end: NDArray[np.floating], source: OrganShape, target: OrganShape
 ) -> tuple[OrganMotion | None, Sequence[LeafletPair]]:
     """The motion of an organ, and its parts that are transported separately.
 

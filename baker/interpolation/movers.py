@@ -41,11 +41,7 @@ class OrganMovers:
 
 
 def moving(
-    task: Task,
-    plan: Correspondences,
-    start: Keyframe,
-    end: Keyframe,
-    timing: Timing | None = None,
+    task: Task, plan: Correspondences, start: Keyframe, end: Keyframe, timing: Timing | None = None
 ) -> OrganMovers:
     """The movers of a matched or new organ, from the correspondences of its points.
 

@@ -31,9 +31,7 @@ MAX_STEP = 3.0  # between neighbouring points of one contact, in point spacings
 
 
 def organ_attachments(
-    clouds: Sequence[Cloud],
-    spacings: Sequence[float],
-    matches: Sequence[Match],
+    clouds: Sequence[Cloud], spacings: Sequence[float], matches: Sequence[Match]
 ) -> list[tuple[Attachments, Attachments]]:
     """Find the attachments of the matched organs of each interval in both of its scans.
 

@@ -23,9 +23,7 @@ ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # residual : median, at which the wei
 
 
 def smooth_organs(
-    keyframes: Sequence[Keyframe],
-    matches: Sequence[Match],
-    times: Sequence[float],
+    keyframes: Sequence[Keyframe], matches: Sequence[Match], times: Sequence[float]
 ) -> list[Keyframe]:
     """Rotate every organ about its attachment point to its smoothed direction.
 

@@ -91,8 +91,7 @@ def _organ_of(hierarchy: Hierarchy, point: int) -> int:
 
 
 def chain_organs(
-    distances: Sequence[NDArray[np.floating]],
-    scores: Mapping[tuple[int, int], NDArray[np.float64]],
+    distances: Sequence[NDArray[np.floating]], scores: Mapping[tuple[int, int], NDArray[np.float64]]
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 

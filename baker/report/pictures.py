@@ -66,10 +66,7 @@ class Pictures:
 
 
 def take_pictures(
-    clip: Clip,
-    doubts: Sequence[Sequence[Doubt]],
-    folder: Path | None = None,
-    workers: int = 0,
+    clip: Clip, doubts: Sequence[Sequence[Doubt]], folder: Path | None = None, workers: int = 0
 ) -> Pictures:
     """Render the pictures of a report.
 

@@ -10,11 +10,7 @@ VISIBLE_ERROR = 0.01  # marginal error of a transport plan above which the summa
 
 
 def summary_lines(
-    clip: Clip,
-    path: Path,
-    seconds: dict[str, float],
-    cached: str = "",
-    verbose: bool = False,
+    clip: Clip, path: Path, seconds: dict[str, float], cached: str = "", verbose: bool = False
 ) -> list[str]:
     """Summarise a clip in aligned lines of text.
 

@@ -24,10 +24,7 @@ MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 
 
 def remove_ground(
-    scans: Sequence[Scan],
-    up: str = "auto",
-    keep: bool = False,
-    map: MapLike = map,
+    scans: Sequence[Scan], up: str = "auto", keep: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, tuple[Finding, ...]]:
     """Remove the ground from the scans of a series, where they show one.
 

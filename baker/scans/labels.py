@@ -57,9 +57,7 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    scans: Sequence[Scan],
-    is_asked: bool = False,
-    are_needed: bool = False,
+    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
@@ -124,10 +122,7 @@ def choose_labels(
 
 
 def drop_labels(
-    scans: Sequence[Scan],
-    words: dict[int, str],
-    dropped: str,
-    keep_ground: bool,
+    scans: Sequence[Scan], words: dict[int, str], dropped: str, keep_ground: bool
 ) -> tuple[list[Scan], tuple[Finding, ...]]:
     """Remove the points of the labels that the user drops, and of soil, pots and the like.
 

@@ -39,11 +39,7 @@ Coupling = tuple[Edges, Masses, str]
 
 
 def couple(
-    start: Points,
-    end: Points,
-    supply: Masses,
-    demand: Masses,
-    options: TransportOptions,
+    start: Points, end: Points, supply: Masses, demand: Masses, options: TransportOptions
 ) -> Coupling:
     """Compute the plan of least cost between two clouds.
 
@@ -106,12 +102,7 @@ def _levels(points: Points, masses: Masses) -> list[_Level]:
 
 
 def _improve(
-    rows: _Level,
-    columns: _Level,
-    edges: Edges,
-    mass: Masses,
-    options: TransportOptions,
-    last: bool,
+    rows: _Level, columns: _Level, edges: Edges, mass: Masses, options: TransportOptions, last: bool
 ) -> tuple[Edges, Masses]:
     """Improve a feasible plan in one sweep, or on the last level in several."""
     from baker.transport.network_simplex import improve_cells
