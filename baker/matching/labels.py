@@ -95,14 +95,14 @@ def label_policy(
     """
     if requested == "ignore":
         return LabelUse((None,) * len(labels), False, (Finding("labels", "not used, as asked"),))
-    given = [k for k, own in enumerate(labels) if own is not None]
+    given = [k for k, organs in enumerate(labels) if organs is not None]
     if not given:
         if requested != "auto":
             raise InputError(f"The scans have no labels; --labels {requested} needs them.")
         found = "none; organs are found and followed by their shapes"
         return LabelUse((None,) * len(labels), False, (Finding("labels", found),))
-    own = [np.asarray(labels[k]) for k in given]
-    counts = [len(np.unique(numbers)) for numbers in own]
+    present = [np.asarray(labels[k]) for k in given]
+    counts = [len(np.unique(organs)) for organs in present]
     for k, count in zip(given, counts, strict=True):
         if count > MOST_ORGANS:
             raise InputError(
@@ -114,8 +114,8 @@ def label_policy(
         consistent = requested == "consistent"
         found = _describe(field, counts, len(labels), consistent, is_asked=True)
         return LabelUse(tuple(labels), consistent, (Finding("labels", found),))
-    places = [clouds[k] for k in given], own, [root_points[k] for k in given]
-    agreement = label_agreement(*places)
+    base_points = [root_points[k] for k in given]
+    agreement = label_agreement([clouds[k] for k in given], present, base_points)
     consistent = agreement >= MIN_AGREEMENT
     finding = Finding("labels", _describe(field, counts, len(labels), consistent, is_asked=False))
     low, high = DOUBTFUL_AGREEMENT
@@ -211,14 +211,14 @@ def label_agreement(
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist
 
-    at_base = [int(own[root]) for own, root in zip(labels, root_points, strict=True)]
+    at_base = [int(organs[root]) for organs, root in zip(labels, root_points, strict=True)]
     values, counts = np.unique(at_base, return_counts=True)
     stem = {int(values[np.argmax(counts)])} if 2 * counts.max() > len(labels) else set()
     scans = []
-    for cloud, own in zip(clouds, labels, strict=True):
-        names, organs = split_by_label(own)
-        centers = (cloud.take(members, axis=0).mean(axis=0) for members in organs)
-        scans.append(dict(zip(names, centers, strict=True)))
+    for cloud, organs in zip(clouds, labels, strict=True):
+        names, members = split_by_label(organs)
+        centroids = (cloud.take(indices, axis=0).mean(axis=0) for indices in members)
+        scans.append(dict(zip(names, centroids, strict=True)))
     given = chance = best = 0.0
     shared = possible = 0
     for first, second in pairwise(scans):

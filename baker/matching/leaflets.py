@@ -241,9 +241,9 @@ def _join_unmatched(
         (first, start_pair, source, end_pair, target),
         (second, end_pair, target, start_pair, source),
     )
-    for pair, (leaflet, own, points, other, others) in zip(joined, sides, strict=True):
-        nearest = other[KDTree(others).query(points)[1]]
-        for unmatched in np.unique(leaflet[(own < 0) & (leaflet >= 0)]):
+    for pair, (leaflet, given, points, other_pair, other_points) in zip(joined, sides, strict=True):
+        nearest = other_pair[KDTree(other_points).query(points)[1]]
+        for unmatched in np.unique(leaflet[(given < 0) & (leaflet >= 0)]):
             members = np.flatnonzero(leaflet == unmatched)
             votes = np.bincount(nearest[members] + 1)
             votes[0] = 0
