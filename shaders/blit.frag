@@ -1,4 +1,4 @@
-// A picture, spread over the viewport.
+// Copies a picture, scaled to the viewport.
 in vec2 v_at;
 uniform sampler2D picture;
 out vec4 out_color;

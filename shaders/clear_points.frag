@@ -1,4 +1,4 @@
-// No points yet: clearing knows no whole numbers.
+// Clears the targets of points: OpenGL's own clearing does not support integers here.
 
 layout(location = 0) out uint out_nearest;
 layout(location = 1) out uint out_picked;

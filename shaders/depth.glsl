@@ -1,5 +1,6 @@
-// Depths before the eye, and how large splats are there. Between the passes depths are kept relative
-// to the scene, in its radii beyond the camera's target, so that half floats hold them finely.
+// Depths before the eye, and how large splats are there. Between the passes depths are kept
+// relative to the scene, in its radii beyond the camera's target, so that half floats hold them
+// finely.
 
 uniform float target_depth;  // of the camera's target before the eye, in the clip's unit
 uniform float scene_radius;  // in the clip's unit

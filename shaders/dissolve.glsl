@@ -1,6 +1,6 @@
-// The one rule of fading: an organ that fades dissolves. One after the other its points shrink and
-// are gone, at any time the same ones. Where many lie upon each other, the last ones still cover
-// all: so each next one takes its time.
+// How organs fade: they dissolve. Their points shrink and vanish one after the other, always in the
+// same order. Points overlap, so the last few still cover the whole organ; therefore they vanish
+// ever more slowly.
 
 #if FADING
 uniform float opacity;    // of the organ, from 0 to 1

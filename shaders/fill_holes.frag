@@ -1,7 +1,7 @@
-// Closes the surface between points of one sample each: every point is a splat on the samples
-// around it, and of those on the nearest surface the weighted mean is what is seen. So the picture
-// is that of the splats (splat_sum.vert), centres rounded to whole samples, at a cost that the
-// points' number doesn't change. REACH is how many samples aside a splat may cover.
+// Fills the holes between points of one sample each: every point is treated as a splat that covers
+// the samples around it, and each sample is the weighted mean of the splats on the nearest surface.
+// The result is that of splats (splat_sum.frag) whose centres are rounded to samples, at a cost
+// that does not depend on the number of points. REACH is the largest radius of a splat in samples.
 #include "nearest_point.glsl"
 #include "gbuffer.glsl"
 #include "color.glsl"
@@ -23,7 +23,7 @@ vec3 color_of(uint number, ivec2 texel) {
                     : unpacked_rgb(texelFetch(picked, clamp(texel, ivec2(0), samples - 1), 0).r);
 }
 
-// In samples. A point may lie anywhere in its sample: half a sample more is where it can reach.
+// In samples, plus half a sample because a point may lie anywhere in its own.
 float radius_at(float view_depth) {
     return max(radius * focal_px / clip_w(view_depth), 0.5 * point_px_range.x) + 0.5;
 }

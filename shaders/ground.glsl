@@ -1,4 +1,4 @@
-// What is behind the plant: the wall, and the floor with the plant's shadow, in linear light.
+// The background in linear light: a wall, and a floor with the plant's shadow.
 #include "depth.glsl"
 
 uniform sampler2D shadow;

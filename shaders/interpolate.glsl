@@ -1,9 +1,9 @@
-// Where a point is: the one interpolation of window, films, page and compute shaders
+// Positions of points: the only interpolation, used by window, films, page and compute shaders
 // (docs/format.md, `Clip.at`).
 //
-// A point travels along a Bezier curve of DEGREE 1, 2 or 3. Its control points are read as they lie
-// in the clip: whole numbers of steps above the interval's low corner, or floats with low 0 and
-// step 1. `weights` are the Bernstein weights of the layer's parameter.
+// A point moves along a Bezier curve of DEGREE 1, 2 or 3. Its control points are read as the clip
+// stores them: integers that count steps from the interval's low corner, or floats with low 0 and
+// step 1. `weights` are the Bernstein weights at the layer's parameter.
 
 uniform vec3 box_low;
 uniform vec3 box_step;

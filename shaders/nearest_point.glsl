@@ -1,7 +1,8 @@
-// A point as one sample of the picture: which one, how deep, and whose.
+// A point as a single sample of the picture.
 //
-// 22 bits of depth above 10 of the track in one number: the smallest is the nearest. It takes one
-// atomic operation a point, and a pass over the picture closes the surface (fill_holes.frag).
+// 22 bits of depth and 10 bits of the track form one number, so that the smallest one is the
+// nearest and one atomic operation a point finds it. A pass over the picture fills the holes
+// (fill_holes.frag).
 #include "depth.glsl"
 
 uniform mat4 view;
@@ -12,7 +13,7 @@ uniform vec2 depth_range;  // before the eye, of the nearest and the farthest th
 const float DEPTH_STEPS = 4194302.0;
 const uint EMPTY = 0xFFFFFFFFu;
 
-// Whether the point is in the picture, and if so, its sample and its number there.
+// Whether a point is in the picture; if so, its sample and its number.
 bool place_point(vec3 position, uint track, out ivec2 texel, out uint number) {
     vec3 view_pos = (view * vec4(position, 1.0)).xyz;
     float view_depth = -view_pos.z;

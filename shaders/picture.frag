@@ -1,14 +1,13 @@
-// The finished picture: of each pixel the mean of its samples, over wall and floor. SUPERSAMPLE is
-// their number along each side of a pixel.
+// The finished picture: each pixel is the mean of SUPERSAMPLE squared samples, over wall and floor.
 #include "color.glsl"
 #include "ground.glsl"
 
 in vec2 v_at;
 uniform sampler2D light;    // times cover, cover
-uniform bool transparent;   // the plant alone
-out vec4 out_color;         // sRGB, alpha not multiplied in
+uniform bool transparent;   // without a background
+out vec4 out_color;         // sRGB, unassociated alpha
 
-// Breaks up the banding of 8-bit gradients (interleaved gradient noise, Jimenez 2014).
+// Dithering against bands in 8-bit gradients (interleaved gradient noise, Jimenez 2014).
 float dither() {
     vec2 texel = floor(gl_FragCoord.xy);
     return (fract(52.9829189 * fract(dot(texel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;

@@ -1,4 +1,4 @@
-// Which tiles of the picture hold points, or have some within REACH of a splat.
+// Marks the tiles of the picture that have points within REACH samples.
 
 uniform usampler2D nearest;
 out float out_occupied;

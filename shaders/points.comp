@@ -1,6 +1,6 @@
-// Points, one sample each: the nearest in every sample stays (after Schuetz et al. 2021, "Rendering
-// point clouds with compute shaders and vertex order optimization"). With PICK, a second run over
-// the points, each that stayed leaves its colour.
+// Finds the nearest point of every sample (after Schuetz et al. 2021, "Rendering point clouds with
+// compute shaders and vertex order optimization"). With PICK, in a second run over the points, the
+// nearest ones write their colours.
 #include "point_storage.glsl"
 #include "nearest_point.glsl"
 #include "dissolve.glsl"
@@ -22,7 +22,7 @@ void draw(int point, vec3 curve[DEGREE + 1], uint track) {
         return;
     }
 #if !PICK
-    // Most points lie behind one that is there already: reading is cheaper than the atomic.
+    // Most points are occluded by an earlier one, and reading is cheaper than an atomic operation.
     if (imageLoad(nearest, texel).r > number) {
         imageAtomicMin(nearest, texel, number);
     }

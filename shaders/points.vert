@@ -1,4 +1,4 @@
-// Points, one sample each, as points.comp draws them: for OpenGL 3.3.
+// Points of one sample, as points.comp draws them, for OpenGL 3.3.
 #include "point_attributes.glsl"
 #include "nearest_point.glsl"
 #include "dissolve.glsl"

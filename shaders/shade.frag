@@ -1,13 +1,13 @@
-// Light on the plant, sample by sample: a surface that is known by its depths, and by its normals
-// where points have some, with eye-dome shading (Boucheny 2009).
+// Lights the plant sample by sample: a surface given by depths and, where points have them,
+// normals, with eye-dome lighting (Boucheny 2009).
 #include "depth.glsl"
 
-const int RINGS = 3, DIRECTIONS = 8;  // in which the surroundings are looked at
+const int RINGS = 3, DIRECTIONS = 8;  // of the samples of the surroundings
 
 uniform sampler2D colors;  // linear light, cover
 uniform sampler2D depths;  // relative
 uniform sampler2D normals;  // see gbuffer.glsl
-uniform ivec2 dome[RINGS * DIRECTIONS];  // where the surroundings are, in samples
+uniform ivec2 dome[RINGS * DIRECTIONS];  // offsets of these samples
 uniform float eye_dome;    // strength of the shading
 uniform float depth_cue;   // share of the fog on what is farthest
 uniform vec3 up_dir;       // in the eye's coordinates
@@ -28,8 +28,8 @@ vec3 view_pos(ivec2 texel, float depth) {
     return vec3((2.0 * at - 1.0) * half_extent * clip_w(view_depth), -view_depth);
 }
 
-// The slope from one place to the next, `aside` samples on; at an edge that of the side on the same
-// surface, and where there is none on either side that of a wall before the eye.
+// The vector to the surface `aside` samples further on. At an edge it is that of the side on the
+// same surface, and without any neighbour that of a plane facing the camera.
 vec3 slope(ivec2 texel, ivec2 aside, float depth) {
     ivec2 last = textureSize(depths, 0) - 1;
     ivec2 ahead = min(texel + aside, last), back = max(texel - aside, ivec2(0));
@@ -48,10 +48,10 @@ vec3 normal_at(ivec2 texel, float depth) {
     return normalize(cross(slope(texel, ivec2(reach, 0), depth), slope(texel, ivec2(0, reach), depth)));
 }
 
-// How much the surroundings stand in front of a place, 0 where it lies free. What stands far in
-// front is another organ: it darkens less, or every leaf would wear a black rim.
+// How much the surroundings occlude a sample, from 0 where nothing is in front of it. What lies far
+// in front is another organ and darkens less, or every leaf would have a black outline.
 float occlusion(ivec2 texel, float depth) {
-    float sum = 0.0, inv_depth = 1.0 / 0.012;  // of what darkens most
+    float sum = 0.0, inv_depth = 1.0 / 0.012;  // of the depth that occludes most
     for (int ring = 0; ring < RINGS; ++ring) {
         for (int i = 0; i < DIRECTIONS; ++i) {
             float other = depth_at(texel + dome[ring * DIRECTIONS + i]);
@@ -63,7 +63,7 @@ float occlusion(ivec2 texel, float depth) {
     return sum / float(RINGS * DIRECTIONS);
 }
 
-// The light that a surface of some colour sends to the eye.
+// The light that a surface reflects to the camera.
 vec3 lit(ivec2 texel, vec3 albedo) {
     float depth = depth_at(texel);
     vec2 aside = texelFetch(normals, texel, 0).rg;

@@ -1,4 +1,4 @@
-// The plant seen from straight above: what it keeps from the floor's light.
+// The plant seen from above, to find the light that it blocks from the floor.
 #include "point_attributes.glsl"
 #include "dissolve.glsl"
 #include "organ_flags.glsl"

@@ -19,8 +19,8 @@ flat out vec2 v_stretch;  // along it lengths grow by the factor 1 + stretch squ
 flat out vec2 v_normal;  // in the eye's coordinates
 flat out uint v_track;
 
-// A disc that is seen from its edge stays an ellipse: half as wide in samples; as steep, because its
-// normal is known as well as that.
+// Limits for discs that are seen edge-on: half their width in samples, and their slope, because
+// normals are not known more precisely.
 const float THINNEST_PX = 0.75, STEEPEST = 2.5;
 
 #if NORMALS

@@ -1,4 +1,4 @@
-// Third pass over the splats: at the edges of the nearest surface the nearest one behind it.
+// Third pass over the splats: the surface behind the nearest one, drawn where that one ends.
 #include "splat_disc.glsl"
 
 uniform sampler2D front;  // relative depths of the nearest surface

@@ -1,5 +1,5 @@
-// Leaves a depth of 1 where the nearest surface ends within the splats that hide what lies behind
-// it, and 0 elsewhere, so that the depth test rejects splats which nobody would see.
+// Writes depth 1 where the nearest surface ends inside the splats that occlude what lies behind it,
+// and 0 elsewhere, so that the depth test rejects splats that would not be visible.
 #include "depth.glsl"
 
 uniform sampler2D front;   // relative depths of the nearest surface

@@ -1,6 +1,6 @@
-// First pass over the splats: the depths of the nearest surface. Only a splat's core hides what lies
-// behind it, because surfaces blend into each other at its rim. The depth test compares the centres'
-// depths, for a shader that writes depths is run for hidden samples, too.
+// First pass over the splats: the depth of the nearest surface. Only a splat's core occludes what
+// lies behind it, because surfaces blend into each other at the rim. The depth test compares the
+// depths of centres, because a shader that writes depths would also run for occluded samples.
 #include "splat_disc.glsl"
 
 layout(location = 0) out float out_front;  // relative

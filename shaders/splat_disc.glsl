@@ -1,4 +1,4 @@
-// A fragment's place in its splat.
+// The position of a fragment in its splat.
 #include "depth.glsl"
 
 uniform float core;       // distance from the centre, in radii, in which a splat hides what is behind
@@ -13,7 +13,7 @@ vec2 place_in_point() {
     return v_span * (vec2(2.0, -2.0) * gl_PointCoord + vec2(-1.0, 1.0));
 }
 
-// In the disc itself, of radius 1, which the eye sees foreshortened.
+// In the disc itself, of radius 1, which the camera sees foreshortened.
 vec2 place_in_disc() {
     vec2 at = place_in_point();
     return at + dot(at, v_stretch) * v_stretch;

@@ -1,4 +1,4 @@
-// Splats as their points' tracks: whose organ is where.
+// Splats as track numbers, for picking organs.
 #include "splat_disc.glsl"
 
 flat in uint v_track;

@@ -1,6 +1,6 @@
-// The splats' sums into colour, cover, depth and normal. The surface ends where the mean of the
-// splats about a place lies aside of it (Adamson and Alexa 2004, "Approximating bounded,
-// non-orientable surfaces from points"), which is smoother than any splat's rim.
+// Converts the splats' sums to colour, coverage, depth and normal. The surface ends where the mean
+// of the surrounding splats lies too far aside (Adamson and Alexa 2004, "Approximating bounded,
+// non-orientable surfaces from points"), which is smoother than the rims of splats.
 #include "gbuffer.glsl"
 
 uniform sampler2D front;

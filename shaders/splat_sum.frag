@@ -1,4 +1,4 @@
-// Second pass over the splats: those on the nearest surface, summed with weights that fall off to
+// Second pass over the splats: sums those on the nearest surface with weights that fall off towards
 // the rim (Botsch et al. 2005, "High-quality surface splatting on today's GPUs").
 #include "splat_disc.glsl"
 
@@ -19,7 +19,7 @@ void main() {
     float nearest = texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
     bool is_rim = nearest == NOTHING;  // no core covers the sample
     float behind = relative_depth(depth_in_disc()) - (is_rim ? 0.0 : nearest);
-    // Two surfaces side by side have rims on both sides of a gap: their mean would close it.
+    // Rims on both sides of a gap between two surfaces would close it if they were averaged.
     bool is_other = edge > 1.0 ? !is_rim && behind > most : is_rim || abs(behind) > most;
     if (rise <= 0.0 || is_other) {
         discard;

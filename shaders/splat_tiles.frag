@@ -1,5 +1,5 @@
-// Which tiles of the picture hold splats. None is smaller than 1.5 REACH samples across, so that
-// every REACH-th sample along both sides finds it.
+// Marks the tiles of the picture that hold splats. No splat is smaller than 1.5 REACH samples
+// across, so that testing every REACH-th sample in both directions finds it.
 
 uniform sampler2D color_sums;
 out float out_occupied;

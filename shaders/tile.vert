@@ -1,4 +1,4 @@
-// A tile of the picture as a square point; an empty one is put out of sight.
+// A tile of the picture as a square point; empty tiles are moved out of view.
 
 uniform sampler2D occupied;
 
