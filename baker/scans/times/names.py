@@ -122,8 +122,9 @@ def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
     """How else the times may be read; `first` is the text of the first one."""
     if others:
         other = min(others, key=lambda reading: reading.length)
-        first, *_, last = (m.date for m in sorted(other.moments, key=lambda moment: moment.time))
-        return f"the names can also be read as {other.convention.what}, from {first} to {last}"
+        moments = sorted(other.moments, key=lambda moment: moment.time)
+        span = f"from {moments[0].date} to {moments[-1].date}"
+        return f"the names can also be read as {other.convention.what}, {span}"
     return "" if best.convention.is_clear else f"'{first}' was taken for {best.moments[0].date}"
 
 

@@ -128,6 +128,11 @@ def test_an_ambiguous_order_is_said():
     assert "month, day, year" in reading.doubt
 
 
+def test_a_single_date_that_can_be_read_in_two_ways_is_in_doubt():
+    reading = read_times(["03-04-2020"])
+    assert "month, day, year" in reading.doubt
+
+
 def test_another_number_that_would_give_another_order_is_said():
     reading = read_times(["D2_2023-03-01", "D1_2023-03-05"])
     assert reading is not None
