@@ -97,12 +97,13 @@ def refine_plan(
     by_row = np.argsort(edges[0] * len(columns.first) + edges[1], kind="stable")
     block, mass = edges[1][by_row], mass[by_row]
     by_column = np.argsort(block, kind="stable")
-    # Where the mass of each pair of blocks begins in the rows' order, and in the columns' order.
+    # Cumulative masses: at the ends of rows and columns, and at the starts of the pairs of blocks,
+    # sorted by row (`begin`) and by column (`sorted_begin`).
     row_ends, column_ends = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
     begin, sorted_begin = np.cumsum(mass) - mass, np.cumsum(mass[by_column]) - mass[by_column]
     shift = np.empty_like(begin)
     shift[by_column] = sorted_begin - begin[by_column]
-    # A new pair of points begins with each pair of blocks, each row and each column.
+    # A new pair of points starts with each pair of blocks, each row and each column.
     column_pair = by_column[np.searchsorted(sorted_begin, column_ends[:-1], "right") - 1]
     begins = np.sort(np.r_[begin, row_ends[:-1], column_ends[:-1] - shift[column_pair]])
     handed = np.diff(begins, append=row_ends[-1])
@@ -116,7 +117,7 @@ def refine_plan(
 def bisection_plan(
     start: Points, end: Points, supply: Masses, demand: Masses, seed: int
 ) -> tuple[Edges, Masses]:
-    """A feasible plan that pairs what lies at the same place of both clouds' bisections."""
+    """A feasible plan between points at the same position in the bisections of both clouds."""
     if len(start) < len(end):
         (columns, rows), mass = bisection_plan(end, start, demand, supply, seed)
         return (rows, columns), mass
