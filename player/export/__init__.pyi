@@ -1,5 +1,4 @@
-from .film import Film
+from .film import Film, FrameProgress
 from .formats import FORMATS, check_look, export, format_of
-from .progress import FrameProgress
 
 __all__ = ["FORMATS", "Film", "FrameProgress", "check_look", "export", "format_of"]

@@ -1,4 +1,4 @@
-"""What a film shows: which day each of its frames is, and from where it is seen."""
+"""A film: which day each of its frames shows, from where it is seen, and how far drawing is."""
 
 import math
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -8,6 +8,7 @@ from itertools import groupby
 from numpy.typing import NDArray
 
 from gclip import Clip
+from gclip.terminal.progress import ProgressBars
 from player.export.annotations import annotated
 from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
@@ -125,3 +126,21 @@ class Film:
         if self.path:
             return self.path.at(self.days(clip)[0] if day is None else day)
         return Camera.home(clip, self.aspect, turning=self.turning)
+
+
+class FrameProgress(ProgressBars):
+    """An instance is the `progress` callable of `export`: steps done, steps in all."""
+
+    def __init__(self, quiet: bool = False, doing: str = "drawing") -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
+
+        super().__init__(quiet, doing, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._task = self.bars.add_task(doing, total=None)
+        self._doing = doing
+        self._tenth = 0
+
+    def __call__(self, done: int, total: int) -> None:
+        self.bars.update(self._task, completed=done, total=total)
+        if self.plain and 10 * done // total > self._tenth:
+            self._tenth = 10 * done // total
+            self.say(f"{self._doing}: {done} of {total}")

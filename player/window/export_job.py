@@ -103,13 +103,11 @@ class Exports:
     @property
     def progress(self) -> Exporting | None:
         """Of the export under way, if there is one."""
-        return None if self._running is None else self._running.state
+        return self._running.state if self._running else None
 
     def look(self) -> str:
         """What to tell the user: "" unless an export has just ended."""
-        if self._running is None:
-            return ""
-        ended = self._running.look().ended
+        ended = self._running.look().ended if self._running else ""
         if ended:
             self._running = None
         return ended
@@ -125,7 +123,11 @@ class Exports:
         wish, scene = scene.wish, replace(scene, wish=None)
         try:
             if wish is Wish.SAVE_PATH:
-                return scene.with_notice(_save_path(scene, opened))
+                if not scene.path:
+                    return scene.with_notice(NO_KEYS)
+                file = Path(f"{opened.name}.camera.json")
+                save_path(scene.path, opened.clip, file)
+                return scene.with_notice(saved(file))
             name, still = opened.name, wish is Wish.PICTURE
             if still:
                 name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
@@ -139,7 +141,7 @@ class Exports:
             return scene.with_notice(str(error))
 
     def release(self) -> None:
-        if self._running is not None:
+        if self._running:
             self._running.release()
 
     def _toggle(
@@ -184,11 +186,3 @@ def saved(file: Path) -> str:
     home = Path.home()
     short = "~" / folder.relative_to(home) if folder.is_relative_to(home) else folder
     return f"Saved {file.name} in {short}"
-
-
-def _save_path(scene: Scene, opened: OpenClip) -> str:
-    if not scene.path:
-        return NO_KEYS
-    file = Path(f"{opened.name}.camera.json")
-    save_path(scene.path, opened.clip, file)
-    return saved(file)
