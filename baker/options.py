@@ -199,7 +199,7 @@ class Options:
     workers: int = option(0, "How many cores to use; 0 takes all.", metavar="N", min=0)
 
     def __post_init__(self) -> None:
-        """Raise InputError for a wrong value; it names the option, the value and what is allowed."""
+        """Raise InputError for a wrong value, naming the option and what is allowed."""
         hints = get_type_hints(Options)
         for each in fields(Options):
             value, allowed = getattr(self, each.name), get_args(hints[each.name])

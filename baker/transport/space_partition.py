@@ -117,7 +117,7 @@ def refine_plan(
 def bisection_plan(
     start: Points, end: Points, supply: Masses, demand: Masses, seed: int
 ) -> tuple[Edges, Masses]:
-    """A feasible plan between points at the same position in the bisections of both clouds."""
+    """A feasible plan between points at the same position in both clouds' bisections."""
     if len(start) < len(end):
         (columns, rows), mass = bisection_plan(end, start, demand, supply, seed)
         return (rows, columns), mass
