@@ -54,8 +54,8 @@ def test_a_small_bake_keeps_nothing(command, tmp_path, monkeypatch):
 SAVE = Clip.save
 
 
-def _stop(clip: Clip, path: Path) -> None:
+def _stop(clip: Clip, path: Path, force: bool = True) -> None:
     """Instead of `Clip.save`: all is done but the clip itself."""
     if path.name == "plant.gclip":
         raise KeyboardInterrupt
-    SAVE(clip, path)
+    SAVE(clip, path, force)
