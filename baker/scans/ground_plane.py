@@ -78,24 +78,28 @@ def find_ground(points: Points, up: str) -> Ground | None:
     """Find the ground of best score in (N, 3) points of a plant that grows roughly along `up`."""
     vertical = Vertical.named(up)
     frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
-    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
-    # Presorted, so that sorting the heights again for each slice takes hardly any time.
-    sample = sample[np.argsort(vertical.height(sample), kind="stable")]
-    found = [_fit_ground(sample, frame, -np.inf, share) for share in LOW_SHARES]
+    sample = _by_height(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame)
+    found = [_fit_ground(sample, -np.inf, share) for share in LOW_SHARES]
     if not any(found):
         slices = [(k / SLICES, (k + OVERLAP) / SLICES) for k in range(1, SLICES)]
-        found = [_fit_ground(sample, frame, *heights, is_pot=True) for heights in slices]
-    return max(filter(None, found), key=lambda ground: ground.score, default=None)
+        found = [_fit_ground(sample, *heights, is_pot=True) for heights in slices]
+    best = max(filter(None, found), key=lambda ground: ground.score, default=None)
+    return best and replace(best, frame=best.frame @ frame)
 
 
-def _fit_ground(
-    sample: Points, frame: Points, low: float, high: float, is_pot: bool = False
-) -> Ground | None:
+def _by_height(points: Points, frame: Points) -> Points:
+    """(N, 3) points rotated into a frame, the lowest first."""
+    rotated = points @ frame.T
+    return rotated[np.argsort(rotated[:, 2], kind="stable")]
+
+
+def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -> Ground | None:
     """Fit a ground to the points between two shares of the height, if they are one."""
     from scipy.spatial import ConvexHull, QhullError
 
+    frame, rotated = np.eye(3), sample
     for _ in range(1 if is_pot else 2):  # the second time in a frame in which the ground is level
-        cells, width = _extreme_points(sample @ frame.T, low, high, -1 if is_pot else 1)
+        cells, width = _extreme_points(rotated, low, high, -1 if is_pot else 1)
         if len(cells) < (MIN_FILLED * CELLS**2 if is_pot else CELLS):
             return None
         level, normal = _fit_plane(cells, width)
@@ -103,6 +107,7 @@ def _fit_ground(
             return None
         rotation = _rotation_to_z(normal)
         frame, cells = rotation @ frame, cells[level] @ rotation.T
+        rotated = _by_height(sample, frame)
     try:
         hull = ConvexHull(cells[:, :2])
     except QhullError:
@@ -165,23 +170,21 @@ def _rim_height(ground: Ground, sample: Points, width: float) -> float:
 def _extreme_points(rotated: Points, low: float, high: float, sign: int) -> tuple[Points, float]:
     """The lowest (sign 1) or highest (-1) point in each cell of a grid, and the cells' width.
 
-    Only points between the shares `low` and `high` of the height are used.
+    Only points between the shares `low` and `high` of the height are used; rotated: by height.
     """
-    by_height = np.argsort(rotated[:, 2], kind="stable")
-    heights = rotated[by_height, 2]
+    heights = rotated[:, 2]
     bottom, top = heights[len(heights) // 500], heights[-1]
     begin = np.searchsorted(heights, bottom + low * ((top - bottom) or 1.0))
     stop = np.searchsorted(heights, bottom + high * ((top - bottom) or 1.0), "right")
-    points = rotated[by_height[begin:stop][::sign]]
-    if not len(points):
+    points = rotated[begin:stop][::sign]
+    if len(points) < CELLS:  # too few for a ground
         return points, 1.0
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
     width = float((end - corner).max()) / CELLS or 1.0
-    cell = np.floor((points[:, :2] - corner) / width).astype(np.int64)
-    within = ((cell >= 0) & (cell <= CELLS)).all(axis=1)
-    points, cell = points[within], cell[within]
-    _, first = np.unique(cell @ [CELLS + 1, 1], return_index=True)
-    return points[first], width
+    column, row = np.floor((points[:, :2] - corner) / width).T
+    within = (column >= 0) & (column <= CELLS) & (row >= 0) & (row <= CELLS)
+    cell = ((CELLS + 1) * column + row)[within].astype(np.int16)  # short integers sort fast
+    return points[within][np.unique(cell, return_index=True)[1]], width
 
 
 def _fit_plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:
