@@ -101,7 +101,9 @@ def bake_recorded(
         If the scans or options can't be baked; the message is one sentence.
     """
     options, progress = options or Options(), progress or (lambda stage, done, total: None)
-    with thread_map(worker_count(options.workers)) as map:
+    workers = worker_count(options.workers)
+    # Threads end before those of the next stage begin, which then allocate in the same memory.
+    with thread_map(workers) as map:
         # Reading and alignment (section 3.1)
         survey = survey_series(paths, options, progress, map, times)
         if announce:
@@ -111,47 +113,48 @@ def bake_recorded(
 
         # Segmentation (3.2); without consistent labels, organs are tracked over the series (3.3)
         labels, hierarchies = _segment(survey, choices, progress, map)
-        keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
-        aligned = replace(aligned, keyframes=tuple(keyframes))
+    keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
+    nearest = tuple(near.first(1) for near in aligned.neighbors)  # from here on for spacings
+    aligned = replace(aligned, keyframes=tuple(keyframes), neighbors=nearest)
+    survey = replace(survey, aligned=aligned)
 
-        # Matching (3.3)
-        matches = match_series(
-            aligned.clouds,
-            hierarchies,
-            by_label=labels.consistent or choices.whole,
-            distance=wasserstein,
-            report_progress=partial(progress, "matching"),
-        )
-        organs, matches = follow_organs(matches, labels.consistent)
+    # Matching (3.3)
+    matches = match_series(
+        aligned.clouds,
+        hierarchies,
+        by_label=labels.consistent or choices.whole,
+        distance=wasserstein,
+        report_progress=partial(progress, "matching"),
+    )
+    organs, matches = follow_organs(matches, labels.consistent)
 
-        # Transport (3.4) and interpolation, interval by interval
-        intervals = zip(pairwise(aligned.clouds), matches, strict=True)
-        tasks = [interval_tasks(*interval, choices.bud, choices.paper) for interval in intervals]
-        jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
-        solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        solved = tuple(solve(jobs, partial(progress, "transport")))
-        clip = Clip(
-            scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
-            intervals=solved,
-            track_table=describe_tracks(series, organs, labels),
-            origin=tuple(survey.raw.scans[0].origin.tolist()),
-            up=survey.alignment.up,
-            unit=options.unit,
-            time_unit=series.unit,
-            floor=aligned.floor,
-            spacing=aligned.spacing,
-            held_out=survey.held_out,
-            provenance=describe_provenance(
-                survey.raw, series, survey.alignment, labels, hierarchies, options
-            ),
-        )
-        confirmed = confirmed_organs(labels.given, survey.corrections)
-        followed = FollowedOrgans(
-            aligned.clouds, aligned.bases, matches, labels.unlabelled, confirmed
-        )
-        contacts = [job.attachments for job in jobs]
+    # Transport (3.4) and interpolation, interval by interval
+    intervals = zip(pairwise(aligned.clouds), matches, strict=True)
+    tasks = [interval_tasks(*interval, choices.bud, choices.paper) for interval in intervals]
+    jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
+    solve = solve or partial(solve_intervals, workers=workers)
+    solved = tuple(solve(jobs, partial(progress, "transport")))
+    clip = Clip(
+        scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
+        intervals=solved,
+        track_table=describe_tracks(series, organs, labels),
+        origin=tuple(survey.raw.scans[0].origin.tolist()),
+        up=survey.alignment.up,
+        unit=options.unit,
+        time_unit=series.unit,
+        floor=aligned.floor,
+        spacing=aligned.spacing,
+        held_out=survey.held_out,
+        provenance=describe_provenance(
+            survey.raw, series, survey.alignment, labels, hierarchies, options
+        ),
+    )
+    confirmed = confirmed_organs(labels.given, survey.corrections)
+    followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, labels.unlabelled, confirmed)
+    contacts = [job.attachments for job in jobs]
+    with thread_map(workers) as map:
         clip = judge_clip(clip, contacts, None if labels.are_names else followed, map)
-        return with_fields(clip, aligned.clouds, series.scans), survey
+    return with_fields(clip, aligned.clouds, series.scans), survey
 
 
 def survey_series(

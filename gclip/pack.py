@@ -66,22 +66,22 @@ def pack_interval(
     ]
     elevated = (elevate_degree(m.curve, degree) for m in movers)
     curve = [_concatenate(points) for points in zip(*elevated, strict=True)]
-    middle = curve[0] + curve[-1]
-    order = np.concatenate([g.first + block_shuffle(middle[g.first : g.stop]) for g in groups])
+    tracks = _concatenate([m.tracks for m in movers])
+    optional = {name: _concatenate([getattr(m, name) for m in movers]) for name in OPTIONAL}
+    ends = (curve[0][g.first : g.stop] + curve[-1][g.first : g.stop] for g in groups)
+    order = np.concatenate([g.first + block_shuffle(m) for g, m in zip(groups, ends, strict=True)])
     low, high = extent(*curve)
     is_float = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
     box = None if is_float else Box(tuple(low.tolist()), tuple(high.tolist()))
-    curve = [p.astype(np.float32) if box is None else _quantise(p, box) for p in curve]
-    tracks = _concatenate([m.tracks for m in movers])
-    optional = {name: _concatenate([getattr(m, name) for m in movers]) for name in OPTIONAL}
+    first, *control, last = (_packed(curve.pop(0), box, order) for _ in range(degree + 1))
     return Interval(
         start=start,
         end=end,
         box=box,
         groups=tuple(groups),
-        start_positions=np.take(curve[0], order, axis=0),
-        end_positions=np.take(curve[-1], order, axis=0),
-        control_positions=tuple(np.take(points, order, axis=0) for points in curve[1:-1]),
+        start_positions=first,
+        end_positions=last,
+        control_positions=tuple(control),
         tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
         **{name: None if a is None else np.take(a, order, axis=0) for name, a in optional.items()},
         segments=segments,
@@ -103,7 +103,11 @@ def _concatenate(arrays: Sequence[Any]) -> Any:
     return None if any(array is None for array in arrays) else np.concatenate(arrays)
 
 
-def _quantise(points: NDArray[np.floating], box: Box) -> NDArray[np.uint16]:
-    steps = points - np.asarray(box.low)
-    steps /= np.where(box.step > 0, box.step, 1.0)
-    return np.round(steps, out=steps).astype(np.uint16)
+def _packed(points: NDArray[np.floating], box: Box | None, order: NDArray[np.intp]) -> NDArray[Any]:
+    """The points in this order, as float32 where there is no box."""
+    points = np.take(points, order, axis=0)
+    if box is None:
+        return points.astype(np.float32, copy=False)
+    points = points - np.asarray(box.low)
+    points /= np.where(box.step > 0, box.step, 1.0)
+    return np.round(points, out=points).astype(np.uint16)

@@ -48,8 +48,10 @@ class Neighbors:
         return self.reach <= OUTLIER_RATIO * np.median(self.reach)
 
     def first(self, k: int) -> "Neighbors":
-        """The k nearest of these neighbours."""
-        return Neighbors(self.indices[:, :k], self.distances[:, :k])
+        """The k nearest of these neighbours; they do not keep the others in memory."""
+        return Neighbors(
+            np.ascontiguousarray(self.indices[:, :k]), np.ascontiguousarray(self.distances[:, :k])
+        )
 
 
 def nearest_neighbors(

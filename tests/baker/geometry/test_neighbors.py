@@ -76,6 +76,14 @@ def test_points_in_one_place_are_not_their_own_neighbors(points):
     assert (found.indices != np.arange(len(points))[:, None]).all()
 
 
+def test_the_first_neighbors_do_not_keep_the_others_in_memory():
+    found = nearest_neighbors(np.random.default_rng(0).random((50, 3)), 5)
+    nearest = found.first(1)
+    assert np.array_equal(nearest.indices, found.indices[:, :1])
+    assert nearest.spacing == found.spacing
+    assert not np.shares_memory(nearest.distances, found.distances)
+
+
 @pytest.mark.parametrize("count", [2, 100, 50_000])
 def test_spacing_of_points_on_a_line(count):
     points = np.zeros((count, 3))

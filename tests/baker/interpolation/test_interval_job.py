@@ -1,6 +1,7 @@
 """An interval is a unit of its own: it can be solved anywhere, and the clip is the same."""
 
 import pickle
+import threading
 from dataclasses import replace
 from functools import partial
 
@@ -78,3 +79,17 @@ def test_an_error_in_a_job_ends_the_bake(write_scans, workers):
 
     with pytest.raises(AttributeError):
         bake_recorded([write_scans()], PLAIN, solve=solve)
+
+
+def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
+    left = []
+
+    def solve(jobs, report_progress):
+        before = [one for one in threading.enumerate() if one.name.startswith("ThreadPool")]
+        for thread in before:
+            thread.join(5.0)
+        left.extend(thread for thread in before if thread.is_alive())
+        return solve_intervals(jobs, report_progress)
+
+    bake_recorded([write_scans()], replace(PLAIN, workers=2), solve=solve)
+    assert not left
