@@ -12,7 +12,7 @@ from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, transform_onto
 from baker.alignment.sample import even_sample
 from baker.alignment.stem_base import common_base, stem_labels
-from baker.alignment.strangers import unlike_scans
+from baker.alignment.unlike_scans import unlike_scans
 from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
