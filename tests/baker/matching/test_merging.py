@@ -54,3 +54,31 @@ def test_new_and_lost_leaves_are_no_parts_of_others(series):
         merged = merge_parts(clouds[order], tracks[order])
         for found, truth in zip(merged, tracks[order], strict=True):
             np.testing.assert_array_equal(found, truth)
+
+
+@pytest.mark.parametrize(
+    ("rest", "part"),
+    [
+        # What is left is as long as the organ was: it was not cut.
+        (lambda x, y: np.abs(y) < 0.3, lambda x, y: np.abs(y) >= 0.3),
+        # The organ has lost its tip, and what is new is somewhere else.
+        (lambda x, y: x < 5.0, lambda x, y: x > 8.0),
+        # It has lost its tip, and what is new is far too large to be that.
+        (lambda x, y: x < 5.0, lambda x, y: x >= 5.0),
+    ],
+)
+def test_what_does_not_make_the_organ_whole_is_no_part_of_it(rest, part):
+    rng = np.random.default_rng(0)
+    stem = np.column_stack([*rng.normal(0, 0.1, (2, 500)), rng.uniform(-5, 5, 500)])
+    x, y = np.meshgrid(np.linspace(0, 30, 301), np.linspace(-1, 1, 11))
+    blade = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+    whole = blade[blade[:, 0] < 10]
+    limit = 30 if part(6.0, 0.0) else 10.5
+    kept = blade[rest(*blade[:, :2].T) & (blade[:, 0] < 10)]
+    new = blade[part(*blade[:, :2].T) & (blade[:, 0] < limit)]
+    clouds = [np.concatenate([stem, whole]), np.concatenate([stem, kept, new])]
+    tracks = [
+        np.repeat([0, 1], [len(stem), len(whole)]),
+        np.repeat([0, 1, 2], [len(stem), len(kept), len(new)]),
+    ]
+    np.testing.assert_array_equal(merge_parts(clouds, tracks)[1], tracks[1])
