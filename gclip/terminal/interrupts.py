@@ -21,10 +21,10 @@ RETRY = 0.01  # seconds until a signal that could not be handled is sent again
 def uninterrupted(
     function: Callable[Arguments, Result], *arguments: Arguments.args, **named: Arguments.kwargs
 ) -> Result:
-    """Call native code that crashes if Python code that it calls raises an exception, or it is left
-    while its threads still write into its arrays.
+    """Call a function; a stop signal that comes meanwhile is handled when it has returned.
 
-    A stop signal is handled after the call.
+    For native code that KeyboardInterrupt would crash: it ignores that a Python function that it
+    calls has raised an exception, or returns while its threads still write into arrays.
     """
     return function(*arguments, **named)
 

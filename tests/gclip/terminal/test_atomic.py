@@ -1,5 +1,6 @@
 """Outputs appear whole or not at all."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -7,7 +8,8 @@ import threading
 
 import pytest
 
-from gclip.terminal.atomic import atomic_file, folder_beside
+from gclip.errors import UserError
+from gclip.terminal.atomic import atomic_file, folder_beside, writing
 
 
 def test_what_a_killed_process_left_is_no_trouble(tmp_path):
@@ -70,3 +72,13 @@ def test_files_are_as_open_as_any(tmp_path, mask):
     finally:
         os.umask(before)
     assert (tmp_path / "file").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_memory_that_runs_out_is_not_said_of_the_file(tmp_path):
+    with (
+        pytest.raises(UserError, match="out can't be written: No space left"),
+        writing(tmp_path / "out"),
+    ):
+        raise OSError(errno.ENOSPC, "No space left")
+    with pytest.raises(OSError, match="Cannot allocate"), writing(tmp_path / "out"):
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
