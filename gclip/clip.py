@@ -8,15 +8,14 @@ organ throughout the series.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from gclip.corrections import corrections_file, read_corrections
@@ -26,15 +25,13 @@ from gclip.evaluate import Frame, frame_at
 from gclip.file import Container, open_container, write_container
 from gclip.interval import Interval, read_interval, read_positions
 from gclip.places import rename_organs
-from gclip.schema import Document, IntervalEntry, ScanMark, TrackEntry
+from gclip.schema import Document, IntervalEntry, ScanMark, Series, TrackEntry
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
     from pandas import DataFrame
 
 ROUNDING = 1e-9  # share of the series' length by which a time may be outside
-SHARED = ("scans", "up", "unit", "time_unit", "origin", "floor", "spacing", "provenance")
-"""Attributes that a clip and its document have in common."""
 FIELD = "%04d/field%d"  # name of a buffer, by interval and field
 HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
 
@@ -78,22 +75,15 @@ class Tracks(dict[str, Track]):
         raise KeyError(f"no track is called {name!r}; these are: {', '.join(self)}")
 
 
-@dataclass(frozen=True, repr=False)
-class Clip:
+@dataclass(frozen=True, repr=False, kw_only=True)
+class Clip(Series):
     """The animated growth of a plant."""
 
-    scans: tuple[ScanMark, ...]  #: sorted by time
     intervals: tuple[Interval, ...]  #: between successive scans
     track_table: tuple[Track, ...]  #: by id
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: world position of local zero
-    up: str = "z"  #: x, y, z, -x, -y or -z: the direction of growth in the frame of the input
-    unit: str = ""  #: length unit of the positions, "" where unknown
-    time_unit: str = "days"  #: or "scans" where only their order is known
-    floor: float = 0.0  #: local height along `up` at which lost organs come to rest
-    spacing: float = 0.0  #: median distance between neighbouring points
+    up: str = "z"
     fields: tuple[PointField, ...] = ()  #: scalars of the scans' points besides colours
     held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, sorted by time
-    provenance: dict[str, Any] = field(default_factory=dict)  #: options, versions, input digests
 
     @property
     def times(self) -> list[float]:
@@ -277,10 +267,10 @@ def clip_in(container: Container, document: Document) -> Clip:
         raise ClipError(f'it holds a buffer "{min(container.unread)[:40]}" that nothing names')
     return Clip(
         intervals=intervals,
-        track_table=tuple(Track(i, **asdict(track)) for i, track in enumerate(document.tracks)),
+        track_table=tuple(Track(i, **vars(track)) for i, track in enumerate(document.tracks)),
         fields=fields,
         held_out=held_out,
-        **_attributes(document, SHARED),
+        **_attributes(document, Series),
     )
 
 
@@ -288,13 +278,14 @@ def _content(clip: Clip) -> dict[str, Any]:
     """The fields of the document that describes a clip."""
     held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
     return {
-        **_attributes(clip, SHARED),
-        "tracks": [_attributes(t, TrackEntry.__struct_fields__) for t in clip.track_table],
-        "intervals": [_attributes(i, IntervalEntry.__struct_fields__) for i in clip.intervals],
+        **_attributes(clip, Series),
+        "tracks": [_attributes(track, TrackEntry) for track in clip.track_table],
+        "intervals": [_attributes(i, IntervalEntry) for i in clip.intervals],
         **({"held_out": held_out} if held_out else {}),
         **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
     }
 
 
-def _attributes(holder: object, names: Iterable[str]) -> dict[str, Any]:
-    return {name: getattr(holder, name) for name in names}
+def _attributes(holder: object, kind: type) -> dict[str, Any]:
+    """The attributes that are fields of a dataclass."""
+    return {field.name: getattr(holder, field.name) for field in fields(kind)}

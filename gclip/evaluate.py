@@ -147,8 +147,8 @@ def evaluate_layer(
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
     """The (n, 3) local positions, (n, 4) colours and (n,) tracks of the movers of a layer."""
     interval = clip.intervals[layer.interval]
-    check_not_truncated(interval.tracks)
     movers = slice(layer.group.first, layer.group.stop)
+    local = positions_on_curve(interval, movers, layer.parameter)
     tracks = np.asarray(interval.tracks[movers])
     if interval.start_colors is not None and interval.end_colors is not None:
         colors = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], layer.blend)
@@ -157,7 +157,7 @@ def evaluate_layer(
     if layer.alpha < 1.0:
         colors = colors.copy()
         colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
-    return positions_on_curve(interval, movers, layer.parameter), colors, tracks
+    return local, colors, tracks
 
 
 def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:

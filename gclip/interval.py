@@ -1,6 +1,6 @@
 """The movers of one interval, and their buffers in a file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -9,25 +9,17 @@ from numpy.typing import NDArray
 from gclip.errors import ClipError
 from gclip.file import Container
 from gclip.morton import extent
-from gclip.schema import MAX_NUMBER, Box, Group, IntervalEntry, SegmentPair
+from gclip.schema import MAX_NUMBER, IntervalEntry, Span
 
-OPTIONAL: dict[str, tuple[str, int, type]] = {
-    "start_colors": ("start_color", 4, np.uint8),
-    "end_colors": ("end_color", 4, np.uint8),
-    "normals": ("normals", 4, np.uint8),
-}
-"""Optional fields of an interval -> name of the buffer in a file, width and dtype."""
+OPTIONAL = {"start_colors": "start_color", "end_colors": "end_color", "normals": "normals"}
+"""Optional fields of an interval, (N, 4) uint8 -> name of the buffer in a file."""
 COLORS = {"start_colors", "end_colors"}
 
 
-@dataclass(frozen=True)
-class Interval:
+@dataclass(frozen=True, kw_only=True)
+class Interval(Span):
     """The movers between two successive scans, as buffers that a GPU can use."""
 
-    start: float  #: time of the first scan
-    end: float  #: time of the second scan
-    box: Box | None  #: the range of quantised positions; None if they are float32
-    groups: tuple[Group, ...]  #: consecutive runs of movers, MOVE first
     start_positions: NDArray[Any]  #: (N, 3) uint16, or float32 relative to the clip's origin
     end_positions: NDArray[Any]
     control_positions: tuple[NDArray[Any], ...]  #: degree - 1 arrays of the same kind
@@ -35,7 +27,6 @@ class Interval:
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha; None: the tracks'
     end_colors: NDArray[np.uint8] | None = None
     normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at start and end
-    segments: tuple[SegmentPair, ...] = ()  #: how the transport was solved
 
     @property
     def degree(self) -> int:
@@ -58,14 +49,16 @@ class Interval:
         """The arrays by the names of their buffers, for interval number `index`."""
         arrays = dict(zip(_curve_names(index, self.degree), self.curve, strict=True))
         arrays[f"{index:04d}/track"] = self.tracks
-        optional = {name: getattr(self, field) for field, (name, *_) in OPTIONAL.items()}
-        return arrays | {f"{index:04d}/{k}": v for k, v in optional.items() if v is not None}
+        optional = {f"{index:04d}/{name}": getattr(self, f) for f, name in OPTIONAL.items()}
+        return arrays | {name: array for name, array in optional.items() if array is not None}
 
     def __len__(self) -> int:
         return len(self.tracks)
 
 
-def read_interval(container: Container, index: int, entry: IntervalEntry, tracks: int) -> Interval:
+def read_interval(
+    container: Container, index: int, entry: IntervalEntry | Interval, tracks: int
+) -> Interval:
     """Read interval number `index` and check its buffers. Raises ClipError."""
     count = entry.groups[-1].stop
     names = _curve_names(index, entry.degree)
@@ -77,12 +70,11 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
     if int(ids.max()) >= tracks:
         found = f'its buffer "{index:04d}/track" names track {int(ids.max())}'
         raise ClipError(f"{found}; only {tracks} tracks are named")
-    present = {f for f, (k, *_) in OPTIONAL.items() if f"{index:04d}/{k}" in container.buffers}
+    present = {f for f, name in OPTIONAL.items() if f"{index:04d}/{name}" in container.buffers}
     present |= COLORS if present & COLORS else set()  # both are required if one is present
     optional: dict[str, Any] = {
-        field: container.take(f"{index:04d}/{name}", (count, width), dtype)
-        for field, (name, width, dtype) in OPTIONAL.items()
-        if field in present
+        field: container.take(f"{index:04d}/{OPTIONAL[field]}", (count, 4), np.uint8)
+        for field in sorted(present)
     }
     return Interval(
         start_positions=curve[0],
@@ -90,7 +82,7 @@ def read_interval(container: Container, index: int, entry: IntervalEntry, tracks
         control_positions=tuple(curve[1:-1]),
         tracks=ids,
         **optional,
-        **{name: getattr(entry, name) for name in ("start", "end", "box", "groups", "segments")},
+        **{field.name: getattr(entry, field.name) for field in fields(Span)},
     )
 
 

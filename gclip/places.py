@@ -59,8 +59,7 @@ def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
 
 def to_file_coordinates(clip: Clip, scan: str, point: Point) -> Point:
     """Convert a point from the clip's local coordinates to those of a scan's file."""
-    transform, origin, scale = _file_frame(clip, scan)
-    return np.asarray((np.linalg.solve(transform, [*point, 1.0])[:3] + origin) / scale)
+    return np.asarray(np.linalg.solve(_to_local(clip, scan), [*point, 1.0])[:3])
 
 
 def _track_at(clip: Clip, place: Place) -> int | None:
@@ -68,8 +67,7 @@ def _track_at(clip: Clip, place: Place) -> int | None:
     scan = next((scan for scan in clip.scans if scan.name == place.scan), None)
     if scan is None:
         return None
-    transform, origin, scale = _file_frame(clip, place.scan)
-    point = (transform @ [*(scale * np.array(place.point) - origin), 1.0])[:3]
+    point = (_to_local(clip, scan.name) @ [*place.point, 1.0])[:3]
     frame = clip.at(scan.time)
     # Organs that are born later start at points of their parents, so they are left out.
     born = np.array([track.born for track in clip.track_table])[frame.tracks] <= scan.time
@@ -77,15 +75,21 @@ def _track_at(clip: Clip, place: Place) -> int | None:
     return int(frame.tracks[distance.argmin()]) if len(frame) else None
 
 
-def _file_frame(clip: Clip, scan: str) -> tuple[NDArray[np.float64], Point, float]:
-    """Transform, origin and scale of a scan: local = transform @ (scale * in file - origin)."""
+def _to_local(clip: Clip, scan: str) -> NDArray[np.float64]:
+    """(4, 4) transform from the coordinates in a scan's file to the clip's local coordinates."""
     given = clip.provenance
-    with suppress(KeyError, TypeError, ValueError, IndexError, OverflowError):
+    with suppress(KeyError, TypeError, ValueError, IndexError), np.errstate(all="ignore"):
         index = [entry["name"] for entry in given["inputs"]].index(scan)
-        transform = np.array(given["transforms"][index], float)
-        origin = np.array(given["origins"][index] if "origins" in given else clip.origin, float)
-        scale = float(given["options"]["scale"])
-        is_valid = np.isfinite([*transform.ravel(), *origin, scale]).all() and scale > 0.0
-        if is_valid and transform.shape == (4, 4) and abs(np.linalg.det(transform)) > 1e-12:
-            return transform, origin, scale
-    return np.eye(4), np.array(clip.origin), 1.0  # the clip was made by another program
+        origin = given["origins"][index] if "origins" in given else clip.origin
+        transform = np.array(given["transforms"][index], float).reshape(4, 4) @ _shift(origin)
+        transform[:, :3] *= float(given["options"]["scale"])
+        if np.isfinite(transform).all() and np.isfinite(np.linalg.inv(transform)).all():
+            return transform
+    return _shift(clip.origin)  # the clip was made by another program
+
+
+def _shift(origin: Sequence[float]) -> NDArray[np.float64]:
+    """(4, 4) transform to coordinates relative to an origin."""
+    shift = np.eye(4)
+    shift[:3, 3] -= origin
+    return shift

@@ -4,13 +4,13 @@ Rules that types can't express, such as fields that contradict each other, are c
 `__post_init__`; msgspec adds the location to the ValueError.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
-from msgspec import Meta, Struct
+from msgspec import Meta
 from numpy.typing import NDArray
 
 MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
@@ -90,7 +90,8 @@ class Box:
         return (np.asarray(self.high, float) - np.asarray(self.low, float)) / 65535.0
 
 
-class TrackEntry(Struct, frozen=True):
+@dataclass(frozen=True)
+class TrackEntry:
     """One organ from birth to loss; its id is its index in the list."""
 
     name: Text
@@ -101,15 +102,15 @@ class TrackEntry(Struct, frozen=True):
     kind: Text = "organ"
 
 
-class IntervalEntry(Struct, frozen=True):
-    """The entry of an interval in the document, without its buffers."""
+@dataclass(frozen=True, kw_only=True)
+class Span:
+    """What an interval and its entry in the document have in common."""
 
-    start: Number
-    end: Number
-    degree: Annotated[int, Meta(ge=1, le=3)]
-    groups: tuple[Group, ...]
-    box: Box | None = None
-    segments: tuple[SegmentPair, ...] = ()
+    start: Number  #: time of the first scan
+    end: Number  #: time of the second scan
+    groups: tuple[Group, ...]  #: consecutive runs of movers, MOVE first
+    box: Box | None = None  #: the range of quantised positions; None if they are float32
+    segments: tuple[SegmentPair, ...] = ()  #: how the transport was solved
 
     def __post_init__(self) -> None:
         stops = [0, *(group.stop for group in self.groups)]
@@ -118,23 +119,41 @@ class IntervalEntry(Struct, frozen=True):
         _require(stops[-1] > 0, "it holds no movers; at least one is needed")
 
 
-class Document(Struct, frozen=True):
+@dataclass(frozen=True, kw_only=True)
+class IntervalEntry(Span):
+    """The entry of an interval in the document, without its buffers."""
+
+    degree: Annotated[int, Meta(ge=1, le=3)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """What a clip and its document have in common."""
+
+    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
+    up: Annotated[str, Meta(pattern="^-?[xyz]$")]
+    """x, y, z, -x, -y or -z: the direction of growth in the frame of the input."""
+    unit: Text = ""  #: length unit of the positions, "" where unknown
+    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
+    """"days", or "scans" where only their order is known."""
+    origin: Vector = (0.0, 0.0, 0.0)  #: world position of local zero
+    floor: Number = 0.0  #: local height along `up` at which lost organs come to rest
+    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
+    """Median distance between neighbouring points."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+    """Options, versions, input digests."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document(Series):
     """The whole document: a clip without its buffers."""
 
     version: Text
-    up: Annotated[str, Meta(pattern="^-?[xyz]$")]
-    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]
     tracks: Annotated[tuple[TrackEntry, ...], Meta(min_length=1)]
     intervals: Annotated[tuple[IntervalEntry, ...], Meta(min_length=1)]
-    unit: Text = ""
-    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
-    origin: Vector = (0.0, 0.0, 0.0)
-    floor: Number = 0.0
-    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
     fields: tuple[Text, ...] = ()
     held_out: tuple[ScanMark, ...] = ()
-    sha256: dict[str, Digest] = {}
-    provenance: dict[str, Any] = {}
+    sha256: dict[str, Digest] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         starts = [interval.start for interval in self.intervals]

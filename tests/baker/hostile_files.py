@@ -236,7 +236,8 @@ def _clip() -> Any:
     movers = Movers(Motion.MOVE, (np.eye(3), np.eye(3) + 1), np.zeros(3, int))
     interval = pack_interval(0.0, 3.0, [movers], spacing=1.0)
     scans = ScanMark("a.xyz", 0.0), ScanMark("b.xyz", 3.0)
-    return Clip(scans, (interval,), (Track(0, "stem", (1, 2, 3)),))
+    track = Track(0, "stem", (1, 2, 3))
+    return Clip(scans=scans, intervals=(interval,), track_table=(track,))
 
 
 def _read_scan(path: Path) -> None:

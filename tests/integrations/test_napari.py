@@ -53,13 +53,13 @@ def test_napari_reads_a_clip_at_its_scans_and_between(path: Path) -> None:
 def test_uneven_scans_stand_at_the_nearest_step(times: list[float]) -> None:
     module = importlib.import_module("napari_growth_clip")
     scans = tuple(gclip.ScanMark("scan", time, points=10) for time in times)
-    step, days = module.states(gclip.Clip(scans, (), ()))
+    step, days = module.states(gclip.Clip(scans=scans, intervals=(), track_table=()))
     assert set(times) <= set(days)
     even = times[0] + step * np.arange(len(days))
     np.testing.assert_allclose(days, even, atol=step / 2 + 1e-9)
     assert np.diff(times).min() >= step * module.STATES_BETWEEN
     many = tuple(gclip.ScanMark("scan", time, points=10**6) for time in times)
-    assert len(module.states(gclip.Clip(many, (), ()))[1]) <= 6
+    assert len(module.states(gclip.Clip(scans=many, intervals=(), track_table=()))[1]) <= 6
 
 
 def test_several_clips_are_several_layers() -> None:

@@ -181,11 +181,11 @@ def small_clip(
     colors = rng.integers(0, 256, (200, 4), np.uint8)
     tracks = np.repeat([0, 1], 100)
     return Clip(
-        tuple(ScanMark(date, t, date, 200) for date, t in zip(dates, times, strict=False)),
-        tuple(
+        scans=tuple(ScanMark(date, t, date, 200) for date, t in zip(dates, times, strict=False)),
+        intervals=tuple(
             pack_interval(*days, [Movers(Motion.MOVE, ends, tracks, colors, colors)], spacing=0.1)
             for days, ends in zip(pairwise(times), pairwise(scans), strict=False)
         ),
-        (Track(0, "stem", (90, 160, 60)), Track(1, leaf, (60, 90, 200), parent=0)),
+        track_table=(Track(0, "stem", (90, 160, 60)), Track(1, leaf, (60, 90, 200), parent=0)),
         spacing=0.1,
     )
