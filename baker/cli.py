@@ -11,8 +11,7 @@ import typer
 
 from baker.batch.outputs import Outputs
 from baker.options import Options
-from gclip.terminal.command import in_panels, run_app
-from gclip.version import VersionOption
+from gclip.terminal.command import VersionOption, in_panels, run_app
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 

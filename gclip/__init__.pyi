@@ -4,6 +4,8 @@ from .evaluate import Frame, Layer
 from .interval import Interval
 from .schema import Box, Group, Motion, ScanMark, SegmentPair
 
+__version__: str
+
 __all__ = [
     "Box",
     "Clip",

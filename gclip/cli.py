@@ -6,9 +6,8 @@ from typing import Annotated
 import typer
 
 from gclip.errors import ClipError
-from gclip.terminal.command import run_app
+from gclip.terminal.command import VersionOption, run_app
 from gclip.text import printable
-from gclip.version import VersionOption
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 

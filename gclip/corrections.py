@@ -72,7 +72,7 @@ def read_corrections(path: Path) -> Corrections:
 
 
 def write_corrections(path: Path, corrections: Sequence[Correction]) -> None:
-    """Write a file of corrections atomically. Raises OSError."""
+    """Write a file of corrections atomically. Raises UserError if it can't be written."""
     entries = [HEADER]
     for each in corrections:
         name = f"name = {_quoted(each.name)}\n" if each.name else ""

@@ -17,14 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.errors import ClipError
+from gclip.errors import ClipError, UserError
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
 MAX_HEADER = 8 << 20  # bytes, plus a quarter of the file
-MAX_AXES = 2
 identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
 
@@ -116,9 +115,9 @@ def _read_header(
             for name in header.offset_keys():
                 view = header.get_slice(name)
                 kind, shape = view.get_dtype(), view.get_shape()
-                if kind not in DTYPES or len(shape) > MAX_AXES:
-                    found = f'its buffer "{name[:40]}" is of type {kind} and {len(shape)} axes'
-                    raise ClipError(f"{found}; {', '.join(DTYPES)} and {MAX_AXES} are allowed")
+                if kind not in DTYPES:
+                    found = f'its buffer "{name[:40]}" is of type {kind}'
+                    raise ClipError(f"{found}; {', '.join(DTYPES)} are allowed")
                 end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
                 buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
                 first = end
@@ -138,7 +137,8 @@ def write_container(
     try:
         with atomic_file(path, force) as part:
             save_file(dict(buffers), part, {KEY: text})
-    except (OSError, SafetensorError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", reason)
+    except UserError as error:
+        raise ClipError(str(error)) from None
+    except SafetensorError as error:
+        reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", str(error))
         raise ClipError(f"{path} can't be written: {reason}.") from None

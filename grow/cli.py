@@ -8,8 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from baker.errors import InputError
-from gclip.terminal.command import in_panels, run_app
-from gclip.version import VersionOption
+from gclip.terminal.command import VersionOption, in_panels, run_app
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 

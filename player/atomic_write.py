@@ -21,7 +21,7 @@ def whole_file(path: Path, force: bool = True) -> Iterator[Path]:
 
     Raises UserError where it can't be written, or would overwrite a file unless that is forced.
     """
-    with writing(path), atomic_file(path, force) as part:
+    with atomic_file(path, force) as part:
         yield part
 
 

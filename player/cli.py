@@ -13,9 +13,8 @@ import gclip
 import player.export
 import player.view
 import player.window
-from gclip.terminal.command import in_panels, run_app
+from gclip.terminal.command import VersionOption, in_panels, run_app
 from gclip.text import Lossy, printable
-from gclip.version import VersionOption
 from player.errors import PlayerError
 from player.info import print_info
 from player.ui.keys import help_text

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from gclip.version import __version__
+from gclip import __version__
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]

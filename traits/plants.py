@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
-from gclip.terminal.atomic import atomic_file, writing
+from gclip.terminal.atomic import atomic_file
 from traits.table import COLUMNS, Namer, measure_days, write_table
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class TraitsTable:
 
 
 def _write(path: Path, chunks: Iterable[bytes]) -> None:
-    with writing(path), atomic_file(path) as part, part.open("wb") as file:
+    with atomic_file(path) as part, part.open("wb") as file:
         file.writelines(chunks)
 
 

@@ -15,9 +15,9 @@ from os import cpu_count
 from typing import TYPE_CHECKING, TextIO
 from unicodedata import normalize
 
+from gclip import __version__
 from gclip.errors import UserError
 from gclip.text import printable
-from gclip.version import __version__
 from traits.dates import date_at
 from traits.doubts import Doubt, doubts_of
 from traits.fields import field_means

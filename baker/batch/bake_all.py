@@ -16,7 +16,7 @@ from baker.batch.progress import StageProgress
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
 from baker.options import Options
-from gclip.terminal.atomic import check_writable, writing
+from gclip.terminal.atomic import writing
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
@@ -136,7 +136,7 @@ def _make_folder(folder: Path) -> None:
         raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    check_writable(folder)
+    check_output(folder / "plant.gclip", True, "a clip", ".gclip")
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:

@@ -23,11 +23,10 @@ from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver
 from baker.interpolation.provenance import software
-from gclip.errors import ClipError
+from gclip.errors import ClipError, UserError
 from gclip.file import Container
 from gclip.interval import Interval, read_interval
-from gclip.schema import IntervalEntry
-from gclip.terminal.atomic import atomic_file
+from gclip.terminal.atomic import atomic_file, writing
 
 
 class Cache:
@@ -102,20 +101,20 @@ class Cache:
     def _write(self, key: str, interval: Interval) -> Interval:
         path, payload = self.folder / key[:2] / key, _encoded(interval)
         try:
-            path.parent.mkdir(exist_ok=True)
-            with atomic_file(path) as part:
-                part.write_bytes(sha256(key.encode() + payload).digest() + payload)
-        except OSError as error:
-            self.trouble = self.trouble or f"{path} can't be written: {error.strerror or error}"
+            with writing(path):
+                path.parent.mkdir(exist_ok=True)
+                with atomic_file(path) as part:
+                    part.write_bytes(sha256(key.encode() + payload).digest() + payload)
+        except UserError as error:
+            self.trouble = self.trouble or str(error).rstrip(".")
         return interval
 
 
 def _is_interval(interval: Interval, job: IntervalJob, tracks: int) -> bool:
     """Whether an entry is a valid interval of the job: anyone may have written into the folder."""
-    with suppress(ClipError, msgspec.MsgspecError):
+    with suppress(ClipError):
         buffers = interval.buffers(0)
-        entry = msgspec.convert(interval, IntervalEntry, from_attributes=True)
-        read_interval(Container("", buffers, 0, {*buffers}), 0, entry, tracks)
+        read_interval(Container("", buffers, 0, {*buffers}), 0, interval, tracks)
         return (interval.start, interval.end) == job.times
     return False
 

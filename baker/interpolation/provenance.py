@@ -14,8 +14,7 @@ from baker.options import Options
 from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
-from gclip import Track
-from gclip.version import __version__
+from gclip import Track, __version__
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:

@@ -20,7 +20,7 @@ from baker.report.pictures import (
 from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import command_for, doubts_in, group_by_interval, headline, interval_dates
 from gclip import Clip
-from gclip.terminal.atomic import atomic_file, writing
+from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 from traits.curves import TraitCurve, plotted, trait_curves
 
@@ -65,7 +65,7 @@ def write_report(
     title, doubts = printable(title), doubts_in(clip)  # a file name may not be valid UTF-8
     by_interval = group_by_interval(doubts)
     report_progress("report", 0, 1)
-    with writing(Path(path)), atomic_file(Path(path)) as part:
+    with atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
         with ThreadPoolExecutor(1) as executor:  # while other processes render
             measuring = executor.submit(trait_curves, clip, largest_organs(clip))

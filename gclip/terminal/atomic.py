@@ -16,21 +16,16 @@ from gclip.errors import UserError
 
 def check_output(path: Path, force: bool) -> None:
     """Raise UserError if a file can't be written, or exists and `force` is not given."""
+    folder = path.parent
     if path.is_dir():
         raise UserError(f"{path} is a folder; a file's name is needed.")
-    if path.parent.exists() and not path.parent.is_dir():
-        raise UserError(f"{path}: {path.parent} is a file, not a folder.")
-    if not path.parent.exists():
-        raise UserError(f"{path}: the folder {path.parent} does not exist.")
-    check_writable(path.parent)
-    if path.exists() and not force:
-        raise UserError(f"{path} exists; --force overwrites it.")
-
-
-def check_writable(folder: Path) -> None:
-    """Raise UserError if files can't be written into a folder."""
+    if not folder.is_dir():
+        problem = "is a file, not a folder" if folder.exists() else "does not exist"
+        raise UserError(f"{path}: {folder} {problem}.")
     if not os.access(folder, os.W_OK):
         raise UserError(f"{folder}: permission denied to write into this folder.")
+    if path.exists() and not force:
+        raise UserError(f"{path} exists; --force overwrites it.")
 
 
 @contextmanager
@@ -56,10 +51,10 @@ def folder_beside(path: Path) -> Iterator[Path]:
 def atomic_file(path: Path, force: bool = True) -> Iterator[Path]:
     """A temporary file to write, of the same name, which replaces `path` if no exception is raised.
 
-    Raises OSError if it can't be written, and UserError if a file has appeared at `path` meanwhile,
-    unless `force` is given.
+    Raises UserError if it can't be written, or if a file has appeared at `path` meanwhile, unless
+    `force` is given.
     """
-    with folder_beside(path) as folder:
+    with writing(path), folder_beside(path) as folder:
         part = folder / path.name
         yield part
         sync(part)

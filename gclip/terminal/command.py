@@ -10,18 +10,20 @@ import re
 import sys
 import warnings
 from collections.abc import Callable
-from functools import partial
+from signal import SIGINT
 from traceback import walk_tb
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any
 
+from typer import Abort, Context, Exit, Option, Typer, echo
+from typer.exceptions import TyperException
+from typer.main import get_command
+
+from gclip import __version__
 from gclip.errors import UserError
 from gclip.terminal.interrupts import until_interrupted
 from gclip.text import Lossy, printable
 
-if TYPE_CHECKING:
-    from typer import Typer
-
-DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # 143 by SIGTERM, 129 by SIGHUP
+DONE, OUR_FAULT, BAD_INPUT = 0, 1, 2  # or 128 and the number of a signal
 # Errors of the system that are not the program's fault, whatever the file.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 TYPES = re.compile(r"<(bool|str|int|float|path|file|list\[.*\])>")
@@ -45,11 +47,13 @@ def run(command: str, work: Callable[[], int | None]) -> int:
     signals: list[int] = []
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = partial(_print_warning, command)
+            warnings.showwarning = lambda text, *where: _print_error(
+                command, f"warning: {str(text).partition(chr(10))[0]}"
+            )
             return until_interrupted(work, signals) or DONE
     except KeyboardInterrupt:
         _print_error(command, "stopped; nothing half-written is left behind.")
-        return 128 + signals[0] if signals else INTERRUPTED
+        return 128 + (signals[0] if signals else SIGINT)
     except (BrokenPipeError, SystemExit) as error:  # rich turns the first into the second
         if BrokenPipeError not in (type(error), type(error.__context__)):
             raise
@@ -123,10 +127,19 @@ def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable
     return decorate
 
 
+def _print_version(context: Context, wanted: bool) -> None:
+    if wanted:
+        echo(f"{context.info_name} {__version__}")
+        raise Exit
+
+
+VersionOption = Annotated[
+    bool, Option("--version", help="Print the version.", is_eager=True, callback=_print_version)
+]
+
+
 def without_types(parser: Any) -> None:
     """Remove Python's types from a command's help, and describe ranges in words."""
-    from typer import Context
-
     for command in (parser, *getattr(parser, "commands", {}).values()):
         for parameter in command.get_params(Context(command)):
             show = parameter.display_type_rich
@@ -139,9 +152,6 @@ def without_types(parser: Any) -> None:
 
 def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     """Run a typer app with `argv` (by default that of the process); returns the exit code."""
-    from typer import Abort, Exit
-    from typer.exceptions import TyperException
-    from typer.main import get_command
 
     def work() -> int | None:
         parser = get_command(app)
@@ -168,11 +178,6 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
         Lossy(sys.stdout).write("")
         os._exit(code)  # without waiting for threads that still calculate
     return code
-
-
-def _print_warning(command: str, message: Warning | str, *where: object) -> None:
-    """Print the first line of a library's warning, without the place in its code."""
-    _print_error(command, f"warning: {str(message).partition(chr(10))[0]}")
 
 
 def _print_error(command: str, sentence: str) -> None:

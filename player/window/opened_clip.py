@@ -86,9 +86,6 @@ class KeptEdits:
                 scene = named
         except UserError as error:
             return replace(scene, edits=self._saved).with_notice(str(error))
-        except OSError as error:
-            why = f"{self._file.name} can't be written: {error.strerror or error}."
-            return replace(scene, edits=self._saved).with_notice(why)
         self._saved = scene.edits or self._saved
         return scene
 

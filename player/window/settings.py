@@ -7,6 +7,7 @@ import msgspec
 from msgspec import Meta
 from platformdirs import user_config_path
 
+from gclip.errors import UserError
 from gclip.terminal.atomic import atomic_file
 from player.view.style import GroundChoice
 
@@ -39,7 +40,7 @@ def save_settings(settings: Settings) -> None:
         _folder().mkdir(parents=True, exist_ok=True)
         with atomic_file(_folder() / FILE) as part:
             part.write_bytes(msgspec.json.encode(settings))
-    except OSError:
+    except (OSError, UserError):
         pass
 
 
