@@ -119,9 +119,8 @@ def _draw_times(
         ranges = renderer._ranges(layers_at(clip, 0.5), 1, None)
         closing = renderer._closing.at(*locate(clip, 0.5))
         renderer._raster.backend = backend
-        renderer._raster.rasterise(
-            ranges, renderer._splat_params(camera, Style(), size, ranges, closing)
-        )
+        splats = renderer._splat_params(camera, Style(), size, ranges, closing)
+        renderer._raster.rasterise(renderer._gbuffer_of(size), ranges, splats)
 
     works: list[Callable[[], object]] = [
         lambda: renderer.draw(framebuffer, 0.5, camera, Style(), size),
@@ -137,7 +136,6 @@ def _draw_times(
         if k == 0:
             renderer.timers.finish_frame()
             profile = profile_table([renderer.timers])
-    framebuffer.use()  # what is bound must outlive what is released
     renderer.release()
     return best, profile
 

@@ -25,7 +25,7 @@ def headless() -> moderngl.Context:
     for device, version in product(range(MAX_DEVICES), VERSIONS):
         settings: dict[str, Any] = {"backend": "egl", "device_index": device, "require": version}
         try:
-            return uninterrupted(moderngl.create_context, standalone=True, **settings)
+            return _created(standalone=True, **settings)
         except Exception as error:
             reason = reason or _reason(error)
     raise PlayerError(
@@ -40,12 +40,19 @@ def from_window() -> moderngl.Context:
     Raises PlayerError where the window offers less than OpenGL 3.3.
     """
     try:
-        return uninterrupted(moderngl.create_context, require=VERSIONS[-1])
+        return _created(require=VERSIONS[-1])
     except Exception as error:
         raise PlayerError(
             f"the window offers no OpenGL 3.3 ({_reason(error)}); "
             "`play CLIP --export film.mp4` needs no window."
         ) from None
+
+
+def _created(**settings: Any) -> moderngl.Context:
+    """A context whose `gc` frees what Python has no reference to any more."""
+    context = uninterrupted(moderngl.create_context, **settings)
+    context.gc_mode = "context_gc"
+    return context
 
 
 def _reason(error: Exception) -> str:

@@ -1,92 +1,127 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import moderngl
 
-from player.gl.shader import TILE, Passes
+from player.gl.gl_errors import pictures_of
+from player.gl.shader import Passes
 
-TILE_UNIT = 5  # texture unit of the mask of occupied tiles
+TILE = 16  # side in samples of the tiles by which empty parts of a picture are skipped
 NOTHING = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
 class GBuffer:
     """Colour, depth and normal of each sample, as the passes over the points write them.
 
-    All framebuffers share a depth buffer that is 1 on the plant and 0 elsewhere.
+    The depth buffer is 1 on the plant and 0 elsewhere; the passes that follow run only there.
 
     size:        width and height in samples.
-    colors:      texture of linear light and coverage.
     depths:      two textures of relative depths (shaders/depth.glsl); filtering writes one from the
                  other and back.
-    light:       texture of the light from the plant times coverage, and coverage.
-    framebuffer: writes colours, the first of the depths, and normals.
+    framebuffer: writes colours (linear light and coverage), the first of the depths, and normals.
     mask:        writes the depth buffer only.
     filtered:    write one of the depths each.
-    lit:         writes the light.
+    lit:         writes the light from the plant times coverage, and coverage.
     """
 
     def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
+        self._context = context
         self.size = size
-        self.colors = texture(context, size, 4, "f2")
-        self.depths = [texture(context, size, 1, "f4") for _ in range(2)]
-        self.normals = texture(context, size, 2, "f2")
-        self.light = texture(context, size, 4, "f2")
-        self._plant = context.depth_renderbuffer(size)
-        self._tiles = texture(context, (-(-size[0] // TILE), -(-size[1] // TILE)), 1, "f1")
-        self._occupied = context.framebuffer([self._tiles])
-        self.framebuffer = context.framebuffer(
-            [self.colors, self.depths[0], self.normals], self._plant
-        )
-        self.mask = context.framebuffer([], self._plant)
-        self.filtered = [context.framebuffer([depths], self._plant) for depths in self.depths]
-        self.lit = context.framebuffer([self.light], self._plant)
+        with pictures_of(size):
+            plant = context.depth_renderbuffer(size)
+            self.colors = texture(context, size, 4, "f2")
+            self.depths = [texture(context, size, 1, "f4") for _ in range(2)]
+            self.normals = texture(context, size, 2, "f2")
+            self.light = texture(context, size, 4, "f2")
+            self.framebuffer = context.framebuffer(
+                [self.colors, self.depths[0], self.normals], plant
+            )
+            self.mask = context.framebuffer([], plant)
+            self.filtered = [context.framebuffer([depths], plant) for depths in self.depths]
+            self.lit = context.framebuffer([self.light], plant)
         for framebuffer in (*self.filtered, self.lit):
             framebuffer.depth_mask = False
 
-    def find_tiles(self, passes: Passes, name: str, reach: int, **uniforms: Any) -> None:
-        """Mark the occupied tiles, including those within `reach` samples of a point."""
-        self.framebuffer.ctx.enable_only(moderngl.NOTHING)
-        self._occupied.use()
-        passes.fill(name, reach=reach, **uniforms)
+    @cached_property
+    def points(self) -> "Target":
+        """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
+        return target(self._context, self.size, (1, "u4"), (1, "u4"), deep=True)
 
-    def fill_tiles(
+    @cached_property
+    def tiles(self) -> "Target":
+        """Which tiles of TILE by TILE samples have points in or near them."""
+        width, height = self.size
+        return target(self._context, (-(-width // TILE), -(-height // TILE)), (1, "f1"))
+
+    @cached_property
+    def splat_front(self) -> "Target":
+        """Depth of the splats' nearest surface in every sample."""
+        return target(self._context, self.size, (1, "f4"), deep=True)
+
+    @cached_property
+    def splat_sums(self) -> "Target":
+        """Weighted sums over the splats of that surface; tests depths, and writes none."""
+        depth = self.splat_front.framebuffer.depth_attachment
+        sums = target(self._context, self.size, (4, "f2"), (4, "f2"), (2, "f2"), depth=depth)
+        sums.framebuffer.depth_mask = False
+        return sums
+
+    def fill(
         self,
         passes: Passes,
         name: str,
-        reach: int = 0,
         framebuffer: moderngl.Framebuffer | None = None,
         **uniforms: Any,
     ) -> None:
-        """Run the fragment shader `name` on the occupied tiles; it has to write depths.
+        """Run a fragment shader that writes depths on every sample.
 
-        reach:       how many samples around its own the shader reads.
-        framebuffer: one of the same size; the G-buffer's own by default.
+        framebuffer: one of the G-buffer's; by default that of colours, depths and normals.
         """
-        target, (across, up) = framebuffer or self.framebuffer, self._tiles.size
-        self._tiles.use(TILE_UNIT)
-        # OpenGL clips points by their centres; those of the last tiles may lie outside the picture.
-        target.viewport = (0, 0, across * TILE, up * TILE)
-        target.use()
-        target.ctx.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        target.ctx.depth_func = "1"
-        passes.fill(name, tiles=across * up, reach=reach, occupied=TILE_UNIT, **uniforms)
-        target.viewport = (0, 0, *self.size)
+        framebuffer = framebuffer or self.framebuffer
+        framebuffer.viewport = (0, 0, *self.size)
+        framebuffer.use()
+        self._context.enable_only(moderngl.DEPTH_TEST)
+        self._context.depth_func = "1"
+        passes.fill(name, **uniforms)
 
     def clear(self) -> None:
-        """Reset all buffers to a picture without a plant."""
+        """Remove what `fill` does not write: light, and depths outside the plant."""
         self.lit.clear()
-        self.mask.clear(depth=0.0)
-        for depths in self.filtered:
-            depths.clear(NOTHING)
+        self.filtered[1].clear(NOTHING)
 
-    def release(self) -> None:
-        framebuffers = (self.framebuffer, self.mask, *self.filtered, self.lit, self._occupied)
-        for framebuffer in framebuffers:
-            framebuffer.release()
-        self._plant.release()
-        for attached in (self.colors, *self.depths, self.normals, self.light, self._tiles):
-            attached.release()
+
+class Target(NamedTuple):
+    """A framebuffer, and the textures that it writes."""
+
+    framebuffer: moderngl.Framebuffer
+    textures: list[moderngl.Texture]
+
+    def bind(self, first: int = 0) -> None:
+        """Bind the textures to texture units from `first` on."""
+        for unit, texture in enumerate(self.textures, start=first):
+            texture.use(unit)
+
+
+def target(
+    context: moderngl.Context,
+    size: tuple[int, int],
+    *formats: tuple[int, str],
+    deep: bool = False,
+    depth: moderngl.Texture | moderngl.Renderbuffer | None = None,
+    linear: bool = False,
+) -> Target:
+    """Create a framebuffer with textures of its own.
+
+    formats: channels and type of each, as `texture` takes them.
+    deep:    with a depth buffer; depth: another framebuffer's.
+    Raises OutOfGpuMemory where there is no room for it.
+    """
+    with pictures_of(size):
+        textures = [texture(context, size, *format, linear=linear) for format in formats]
+        depth = context.depth_renderbuffer(size) if deep else depth
+        return Target(context.framebuffer(textures, depth), textures)
 
 
 def texture(

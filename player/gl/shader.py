@@ -60,9 +60,6 @@ def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> N
             program[name].value = value  # type: ignore[union-attr]
 
 
-TILE = 16  # side in pixels of the tiles by which empty parts of a picture are skipped
-
-
 class Passes:
     """Runs fragment shaders over the current framebuffer, each compiled on first use.
 
@@ -76,25 +73,14 @@ class Passes:
         self._context = context
         self._timers = timers
         self._definitions = definitions
-        self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
+        self._arrays: dict[str, moderngl.VertexArray] = {}
 
-    def fill(self, name: str, *, tiles: int = 0, reach: int = 0, **uniforms: Any) -> None:
-        """Run `<name>.frag` for every pixel, or for the pixels of a number of tiles (tile.vert).
-
-        reach: how many pixels around its own the shader reads; a compile-time constant.
-        """
-        key = (name, reach)
-        if key not in self._arrays:
-            vertex = "tile" if tiles else "fullscreen"
-            defined = self._definitions | {"TILE": TILE, "REACH": reach}
-            compiled = program(self._context, vertex, name, **defined)
-            self._arrays[key] = self._context.vertex_array(compiled, [])
-        array = self._arrays[key]
+    def fill(self, name: str, **uniforms: Any) -> None:
+        """Run `<name>.frag` for every pixel."""
+        if name not in self._arrays:
+            compiled = program(self._context, "fullscreen", name, **self._definitions)
+            self._arrays[name] = self._context.vertex_array(compiled, [])
+        array = self._arrays[name]
         give(array.program, **uniforms)
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.POINTS if tiles else moderngl.TRIANGLES, vertices=tiles or 3)
-
-    def release(self) -> None:
-        for array in self._arrays.values():
-            array.program.release()
-            array.release()
+            array.render(moderngl.TRIANGLES, vertices=3)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import texture
+from player.gl.framebuffer import target
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -30,13 +30,12 @@ class Ground:
         self._clip = points.clip
         # First the summed coverage, then shares of the light, for which bytes are precise enough.
         kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
-        self._textures = [texture(context, (SIDE, SIDE), *kind, linear=True) for kind in kinds]
-        self._framebuffers = [context.framebuffer([texture]) for texture in self._textures]
+        self._shadows = [target(context, (SIDE, SIDE), kind, linear=True) for kind in kinds]
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
         """Render the shadow; point_area: area in the clip's unit that each of all points covers."""
-        context, summed = self._points.context, self._framebuffers[0]
+        context, summed = self._points.context, self._shadows[0].framebuffer
         summed.use()
         summed.clear()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
@@ -53,13 +52,13 @@ class Ground:
             self._points.draw("shadow", [some], uniforms)
         context.enable_only(0)
         for source, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
-            self._framebuffers[source + 1].use()
-            self._textures[source].use(0)
+            self._shadows[source + 1].framebuffer.use()
+            self._shadows[source].bind()
             self._passes.fill("blur", source=0, direction=step, saturate=source == 0)
 
     def uniforms(self, camera: Camera, style: Style, unit: int) -> dict[str, Any]:
         """The uniforms of ground.glsl; binds the shadow to a texture unit."""
-        self._textures[-1].use(unit)
+        self._shadows[-1].bind(unit)
         colors = GROUNDS[style.ground]
         return {
             "shadow": unit,
@@ -70,12 +69,6 @@ class Ground:
             "floor_color": colors.floor_color,
             "shadow_color": colors.shadow_color,
         }
-
-    def release(self) -> None:
-        for framebuffer in self._framebuffers:
-            framebuffer.release()
-        for square in self._textures:
-            square.release()
 
 
 def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:

@@ -9,13 +9,8 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from player.gl.context import headless
-from player.gl.gl_errors import (
-    ContextLost,
-    OutOfGpuMemory,
-    check_context,
-    pictures_of,
-    samples_within,
-)
+from player.gl.framebuffer import target
+from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -75,9 +70,7 @@ class Offscreen:
             self._supersample = samples_within(self.context, self.size, self._supersample)
             self._renderer = Renderer(self.context, self.clip, self._supersample)
             made.callback(self._renderer.release)
-            with pictures_of(self.size):
-                self._framebuffer = self.context.simple_framebuffer(self.size)
-            made.callback(self._framebuffer.release)
+            self._framebuffer, _ = target(self.context, self.size, (4, "f1"))
             self._made = made.pop_all()
 
     @cached_property

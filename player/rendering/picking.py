@@ -3,7 +3,7 @@
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import texture
+from player.gl.framebuffer import target
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -18,12 +18,11 @@ class Picking:
     """Draws the tracks in a small window around a position."""
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
-        context = points.context
         self._points = points
         self._passes = passes
-        self._tracks = texture(context, (SIDE, SIDE), 1, "u4")
-        self._depth = context.depth_renderbuffer((SIDE, SIDE))
-        self._framebuffer = context.framebuffer([self._tracks], self._depth)
+        self._framebuffer, (self._tracks,) = target(
+            points.context, (SIDE, SIDE), (1, "u4"), deep=True
+        )
 
     def track_at(
         self, ranges: list[DrawRange], splats: SplatParams, at: tuple[float, float]
@@ -51,7 +50,3 @@ class Picking:
             return None
         nearest = int(distances.argmin())
         return int(tracks[rows[nearest], columns[nearest]])
-
-    def release(self) -> None:
-        for part in (self._framebuffer, self._tracks, self._depth):
-            part.release()

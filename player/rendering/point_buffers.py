@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gclip import Interval
 from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
-from player.gl.gl_errors import OutOfGpuMemory, check_context
+from player.gl.gl_errors import check_context
 
 MAX_BUFFER = 96 << 20  # bytes of a chunk's positions (16 M points); any OpenGL allows as much
 SLICE = 1 << 20  # points that are uploaded at a time
@@ -103,11 +103,7 @@ class ChunkBuffers:
             size = values[:1].nbytes * chunk.count + PADDING
             self._buffers.append((context.buffer(reserve=size), kind, name, location))
         self.size = sum(buffer.size for buffer, *_ in self._buffers)
-        try:
-            check_context(context)
-        except OutOfGpuMemory:
-            self.release()
-            raise
+        check_context(context)
 
     def upload(self, count: int) -> int:
         """Upload the next slice of the first `count` points; returns the bytes uploaded.
@@ -144,9 +140,3 @@ class ChunkBuffers:
         """Bind the buffers as storage buffers of a compute shader (point_storage.glsl)."""
         for buffer, _, _, binding in self._buffers:
             buffer.bind_to_storage_buffer(binding)
-
-    def release(self) -> None:
-        for array in self._arrays.values():
-            array.release()
-        for buffer, *_ in self._buffers:
-            buffer.release()

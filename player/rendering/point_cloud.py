@@ -152,11 +152,6 @@ class PointCloud:
         )
         return shader
 
-    def release(self) -> None:
-        self.store.release()
-        for part in (self.palette, self.ramp, *self._indices.values(), *self._programs.values()):
-            part.release()
-
 
 def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:
     """(degree + 1,) weights of the Bézier points in a mover's velocity."""

@@ -194,6 +194,7 @@ class ChunkStore:
     def _allocated(self, chunk: Chunk) -> ChunkBuffers:
         """Allocate buffers; where the GPU has less memory than reported, evict chunks first."""
         while True:
+            self._context.gc()
             try:
                 return ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
             except OutOfGpuMemory:
@@ -215,9 +216,7 @@ class ChunkStore:
         self.size -= buffers.size
         self._bytes[chunk.interval] -= buffers.size
         self._wanted, self._ahead = [], (-1, iter(()))  # the plans may need it again
-        buffers.release()
 
-    def release(self) -> None:
+    def stop(self) -> None:
+        """Stop reading ahead."""
         self._prefetch.stop()
-        for chunk in list(self._kept):
-            self._drop(chunk)

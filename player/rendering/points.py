@@ -11,7 +11,7 @@ from enum import StrEnum
 import moderngl
 
 from player.errors import PlayerError
-from player.gl.framebuffer import GBuffer, texture
+from player.gl.framebuffer import GBuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PALETTE_UNIT, PointCloud
@@ -28,19 +28,6 @@ class RasterBackend(StrEnum):
     COMPUTE = "compute"
 
 
-class PointTargets:
-    """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
-
-    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
-        self.nearest, self.picked = (texture(context, size, 1, "u4") for _ in range(2))
-        self._depth = context.depth_renderbuffer(size)
-        self.framebuffer = context.framebuffer([self.nearest, self.picked], self._depth)
-
-    def release(self) -> None:
-        for part in (self.framebuffer, self.nearest, self.picked, self._depth):
-            part.release()
-
-
 class PointRaster:
     """Draws points and fills the holes between them.
 
@@ -55,24 +42,36 @@ class PointRaster:
         self.backend = wanted if has_compute else RasterBackend.POINTS
         self._points = points
         self._passes = passes
-        self._targets: PointTargets | None = None
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Draw the nearest surface into the G-buffer."""
         try:
-            self.rasterise(ranges, splats)
+            self.rasterise(gbuffer, ranges, splats)
         except PlayerError:  # the driver claims compute shaders, but fails to compile them
             if self.backend is RasterBackend.POINTS:
                 raise
             self.backend = RasterBackend.POINTS
-            self.rasterise(ranges, splats)
-        self._fill_holes(gbuffer, splats)
+            self.rasterise(gbuffer, ranges, splats)
+        gbuffer.points.bind()
+        self._points.palette.use(PALETTE_UNIT)
+        uniforms = splats.uniforms() | {
+            "nearest": 0,
+            "picked": 1,
+            "occupied": 2,
+            "palette": PALETTE_UNIT,
+            "by_track": self._by_track(splats),
+            "reach": 1 if splats.typical_radius_px <= 1.5 else 2,
+        }
+        gbuffer.tiles.framebuffer.use()
+        self._points.context.enable_only(moderngl.NOTHING)
+        self._passes.fill("point_tiles", **uniforms)
+        gbuffer.tiles.bind(2)
+        gbuffer.fill(self._passes, "fill_holes", **uniforms)
 
-    def rasterise(self, ranges: list[DrawRange], splats: SplatParams) -> None:
+    def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""
-        context, targets = self._points.context, self._targets_for(splats.samples)
-        uniforms = splats.uniforms()
-        targets.framebuffer.use()
+        context, uniforms = self._points.context, splats.uniforms()
+        gbuffer.points.framebuffer.use()
         context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         context.depth_func = "1"
         self._passes.fill("clear_points")
@@ -80,35 +79,15 @@ class PointRaster:
         if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        targets.nearest.bind_to_image(0, read=True, write=True)
+        nearest, picked = gbuffer.points.textures
+        nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._by_track(splats):
-            targets.picked.bind_to_image(1, read=True, write=True)
+            picked.bind_to_image(1, read=True, write=True)
             self._points.compute("points", ranges, uniforms, PICK=1)
-
-    def _fill_holes(self, gbuffer: GBuffer, splats: SplatParams) -> None:
-        targets = self._targets_for(splats.samples)
-        targets.nearest.use(0)
-        targets.picked.use(1)
-        self._points.palette.use(PALETTE_UNIT)
-        uniforms = splats.uniforms() | {"by_track": self._by_track(splats)}
-        uniforms |= {"nearest": 0, "picked": 1, "palette": PALETTE_UNIT}
-        reach = 1 if splats.typical_radius_px <= 1.5 else 2
-        gbuffer.find_tiles(self._passes, "point_tiles", reach, **uniforms)
-        gbuffer.fill_tiles(self._passes, "fill_holes", reach, **uniforms)
 
     def _by_track(self, splats: SplatParams) -> bool:
         """Whether the ten track bits of a point's number determine its colour."""
         clip = self._points.clip
         by_track = not splats.by_scalar and (splats.by_track or not clip.has_colors)
         return len(clip.track_table) <= MAX_TRACKS and by_track
-
-    def _targets_for(self, size: tuple[int, int]) -> PointTargets:
-        if self._targets is None or self._targets.nearest.size != size:
-            self.release()
-            self._targets = PointTargets(self._points.context, size)
-        return self._targets
-
-    def release(self) -> None:
-        if self._targets is not None:
-            self._targets.release()

@@ -14,8 +14,7 @@ import numpy as np
 from gclip import Clip
 from gclip.evaluate import Layer, layers_at, locate
 from gclip.morton import BLOCK
-from player.gl.framebuffer import GBuffer
-from player.gl.gl_errors import pictures_of
+from player.gl.framebuffer import TILE, GBuffer
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
 from player.rendering.picking import Picking
@@ -59,7 +58,7 @@ class Renderer:
         self.supersample = supersample
         self._points = PointCloud(context, clip, memory)
         self.timers = self._points.timers
-        self._passes = Passes(context, self.timers, SUPERSAMPLE=supersample)
+        self._passes = Passes(context, self.timers, SUPERSAMPLE=supersample, TILE=TILE)
         self._raster = PointRaster(self._points, self._passes, backend)
         self._splats = Splats(self._points, self._passes)
         self._ground = Ground(self._points, self._passes)
@@ -95,6 +94,7 @@ class Renderer:
         transparent:   draw the plant without a background, with unassociated alpha.
         """
         wait = upload_budget is None
+        self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
         gbuffer = self._gbuffer_of(samples)
@@ -159,12 +159,9 @@ class Renderer:
         return self._points.store.loaded
 
     def release(self) -> None:
-        """Free the GPU's memory."""
+        """Stop the threads that read and measure the clip."""
         self._closing.release()
-        drawing = (self._raster, self._splats, self._ground, self._picking, self._gbuffer)
-        for part in (*drawing, self._points, self._passes):
-            if part is not None:
-                part.release()
+        self._points.store.stop()
 
     def _splat_params(
         self,
@@ -213,11 +210,9 @@ class Renderer:
 
     def _gbuffer_of(self, samples: tuple[int, int]) -> GBuffer:
         if self._gbuffer is None or self._gbuffer.size != samples:
-            if self._gbuffer is not None:
-                self._gbuffer.release()
-                self._gbuffer = None
-            with pictures_of(samples):
-                self._gbuffer = GBuffer(self.context, samples)
+            self._gbuffer = None
+            self.context.gc()
+            self._gbuffer = GBuffer(self.context, samples)
         return self._gbuffer
 
     def _point_area(self, day: float, closing: float) -> float:

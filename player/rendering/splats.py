@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import NOTHING, GBuffer, texture
+from player.gl.framebuffer import NOTHING, GBuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -102,31 +102,6 @@ class SplatParams:
         }
 
 
-class SplatSums:
-    """Textures and framebuffers of the passes over splats, in the size of a G-buffer.
-
-    front:           texture of the nearest surface's depth, written by `nearest`.
-    textures:        weighted sums over the splats of that surface, written by `summed`.
-    nearest, summed: framebuffers with a common depth buffer.
-    """
-
-    def __init__(self, context: moderngl.Context, gbuffer: GBuffer) -> None:
-        self.gbuffer, size = gbuffer, gbuffer.size
-        self.front = texture(context, size, 1, "f4")
-        self.textures = [texture(context, size, channels, "f2") for channels in (4, 4, 2)]
-        self._depth = context.depth_renderbuffer(size)
-        self.nearest = context.framebuffer([self.front], self._depth)
-        self.summed = context.framebuffer(self.textures, self._depth)
-        self.summed.depth_mask = False
-
-    def release(self) -> None:
-        for framebuffer in (self.nearest, self.summed):
-            framebuffer.release()
-        for attached in (self.front, *self.textures):
-            attached.release()
-        self._depth.release()
-
-
 class Splats:
     """Draws splats in three passes over the points.
 
@@ -139,46 +114,43 @@ class Splats:
         self._points = points
         self._passes = passes
         self._max_viewport = min(points.context.info["GL_MAX_VIEWPORT_DIMS"])
-        self._sums: SplatSums | None = None
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Draw the nearest surface into the G-buffer."""
-        context, sums = self._points.context, self._sums_for(gbuffer)
+        context = self._points.context
+        front, sums = gbuffer.splat_front.framebuffer, gbuffer.splat_sums.framebuffer
         picture = (0, 0, *gbuffer.size)
         viewport, uniforms = self._with_margin(splats)
-        sums.nearest.viewport = sums.summed.viewport = viewport
-        sums.nearest.use()
-        sums.nearest.clear(NOTHING, viewport=picture)
+        front.viewport = sums.viewport = viewport
+        front.use()
+        front.clear(NOTHING, viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         self._points.draw("splat_depth", ranges, uniforms)
 
-        sums.summed.use()
-        sums.summed.clear(viewport=picture)
+        sums.use()
+        sums.clear(viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
-        sums.front.use(0)
+        gbuffer.splat_front.bind()
         self._points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
 
-        for unit, one in enumerate(sums.textures, start=1):
-            one.use(unit)
-        reach = max(int(splats.point_px_range[0] / 1.5), 1)
-        gbuffer.find_tiles(self._passes, "splat_tiles", reach, **uniforms)
-        gbuffer.fill_tiles(self._passes, "splat_resolve", **uniforms)
+        gbuffer.splat_sums.bind(1)
+        gbuffer.fill(self._passes, "splat_resolve", **uniforms)
 
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
         viewport, uniforms = self._with_margin(splats)
-        self._sums_for(gbuffer).front.use(0)
+        gbuffer.splat_front.bind()
         gbuffer.colors.use(1)
-        gbuffer.mask.clear(depth=0.0)
-        gbuffer.fill_tiles(self._passes, "splat_covered", framebuffer=gbuffer.mask, **uniforms)
+        gbuffer.fill(self._passes, "splat_covered", gbuffer.mask, **uniforms)
         target, context = gbuffer.framebuffer, self._points.context
         target.depth_mask = False
         target.clear(NOTHING, NOTHING, NOTHING, 0.0)
         target.depth_mask = True
         target.viewport = viewport
         target.use()
+        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         self._points.draw("splat_behind", ranges, uniforms)
 
@@ -194,13 +166,3 @@ class Splats:
         units = {"front": 0, "colors": 1, "color_sums": 1, "moment_sums": 2, "normal_sums": 3}
         uniforms = splats.uniforms() | units | {"projection": shrunk @ splats.projection}
         return (-margin, -margin, wide, tall), uniforms
-
-    def _sums_for(self, gbuffer: GBuffer) -> SplatSums:
-        if self._sums is None or self._sums.gbuffer is not gbuffer:
-            self.release()
-            self._sums = SplatSums(self._points.context, gbuffer)
-        return self._sums
-
-    def release(self) -> None:
-        if self._sums is not None:
-            self._sums.release()

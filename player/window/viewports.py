@@ -157,9 +157,6 @@ class Viewports:
         return bytes(self._pictures["all"][0].read(components=3, alignment=1))
 
     def release(self) -> None:
-        for name in list(self._pictures):
-            self._forget(name)
-        self._passes.release()
         for renderer in self._renderers.values():
             renderer.release()
 
@@ -200,7 +197,7 @@ class Viewports:
     def _picture(self, name: str, size: tuple[int, int]) -> moderngl.Framebuffer:
         """A framebuffer of a size; the last one of that name is given up where it differs."""
         if name in self._pictures and self._pictures[name][0].size != size:
-            self._forget(name)
+            del self._pictures[name]
         if name not in self._pictures:
             with pictures_of(size):
                 attached = texture(self._context, size, 4, "f1", linear=True)
@@ -208,7 +205,3 @@ class Viewports:
         framebuffer = self._pictures[name][0]
         framebuffer.viewport = (0, 0, *size)
         return framebuffer
-
-    def _forget(self, name: str) -> None:
-        for part in self._pictures.pop(name):
-            part.release()

@@ -49,5 +49,5 @@ def drawn(
     assert whole == (stride == 1)
     assert context.error == "GL_NO_ERROR"
     pixels = read_pixels(framebuffer)
-    renderer.release()  # the framebuffer stays bound, and goes with its context
+    renderer.release()
     return pixels

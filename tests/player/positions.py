@@ -55,8 +55,7 @@ def gpu_positions(
                     array = buffers.array(shader, points._one_in(stride))
                     array.transform(result, vertices=some)
                 parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
-                result.release()
-    points.release()
+    points.store.stop()
     return np.concatenate(parts)
 
 

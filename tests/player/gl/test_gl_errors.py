@@ -214,7 +214,7 @@ def test_movers_make_room_on_a_full_gpu(
     with pytest.raises(OutOfGpuMemory):
         store.fetch(Chunk(1, 0, 100), 100)
     monkeypatch.undo()
-    store.release()
+    store.stop()
 
 
 def test_compute_shaders_that_fail_leave_the_work_to_points(

@@ -61,7 +61,7 @@ def test_bytes_a_mover(
     store.load(whole(clip, 0.0), 1.0)
     buffers = 2 + degree + (2 if colors else 0)
     assert 0 < store.size - size * len(clip.intervals[0]) <= buffers * point_buffers.PADDING
-    store.release()
+    store.stop()
 
 
 def test_an_interval_that_does_not_fit_is_drawn_in_chunks(
@@ -94,8 +94,7 @@ def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks:
         there = store.load(whole(clip, float(day)), 1.0)
         assert there == [drawn.count for drawn in whole(clip, float(day))]
         assert 0 < store.size <= limit
-    store.release()
-    assert store.size == 0
+    store.stop()
 
 
 def test_without_time_the_beginning_is_there_and_the_rest_follows(
@@ -105,7 +104,7 @@ def test_without_time_the_beginning_is_there_and_the_rest_follows(
     store, wanted = ChunkStore(context, clip, 1 << 30), whole(clip, 3.0)
     assert store.load(wanted, 0.0) == [min(100, drawn.count) for drawn in wanted]
     assert store.load(wanted, 1.0) == [drawn.count for drawn in wanted]
-    store.release()
+    store.stop()
 
 
 def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, make_clip) -> None:
@@ -117,7 +116,7 @@ def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, 
         store.load(whole(clip, 0.5), 0.1)
     assert store.resident(following) == following.count
     assert store.resident(last) == 0
-    store.release()
+    store.stop()
 
 
 def test_a_budget_draws_what_is_there(

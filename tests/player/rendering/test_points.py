@@ -13,7 +13,7 @@ from player.rendering.points import RasterBackend
 from player.view.style import Style
 from tests.player.drawn import Picture, camera_at, drawn
 
-SIZE = (161, 119)  # no multiple of a tile's side
+SIZE = (161, 119)
 COUNT = 30_001  # odd: compute shaders draw points by fours
 
 

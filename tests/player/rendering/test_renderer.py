@@ -41,7 +41,6 @@ def drawing(clip: Clip, supersample: int = 1, pitch: float = 0.1) -> Iterator:
 
     yield draw
     renderer.release()
-    framebuffer.release()
     context.release()
 
 
