@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, Wish, sentence
+from player.view.choices import SIZES, Compare, sentence
 from player.view.playback import AtEnd
-from player.view.style import NO_HOLDOUT, ColorMap, ColorMode
+from player.view.style import ColorMap, ColorMode
 
 if TYPE_CHECKING:
     from player.view.state import Scene
 
-Move = Callable[["Scene"], "Scene"]
-
-STEP, SMALLEST, LARGEST = 1.15, 0.05, 20.0  # of point sizes; the command line allows the same
+SMALLEST, LARGEST = 0.05, 20.0  # point sizes; the command line allows the same
 PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
 SHADINGS = (0.0, 1.0, 2.0)
 FREE = 0.7  # share of a window's height that a plant has for itself
@@ -29,24 +27,14 @@ NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
 QUIT_NEXT = "Press Esc again to quit."
 
 
-def switch(name: str) -> Move:
-    """Turn one of the scene's own switches."""
-    return lambda scene: replace(scene, **{name: not getattr(scene, name)})  # type: ignore[arg-type]
-
-
-def switch_style(name: str) -> Move:
-    """Turn one of the style's switches."""
-    return lambda scene: scene.with_style("", **{name: not getattr(scene.style, name)})
-
-
 @dataclass(frozen=True)
 class Choice:
     """One of several values: a key goes on to the next one, and the panel lists them all."""
 
     now: Callable[[Scene], Any]
     values: Callable[[Scene], Sequence[Any]]
-    name: Callable[[Any], str]  #: of a value, as the panel lists it
     choose: Callable[[Scene, Any], Scene]
+    name: Callable[[Any], str] = str  #: of a value, as the panel lists it
 
     def next(self, scene: Scene) -> Scene:
         """Choose the next value, after the last one the first."""
@@ -55,8 +43,8 @@ class Choice:
 
 
 def _color_by(scene: Scene, mode: ColorMode) -> Scene:
-    if mode is ColorMode.ERROR and not scene.clip.held_out:
-        return scene.with_notice(f"{NO_HOLDOUT[0].upper()}{NO_HOLDOUT[1:]}")
+    if lacking := mode.lacking(scene.clip):
+        return scene.with_notice(lacking[0].upper() + lacking[1:])
     return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
 
 
@@ -74,49 +62,35 @@ def _size_name(size: tuple[int, int] | None) -> str:
     return f"{size[0]} × {size[1]}" if size else "as the window"
 
 
-COLOR = Choice(lambda s: s.color_mode, lambda s: s.color_modes, lambda mode: mode.label, _color_by)
+COLOR = Choice(lambda s: s.color_mode, lambda s: s.color_modes, _color_by, lambda mode: mode.label)
 FIELD = Choice(
     lambda s: s.style.field or s.clip.fields[0].name,
     lambda s: [field.name for field in s.clip.fields],
-    str,
     lambda s, name: s.with_style(f"Coloured by {name}", field=name),
 )
 COLOR_MAP = Choice(
     lambda s: s.style.color_map,
     lambda s: list(ColorMap),
-    str,
     lambda s, map: s.with_style(f"Colour map: {map}", color_map=map),
 )
-CURVE = Choice(lambda s: s.curve, lambda s: (*s.curves, ""), str, _plot)
+CURVE = Choice(lambda s: s.curve, lambda s: (*s.curves, ""), _plot)
 COMPARE = Choice(
     lambda s: s.compare,
     lambda s: list(Compare),
-    str,
     lambda s, how: replace(s, compare=how, notice=f"Compare: {how}"),
 )
 FORMAT = Choice(
     lambda s: s.output.example,
     lambda s: s.formats,
-    str,
     lambda s, name: s.with_output(f"Export: {name}", example=name),
 )
 SIZE = Choice(
     lambda s: s.output.size,
     lambda s: SIZES,
-    _size_name,
     lambda s, size: s.with_output(f"Pictures: {_size_name(size)}", size=size),
+    _size_name,
 )
-AT_END = Choice(lambda s: s.timeline.at_end, lambda s: list(AtEnd), str, _end_by)
-
-
-def move_time(move: str, *given: float, notice: str = "") -> Move:
-    """A move of the timeline, by its name."""
-
-    def do(scene: Scene) -> Scene:
-        scene = scene.with_timeline(lambda timeline: getattr(timeline, move)(*given))
-        return scene.with_notice(notice) if notice else scene
-
-    return do
+AT_END = Choice(lambda s: s.timeline.at_end, lambda s: list(AtEnd), _end_by)
 
 
 def go_home(scene: Scene) -> Scene:
@@ -124,22 +98,16 @@ def go_home(scene: Scene) -> Scene:
     return replace(scene, camera=home, turning=False, following=False)
 
 
-def look_from(yaw: float, pitch: float = 0.0) -> Move:
+def look_from(scene: Scene, yaw: float, pitch: float = 0.0) -> Scene:
     """From a side, in degrees: yaw from where the plant looks widest, pitch from level."""
-
-    def look(scene: Scene) -> Scene:
-        home = scene.home.with_orthographic(scene.camera.orthographic)
-        turned = scene.home.yaw + math.radians(yaw)
-        scene = scene.with_camera(lambda c: c.looking(turned, math.radians(pitch)))
-        # The home view is fitted to one side: a crown seen from above may reach farther.
-        above = home.radius / (FREE * math.tan(home.field_of_view / 2))
-        near, far = home.distance, max(home.distance, above)
-        if any(math.isclose(scene.camera.distance, whole) for whole in (near, far)):
-            distance = far if pitch else near
-            scene = scene.with_camera(lambda c: replace(c, distance=distance))
-        return replace(scene, turning=False)
-
-    return look
+    home = scene.home.with_orthographic(scene.camera.orthographic)
+    camera = scene.camera.looking(home.yaw + math.radians(yaw), math.radians(pitch))
+    # The home view is fitted to one side: a crown seen from above may reach farther.
+    above = home.radius / (FREE * math.tan(home.field_of_view / 2))
+    near, far = home.distance, max(home.distance, above)
+    if any(math.isclose(camera.distance, whole) for whole in (near, far)):
+        camera = replace(camera, distance=far if pitch else near)
+    return replace(scene, camera=camera, turning=False, following=False)
 
 
 def switch_projection(scene: Scene) -> Scene:
@@ -149,7 +117,7 @@ def switch_projection(scene: Scene) -> Scene:
 
 def add_key(scene: Scene) -> Scene:
     path = scene.path.with_key(scene.timeline.day, scene.camera)
-    return replace(scene, path=path).with_notice(f"Camera key {len(path.keys)} added")
+    return replace(scene, path=path, notice=f"Camera key {len(path.keys)} added")
 
 
 def remove_key(scene: Scene) -> Scene:
@@ -157,7 +125,7 @@ def remove_key(scene: Scene) -> Scene:
         return scene.with_notice("There is no camera key.")
     path = scene.path.without_key(scene.timeline.day)
     following = scene.following and bool(path)
-    return replace(scene, path=path, following=following).with_notice("Camera key removed")
+    return replace(scene, path=path, following=following, notice="Camera key removed")
 
 
 def follow_path(scene: Scene) -> Scene:
@@ -166,17 +134,14 @@ def follow_path(scene: Scene) -> Scene:
     return replace(scene, following=not scene.following, turning=False)
 
 
-def resize_points(factor: float) -> Move:
-    def resize(scene: Scene) -> Scene:
-        style = scene.style
-        if style.pixels is not None:
-            pixels = min(max(style.pixels * factor, FEWEST), MOST)
-            return scene.with_style(f"Points of {pixels:.1f} pixels", pixels=pixels)
-        size = min(max(style.point_size * factor, SMALLEST), LARGEST)
-        size = 1.0 if abs(size - 1.0) < 0.01 else size
-        return scene.with_style(f"Point size {size:.0%}", point_size=size)
-
-    return resize
+def resize_points(scene: Scene, factor: float) -> Scene:
+    style = scene.style
+    if style.pixels is not None:
+        pixels = min(max(style.pixels * factor, FEWEST), MOST)
+        return scene.with_style(f"Points of {pixels:.1f} pixels", pixels=pixels)
+    size = min(max(style.point_size * factor, SMALLEST), LARGEST)
+    size = 1.0 if abs(size - 1.0) < 0.01 else size
+    return scene.with_style(f"Point size {size:.0%}", point_size=size)
 
 
 def switch_pixels(scene: Scene) -> Scene:
@@ -190,33 +155,23 @@ def next_shading(scene: Scene) -> Scene:
     return scene.with_style(eye_dome=stronger[0] if stronger else SHADINGS[0])
 
 
-def pick(track: int | None, place: Place | None = None, more: bool = False) -> Move:
+def pick(scene: Scene, track: int | None, place: Place | None = None, more: bool = False) -> Scene:
     """A click on an organ, or beside the plant; a second one lets it go.
 
     place: where it was clicked; more: it is chosen besides the picked one.
     """
-
-    def pick_it(scene: Scene) -> Scene:
-        places = () if place is None else (place,)
-        if more and scene.chosen and places:
-            chosen = (scene.chosen[0], *places)
-            return replace(scene.with_style(second=track), chosen=chosen)
-        picked = None if track == scene.style.picked else track
-        scene = scene.with_style(picked=picked, second=None)
-        return replace(scene, chosen=() if picked is None else places)
-
-    return pick_it
+    if more and scene.chosen and place is not None:
+        return replace(scene.with_style(second=track), chosen=(scene.chosen[0], place))
+    picked = None if track == scene.style.picked else track
+    chosen = () if picked is None or place is None else (place,)
+    return replace(scene.with_style(picked=picked, second=None), chosen=chosen)
 
 
-def pick_next(step: int) -> Move:
+def pick_next(scene: Scene, step: int) -> Scene:
     """Pick the organ that comes after, or before, the picked one."""
-
-    def pick_it(scene: Scene) -> Scene:
-        organs, now = len(scene.clip.track_table), scene.style.picked
-        start = (-1 if step > 0 else organs) if now is None else now
-        return pick((start + step) % organs)(scene) if organs else scene
-
-    return pick_it
+    organs, now = len(scene.clip.track_table), scene.style.picked
+    start = (-1 if step > 0 else organs) if now is None else now
+    return pick(scene, (start + step) % organs) if organs else scene
 
 
 def hide_picked(scene: Scene) -> Scene:
@@ -224,11 +179,6 @@ def hide_picked(scene: Scene) -> Scene:
     if picked is None:
         return scene.with_notice(NO_ORGAN)
     return scene.with_style(hidden=scene.style.hidden | {picked}, picked=None, alone=None)
-
-
-def switch_organ(track: int) -> Move:
-    """Turn an organ's visibility."""
-    return lambda scene: scene.with_style(hidden=scene.style.hidden ^ {track}, alone=None)
 
 
 def isolate_picked(scene: Scene) -> Scene:
@@ -243,40 +193,22 @@ def switch_transparent(scene: Scene) -> Scene:
     return scene.with_output(f"Pictures: {text}", transparent=not scene.output.transparent)
 
 
-def wipe_to(share: float) -> Move:
+def wipe_to(scene: Scene, share: float) -> Scene:
     """The wipe's line, to a share of the width."""
     low, high = WIPE_ENDS
-    return lambda scene: replace(scene, wipe=min(max(share, low), high))
+    return replace(scene, wipe=min(max(share, low), high))
 
 
-def wish(what: Wish) -> Move:
-    """Something that the window does when it draws the next picture."""
-    return lambda scene: replace(scene, wish=what)
-
-
-def correct(kind: str, name: str = "") -> Move:
+def correct(scene: Scene, kind: str, name: str = "") -> Scene:
     """Say of the chosen organs that they are the same, or not; of one, its name, or cut it."""
-
-    def put_right(scene: Scene) -> Scene:
-        needed = 2 if kind in ("same", "different") else 1
-        if len(scene.chosen) < needed:
-            return scene.with_notice(NO_PAIR if needed == 2 else NO_ORGAN)
-        if scene.edits is None:
-            return scene.with_notice(NO_EDITS)
-        correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
-        told = sentence(correction) + ("" if name else ": bake again to see it")
-        edits = scene.edits.changed((*scene.edits.now, correction))
-        return replace(scene, edits=edits, notice=told)
-
-    return put_right
-
-
-def undo(scene: Scene) -> Scene:
-    return replace(scene, edits=scene.edits and scene.edits.undone())
-
-
-def redo(scene: Scene) -> Scene:
-    return replace(scene, edits=scene.edits and scene.edits.redone())
+    needed = 2 if kind in ("same", "different") else 1
+    if len(scene.chosen) < needed:
+        return scene.with_notice(NO_PAIR if needed == 2 else NO_ORGAN)
+    if scene.edits is None:
+        return scene.with_notice(NO_EDITS)
+    correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
+    told = sentence(correction) + ("" if name else ": bake again to see it")
+    return replace(scene, edits=scene.edits.changed((*scene.edits.now, correction)), notice=told)
 
 
 def escape(scene: Scene) -> Scene:

@@ -1,7 +1,5 @@
 """A trait or mean field of the picked organ over time, above the timeline and in step with it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -30,7 +28,6 @@ def draw_curve(
     pen: Pen,
     scene: Scene,
     curves: Sequence[TraitCurve],
-    color: tuple[int, int, int],
     ends: tuple[float, float],
     bottom: float,
 ) -> Scene:
@@ -41,8 +38,9 @@ def draw_curve(
     curve = next((one for one in curves if one.trait == scene.curve), None)
     if curve is None:
         return scene
-    theme, sheet, clock, paint = pen.theme, pen.sheet, scene.timeline, packed(rgb(color))
-    (left, right), top = ends, bottom - HEIGHT
+    theme, sheet, clock = pen.theme, pen.sheet, scene.timeline
+    color = scene.clip.track_table[curve.track].color
+    paint, (left, right), top = packed(rgb(color)), ends, bottom - HEIGHT
     across = (right - left) / (clock.last - clock.first)
     x = [left + (time - clock.first) * across for time in curve.times]
     y, high, low = (
@@ -65,7 +63,7 @@ def draw_curve(
         text = format_number(value) + curve.unit
         pen.write(left - GAP, height, text, SIZE, theme.muted, align=1.0)
     with bare_window("curve", (0.0, top + 22.0), (left - GAP + 6.0, BUTTON)):
-        name = curve.trait[0].upper() + curve.trait[1:]
+        name = curve.trait.capitalize()
         width = pen.width(name, 15.0) + 18.0
         imgui.set_cursor_pos((max(left - GAP + 6.0 - width, 0.0), 0.0))
         return button(scene, "curve", name, (width, BUTTON))

@@ -15,18 +15,9 @@ from player.view.fonts import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = -1e6
-WRITING = {
-    "backspace": imgui.Key.backspace,
-    "delete": imgui.Key.delete,
-    "left": imgui.Key.left_arrow,
-    "right": imgui.Key.right_arrow,
-    "home": imgui.Key.home,
-    "end": imgui.Key.end,
-    "enter": imgui.Key.enter,
-    "kp_enter": imgui.Key.enter,
-    "escape": imgui.Key.escape,
-}
-BUTTONS = ("left", "right", "middle")  # in ImGui's order
+BUTTONS = 3  # left, right and middle, in GLFW's order and ImGui's
+# Keys for a field that is written in, where ImGui calls them otherwise than GLFW.
+RENAMED = {"left": "left_arrow", "right": "right_arrow", "kp_enter": "keypad_enter"}
 
 
 class Gui:
@@ -34,7 +25,7 @@ class Gui:
 
     bold:   the second font; the first is the default, and both have the icons.
     theme:  the colours of the picture that has begun.
-    events: counts what the mouse did.
+    events: counts what mouse and keys did.
     """
 
     def __init__(self) -> None:
@@ -81,43 +72,36 @@ class Gui:
 
     def move_mouse(self, x: float, y: float) -> None:
         """It came to (x, y), in units."""
-        self._heard().add_mouse_pos_event(x, y)
+        self._io().add_mouse_pos_event(x, y)
 
     def lose_mouse(self) -> None:
         """It left the window; what it holds goes on."""
-        if not any(self._heard().mouse_down[number] for number in range(len(BUTTONS))):
+        if not any(self._io().mouse_down[button] for button in range(BUTTONS)):
             self.move_mouse(NOWHERE, NOWHERE)
 
-    def press(self, button: str, down: bool, shift: bool = False) -> None:
-        """One of BUTTONS went down, or up."""
-        io = self._heard()
-        io.add_key_event(imgui.Key.mod_shift, shift)
-        io.add_mouse_button_event(BUTTONS.index(button), down)
+    def press(self, button: int, down: bool, shift: bool = False) -> None:
+        """One of the BUTTONS went down, or up."""
+        self._io().add_key_event(imgui.Key.mod_shift, shift)
+        self._io().add_mouse_button_event(button, down)
 
     def turn_wheel(self, notches: float) -> None:
-        self._heard().add_mouse_wheel_event(0.0, notches)
+        self._io().add_mouse_wheel_event(0.0, notches)
 
     def type(self, key: str) -> None:
-        """A character, or a key by its name, for a field that is written in."""
+        """A character, or a key by GLFW's name, for a field that is written in."""
+        found = getattr(imgui.Key, RENAMED.get(key, key), None)
         if len(key) == 1:
-            self._heard().add_input_character(ord(key))
-        elif key in WRITING:
+            self._io().add_input_character(ord(key))
+        elif found is not None:
             for down in (True, False):
-                self._heard().add_key_event(WRITING[key], down)
+                self._io().add_key_event(found, down)
 
     @property
     def writes(self) -> bool:
         """Whether a field is written in."""
-        imgui.set_current_context(self._own)
         return bool(imgui.get_io().want_text_input)
 
-    @property
-    def holds_mouse(self) -> bool:
-        """Whether it was on a control in the last picture."""
-        imgui.set_current_context(self._own)
-        return bool(imgui.get_io().want_capture_mouse)
-
-    def _heard(self) -> imgui.IO:
+    def _io(self) -> imgui.IO:
         """Where an event goes."""
         self.events += 1
         imgui.set_current_context(self._own)

@@ -6,7 +6,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
 from player.ui.gui import Gui
-from player.ui.theme import packed
+from player.ui.theme import faint, packed
 from player.ui.widgets import BARE, key_labels
 from player.view.state import Scene
 
@@ -20,7 +20,8 @@ def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     imgui.set_next_window_pos((0.0, 0.0))
     imgui.set_next_window_size(size)
     with imgui_ctx.begin("shade", None, BARE):
-        imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, packed(gui.theme.shade))
+        shade = packed(faint(gui.theme.veil, 0.7))
+        imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, shade)
     largest = size[0] - 2 * EDGE, size[1] - 2 * EDGE
     imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0.0, 0.0), largest)
@@ -34,26 +35,27 @@ def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
         with imgui_ctx.push_font(gui.bold, 20.0):
             imgui.text_unformatted("Keys and mouse")
         imgui.same_line(0.0, 16.0)
-        imgui.text_colored(gui.theme.muted, "Esc, or a click, closes this")
-        for sections in COLUMNS:
+        imgui.text_disabled("Esc, or a click, closes this")
+        table = keys.sections()
+        for names in COLUMNS:
             with imgui_ctx.begin_group():
-                for name in sections:
-                    _draw_section(gui, name)
+                for name in names:
+                    _draw_section(gui, name, table[name])
             if size[0] >= WIDE:
                 imgui.same_line(0.0, BETWEEN)
     pressed = any(imgui.is_mouse_clicked(button) for button in range(3))
     return replace(scene, help=False) if pressed else scene
 
 
-def _draw_section(gui: Gui, name: str) -> None:
+def _draw_section(gui: Gui, name: str, rows: dict[str, list[str]]) -> None:
     imgui.dummy((0.0, 4.0))
     with imgui_ctx.push_font(gui.bold, 15.0):
         imgui.text_colored(gui.theme.accent, name)
     flags = imgui.TableFlags_.sizing_fixed_fit | imgui.TableFlags_.no_host_extend_x
     if imgui.begin_table(name, 2, flags):
-        for labels, text in keys.sections()[name]:
+        for text, labels in rows.items():
             imgui.table_next_column()
             imgui.text_unformatted("   ".join(key_labels(labels)))
             imgui.table_next_column()
-            imgui.text_colored(gui.theme.muted, text)
+            imgui.text_disabled(text)
         imgui.end_table()

@@ -12,21 +12,20 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from player.ui import actions
-from player.ui.actions import STEP
 from player.view.choices import Wish
 
 if TYPE_CHECKING:
     from player.view.state import Scene
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
-NUDGED, FRAMED = "back, on a little", "one frame back, on"
-BOUNDS, STEPPED = "play from, up to here", "previous, next scan"
-SIDES = "front, side, back, top"
-KEYED = "add, remove a camera key"
-SIZED = "smaller, larger points"
-ORGANS = "next, previous organ"
+STEP = 1.15  # factor of point sizes
+WIPE_STEP = 0.05  # share of the width
+# Lines of help that actions share.
+NUDGED, FRAMED, STEPPED = "back, on a little", "one frame back, on", "previous, next scan"
+RANGE, SIDES = "play from, up to here", "front, side, back, top"
+KEYED, SIZED = "add, remove a camera key", "smaller, larger points"
+ORGANS, UNDONE = "next, previous organ", "undo, redo a correction"
 WIPED = "move the wipe"
-UNDONE = "undo, redo a correction"
 # What the mouse does (mouse.py), as the help tells it beside the keys.
 MOUSE = {
     "Time": {"go to a day": ["Drag timeline"]},
@@ -40,7 +39,6 @@ MOUSE = {
 }
 
 _SHOWN = {
-    "space": "Space",
     "left": "←",
     "right": "→",
     "up": "↑",
@@ -48,9 +46,6 @@ _SHOWN = {
     "page_up": "PgUp",
     "page_down": "PgDn",
     "escape": "Esc",
-    "home": "Home",
-    "tab": "Tab",
-    "end": "End",
     "-": "−",
 }
 
@@ -60,169 +55,221 @@ class Action:
     """Something that keys, and perhaps a button on the screen, do to the scene."""
 
     name: str
-    section: str
-    keys: tuple[str, ...]  #: any of them does it
+    keys: str  #: any of them does it, with spaces between them
     help: str  #: what it does, in a few words
     do: Callable[[Scene], Scene]
     #: the line of help that it shares with its neighbours, if it has no line of its own
     row: str = ""
     repeats: bool = False  #: goes on while the key is held
+    on: Callable[[Scene], bool] | None = None  #: whether it is on, if it turns something on and off
 
     @property
     def labels(self) -> tuple[str, ...]:
         """The keys as people read them: "Space", "Shift ←", "G"."""
-        return tuple(label(key) for key in self.keys)
+        return tuple(label(key) for key in self.keys.split())
 
 
 def label(key: str) -> str:
     """A key's name as people read it."""
     *modifiers, last = key.split("+") if len(key) > 1 else [key]
-    return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.upper())])
+    return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.capitalize())])
 
 
-_time, _resize = actions.move_time, actions.resize_points
+def _time(move: str, *given: float, notice: str = "") -> Callable[[Scene], Scene]:
+    """A move of the timeline, by its name."""
 
-ACTIONS: tuple[Action, ...] = (
-    Action("play", "Time", ("space",), "play, pause", _time("toggled")),
-    Action("back", "Time", ("left",), "back a little", _time("nudged", -NUDGE), NUDGED, True),
-    Action("on", "Time", ("right",), "on a little", _time("nudged", NUDGE), NUDGED, True),
-    Action("frame back", "Time", (",",), "one frame back", _time("framed", -1), FRAMED, True),
-    Action("frame on", "Time", (".",), "one frame on", _time("framed", 1), FRAMED, True),
-    Action(
-        "previous", "Time", ("page_up", "shift+left"), "previous scan",
-        _time("stepped", -1), STEPPED, True,
-    ),
-    Action(
-        "next", "Time", ("page_down", "shift+right"), "next scan",
-        _time("stepped", 1), STEPPED, True,
-    ),
-    Action("first", "Time", ("home",), "first scan", _time("at", -math.inf), "first, last scan"),
-    Action("last", "Time", ("end",), "last scan", _time("at", math.inf), "first, last scan"),
-    Action("slower", "Time", ("[", "down"), "slower", _time("slower"), "slower, faster"),
-    Action("faster", "Time", ("]", "up"), "faster", _time("faster"), "slower, faster"),
-    Action("at end", "Time", ("l",), "loop, back and forth, or stop", actions.AT_END.next),
-    Action(
-        "begin", "Time", ("i",), "play from here",
-        _time("begun_here", notice="Plays from here"), BOUNDS,
-    ),
-    Action(
-        "end", "Time", ("o",), "play up to here",
-        _time("ended_here", notice="Plays up to here"), BOUNDS,
-    ),
-    Action(
-        "whole", "Time", ("u",), "play the whole series",
-        _time("unbounded", notice="Plays the whole series"),
-    ),
-    Action("fit", "View", ("f",), "whole plant", actions.go_home),
-    Action("front", "View", ("1",), "from the front", actions.look_from(0.0), SIDES),
-    Action("side", "View", ("2",), "from the side", actions.look_from(90.0), SIDES),
-    Action("behind", "View", ("3",), "from behind", actions.look_from(180.0), SIDES),
-    Action("above", "View", ("4",), "from above", actions.look_from(0.0, 90.0), SIDES),
-    Action("parallel", "View", ("5",), "perspective or parallel", actions.switch_projection),
-    Action(
-        "turn", "View", ("t",), "go round the plant",
-        lambda s: replace(s, turning=not s.turning, following=False),
-    ),
-    Action("add key", "View", ("k",), "add a camera key", actions.add_key, KEYED),
-    Action("drop key", "View", ("shift+k",), "remove a camera key", actions.remove_key, KEYED),
-    Action("follow", "View", ("j",), "follow the camera's path", actions.follow_path),
-    Action(
-        "save path", "View", ("shift+j",), "save the camera's path",
-        actions.wish(Wish.SAVE_PATH),
-    ),
-    Action("color", "Look", ("c",), "colour by something else", actions.COLOR.next),
-    Action("colormap", "Look", ("shift+m",), "other colours of values", actions.COLOR_MAP.next),
-    Action("smaller", "Look", ("-",), "smaller points", _resize(1 / STEP), SIZED, True),
-    Action("larger", "Look", ("+", "="), "larger points", _resize(STEP), SIZED, True),
-    Action(
-        "pixels", "Look", ("p",), "points sized in the world or in pixels",
-        actions.switch_pixels,
-    ),
-    Action(
-        "ground", "Look", ("g",), "light or dark background",
-        lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
-    ),
-    Action("floor", "Look", ("b",), "floor and shadow", actions.switch_style("show_ground")),
-    Action("depth", "Look", ("d",), "depth cue", actions.switch_style("depth_cue")),
-    Action("shading", "Look", ("m",), "shading: none, soft, strong", actions.next_shading),
-    Action("guides", "Look", ("a",), "scale bar and axes", actions.switch("guides")),
-    Action("legend", "Look", ("y",), "legend", actions.switch("legend")),
-    Action("next organ", "Organs", ("n",), "next organ", actions.pick_next(1), ORGANS),
-    Action("last organ", "Organs", ("shift+n",), "previous organ", actions.pick_next(-1), ORGANS),
-    Action("hide", "Organs", ("x",), "hide the organ", actions.hide_picked),
-    Action("curve", "Organs", ("shift+l",), "plot another trait", actions.CURVE.next),
-    Action("alone", "Organs", ("z",), "show the organ alone", actions.isolate_picked),
-    Action(
-        "show all", "Organs", ("shift+x",), "show all organs",
-        lambda s: s.with_style(hidden=frozenset(), alone=None),
-    ),
-    Action("same", "Organs", ("w",), "two organs are the same", actions.correct("same")),
-    Action(
-        "different", "Organs", ("shift+w",), "two organs are not the same",
-        actions.correct("different"),
-    ),
-    Action("cut", "Organs", ("shift+c",), "cut an organ where clicked", actions.correct("cut")),
-    Action("undo", "Organs", ("ctrl+z",), "undo a correction", actions.undo, UNDONE),
-    Action("redo", "Organs", ("shift+ctrl+z",), "redo a correction", actions.redo, UNDONE),
-    Action("compare", "Compare", ("v",), "with the nearest scan", actions.COMPARE.next),
-    Action(
-        "wipe left", "Compare", ("<",), "wipe to the left",
-        lambda s: actions.wipe_to(s.wipe - 0.05)(s), WIPED, True,
-    ),
-    Action(
-        "wipe right", "Compare", (">",), "wipe to the right",
-        lambda s: actions.wipe_to(s.wipe + 0.05)(s), WIPED, True,
-    ),
-    Action("picture", "Window", ("s",), "save a picture", actions.wish(Wish.PICTURE)),
-    Action("export", "Window", ("e",), "export, or stop exporting", actions.wish(Wish.EXPORT)),
-    Action("format", "Window", ("shift+e",), "choose what to export", actions.FORMAT.next),
-    Action("size", "Window", ("r",), "size of pictures", actions.SIZE.next),
-    Action(
-        "transparent", "Window", ("shift+s",), "pictures without background",
-        actions.switch_transparent,
-    ),
-    Action("panel", "Window", ("tab",), "panel", actions.switch("panel")),
-    Action("fullscreen", "Window", ("f11",), "full screen", actions.switch("fullscreen")),
-    Action("help", "Window", ("h", "?", "f1"), "this help", actions.switch("help")),
-    Action("leave", "Window", ("escape",), "close, let go, or quit", actions.escape),
-    Action("quit", "Window", ("q",), "quit", lambda s: replace(s, closed=True)),
-)  # fmt: skip
+    def do(scene: Scene) -> Scene:
+        scene = scene.with_timeline(lambda timeline: getattr(timeline, move)(*given))
+        return scene.with_notice(notice) if notice else scene
+
+    return do
 
 
-def action(name: str) -> Action:
-    return next(action for action in ACTIONS if action.name == name)
+def _switch(name: str, keys: str, help: str) -> Action:
+    """One of the scene's own switches, called as the scene calls it."""
+    return Action(
+        name, keys, help,
+        lambda scene: replace(scene, **{name: not getattr(scene, name)}),  # type: ignore[arg-type]
+        on=lambda scene: bool(getattr(scene, name)),
+    )  # fmt: skip
 
 
-def action_for(key: str) -> Action | None:
-    """What a key does, None where it does nothing."""
-    return next((action for action in ACTIONS if key in action.keys), None)
+def _style_switch(name: str, keys: str, help: str, field: str) -> Action:
+    """One of the style's switches."""
+    return Action(
+        name, keys, help,
+        lambda scene: scene.with_style("", **{field: not getattr(scene.style, field)}),
+        on=lambda scene: bool(getattr(scene.style, field)),
+    )  # fmt: skip
+
+
+def _wish(name: str, key: str, help: str, wish: Wish) -> Action:
+    """What the window does when it draws the next picture."""
+    return Action(name, key, help, lambda scene: replace(scene, wish=wish))
+
+
+TABLE: dict[str, tuple[Action, ...]] = {
+    "Time": (
+        Action("play", "space", "play, pause", _time("toggled")),
+        Action("back", "left", "back a little", _time("nudged", -NUDGE), NUDGED, True),
+        Action("on", "right", "on a little", _time("nudged", NUDGE), NUDGED, True),
+        Action("frame back", ",", "one frame back", _time("framed", -1), FRAMED, True),
+        Action("frame on", ".", "one frame on", _time("framed", 1), FRAMED, True),
+        Action(
+            "previous", "page_up shift+left", "previous scan",
+            _time("stepped", -1), STEPPED, True,
+        ),
+        Action("next", "page_down shift+right", "next scan", _time("stepped", 1), STEPPED, True),
+        Action("first", "home", "first scan", _time("at", -math.inf), "first, last scan"),
+        Action("last", "end", "last scan", _time("at", math.inf), "first, last scan"),
+        Action("slower", "[ down", "slower", _time("slower"), "slower, faster"),
+        Action("faster", "] up", "faster", _time("faster"), "slower, faster"),
+        Action("at end", "l", "loop, back and forth, or stop", actions.AT_END.next),
+        Action(
+            "begin", "i", "play from here",
+            _time("begun_here", notice="Plays from here"), RANGE,
+        ),
+        Action(
+            "end", "o", "play up to here",
+            _time("ended_here", notice="Plays up to here"), RANGE,
+        ),
+        Action(
+            "whole", "u", "play the whole series",
+            _time("unbounded", notice="Plays the whole series"),
+        ),
+    ),
+    "View": (
+        Action("fit", "f", "whole plant", actions.go_home),
+        Action("front", "1", "from the front", lambda s: actions.look_from(s, 0), SIDES),
+        Action("side", "2", "from the side", lambda s: actions.look_from(s, 90), SIDES),
+        Action("behind", "3", "from behind", lambda s: actions.look_from(s, 180), SIDES),
+        Action("above", "4", "from above", lambda s: actions.look_from(s, 0, 90), SIDES),
+        Action(
+            "parallel", "5", "parallel projection", actions.switch_projection,
+            on=lambda s: s.camera.orthographic,
+        ),
+        Action(
+            "turn", "t", "go round the plant",
+            lambda s: replace(s, turning=not s.turning, following=False), on=lambda s: s.turning,
+        ),
+        Action("add key", "k", "add a camera key", actions.add_key, KEYED),
+        Action("drop key", "shift+k", "remove a camera key", actions.remove_key, KEYED),
+        Action(
+            "follow", "j", "follow the camera's path", actions.follow_path,
+            on=lambda s: s.following,
+        ),
+        _wish("save path", "shift+j", "save the camera's path", Wish.SAVE_PATH),
+    ),
+    "Look": (
+        Action("color", "c", "colour by something else", actions.COLOR.next),
+        Action("colormap", "shift+m", "other colours of values", actions.COLOR_MAP.next),
+        Action(
+            "smaller", "-", "smaller points",
+            lambda s: actions.resize_points(s, 1 / STEP), SIZED, True,
+        ),
+        Action(
+            "larger", "+ =", "larger points", lambda s: actions.resize_points(s, STEP), SIZED, True
+        ),
+        Action(
+            "pixels", "p", "points sized in pixels", actions.switch_pixels,
+            on=lambda s: s.style.pixels is not None,
+        ),
+        Action(
+            "ground", "g", "light background",
+            lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
+            on=lambda s: s.style.ground == "light",
+        ),
+        _style_switch("floor", "b", "floor and shadow", "show_ground"),
+        _style_switch("depth", "d", "depth cue", "depth_cue"),
+        Action("shading", "m", "shading: none, soft, strong", actions.next_shading),
+        _switch("guides", "a", "scale bar and axes"),
+        _switch("legend", "y", "legend"),
+    ),
+    "Organs": (
+        Action("next organ", "n", "next organ", lambda s: actions.pick_next(s, 1), ORGANS),
+        Action(
+            "last organ", "shift+n", "previous organ",
+            lambda s: actions.pick_next(s, -1), ORGANS,
+        ),
+        Action("hide", "x", "hide the organ", actions.hide_picked),
+        Action("curve", "shift+l", "plot another trait", actions.CURVE.next),
+        Action(
+            "alone", "z", "show the organ alone", actions.isolate_picked,
+            on=lambda s: s.style.alone is not None,
+        ),
+        Action(
+            "show all", "shift+x", "show all organs",
+            lambda s: s.with_style(hidden=frozenset(), alone=None),
+        ),
+        Action("same", "w", "two organs are the same", lambda s: actions.correct(s, "same")),
+        Action(
+            "different", "shift+w", "two organs are not the same",
+            lambda s: actions.correct(s, "different"),
+        ),
+        Action("cut", "shift+c", "cut an organ where clicked", lambda s: actions.correct(s, "cut")),
+        Action(
+            "undo", "ctrl+z", "undo a correction",
+            lambda s: replace(s, edits=s.edits and s.edits.undone()), UNDONE,
+        ),
+        Action(
+            "redo", "shift+ctrl+z", "redo a correction",
+            lambda s: replace(s, edits=s.edits and s.edits.redone()), UNDONE,
+        ),
+    ),
+    "Compare": (
+        Action("compare", "v", "with the nearest scan", actions.COMPARE.next),
+        Action(
+            "wipe left", "<", "wipe to the left",
+            lambda s: actions.wipe_to(s, s.wipe - WIPE_STEP), WIPED, True,
+        ),
+        Action(
+            "wipe right", ">", "wipe to the right",
+            lambda s: actions.wipe_to(s, s.wipe + WIPE_STEP), WIPED, True,
+        ),
+    ),
+    "Window": (
+        _wish("picture", "s", "save a picture", Wish.PICTURE),
+        _wish("export", "e", "export, or stop exporting", Wish.EXPORT),
+        Action("format", "shift+e", "choose what to export", actions.FORMAT.next),
+        Action("size", "r", "size of pictures", actions.SIZE.next),
+        Action(
+            "transparent", "shift+s", "pictures without background",
+            actions.switch_transparent, on=lambda s: s.output.transparent,
+        ),
+        _switch("panel", "tab", "panel"),
+        _switch("fullscreen", "f11", "full screen"),
+        _switch("help", "h ? f1", "this help"),
+        Action("leave", "escape", "close, let go, or quit", actions.escape),
+        Action("quit", "q", "quit", lambda s: replace(s, closed=True)),
+    ),
+}  # fmt: skip
+ACTIONS = {action.name: action for section in TABLE.values() for action in section}
+BY_KEY = {key: action for action in ACTIONS.values() for key in action.keys.split()}
 
 
 def pressed(scene: Scene, key: str, shift: bool = False, repeated: bool = False) -> Scene:
     """A key, by its name or the character typed, went down, or repeats while it is held."""
-    found = (action_for(f"shift+{key}") if shift else None) or action_for(key)
+    found = (BY_KEY.get(f"shift+{key}") if shift else None) or BY_KEY.get(key)
     return found.do(scene) if found and (found.repeats or not repeated) else scene
 
 
-def sections() -> dict[str, list[tuple[tuple[str, ...], str]]]:
-    """What to show as help: for each section its rows (key labels, what they do)."""
-    table: dict[str, dict[str, list[str]]] = {}
-    for entry in ACTIONS:
-        beside = {text: [*labels] for text, labels in MOUSE.get(entry.section, {}).items()}
-        rows = table.setdefault(entry.section, beside)
-        rows.setdefault(entry.row or entry.help, []).extend(entry.labels)
-    return {
-        section: [(tuple(labels), text) for text, labels in rows.items()]
-        for section, rows in table.items()
-    }
+def sections() -> dict[str, dict[str, list[str]]]:
+    """What to show as help: for each section its rows, what they do and the keys' labels."""
+    table = {}
+    for section, entries in TABLE.items():
+        rows = {text: [*labels] for text, labels in MOUSE.get(section, {}).items()}
+        for action in entries:
+            rows.setdefault(action.row or action.help, []).extend(action.labels)
+        table[section] = rows
+    return table
 
 
 def help_text() -> str:
     """The table as plain text, for `play --help`."""
     table = sections()
-    width = max(len("  ".join(labels)) for rows in table.values() for labels, _ in rows)
+    width = max(len("  ".join(labels)) for rows in table.values() for labels in rows.values())
     lines = ["Keys and mouse in the window"]
     for section, rows in table.items():
         lines += ["", section]
-        lines += [f"  {'  '.join(labels):<{width}}   {text}" for labels, text in rows]
+        lines += [f"  {'  '.join(labels):<{width}}   {text}" for text, labels in rows.items()]
     return "\n".join(lines)

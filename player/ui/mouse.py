@@ -4,7 +4,7 @@ import math
 
 from imgui_bundle import imgui
 
-from player.ui.gui import BUTTONS, NOWHERE, STILL
+from player.ui.gui import BUTTONS, STILL
 from player.view.choices import Compare
 from player.view.state import Scene
 
@@ -39,9 +39,9 @@ class PlantMouse:
                 self._held = None
                 if button == 0 and io.mouse_drag_max_distance_sqr[0] <= STILL**2:
                     self.clicked, self.more = (x, y), shifts
-        if io.want_capture_mouse or scene.help or x == NOWHERE:
+        if io.want_capture_mouse or scene.help or not imgui.is_mouse_pos_valid():
             return scene
-        for button in range(len(BUTTONS)):
+        for button in range(BUTTONS):
             if imgui.is_mouse_clicked(button) and self._held is None:
                 self._held = button, button > 0 or io.key_shift
         if io.mouse_wheel:

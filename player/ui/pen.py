@@ -1,13 +1,12 @@
 """Writing and boxes on one of Dear ImGui's draw lists; what annotations are drawn with, too."""
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from player.ui.gui import Gui
 from player.ui.theme import Color, faint, packed, rgb
 from player.view.annotations import RGB
 
 MAX_LINE = 200  # characters of any one line
-CARD_PADDING = (10.0, 6.0)
 
 
 class Pen:
@@ -26,18 +25,18 @@ class Pen:
         insets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
     ) -> None:
         self.theme, self.sheet, self.size, self.insets = gui.theme, sheet, size, insets
-        self._plain, self._bold = imgui.get_font(), gui.bold
+        self._plain, self.bold = imgui.get_font(), gui.bold
 
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
         """As `player.view.annotations.Pen` says; over the plant, so with a halo."""
         color = self.theme.muted if muted else self.theme.text
-        text = one_line(text)
-        x, y = self._corner(x, y, self.width(text, size, bold), size)
+        left, top = self._corner(x, y, self.width(one_line(text), size, bold), size)
         for right, down in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-            self._write(x + right, y + down, text, size, faint(self.theme.halo, 0.3), bold)
-        self._write(x, y, text, size, color, bold)
+            halo = faint(self.theme.veil, 0.3)
+            self.write(left + right, top + down + size / 2, text, size, halo, bold)
+        self.write(left, top + size / 2, text, size, color, bold)
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
         """As `player.view.annotations.Pen` says."""
@@ -56,52 +55,14 @@ class Pen:
         align: float = 0.0,
     ) -> None:
         """A line about the height `y`; `align` 0 starts, 0.5 centres, 1 ends it at `x`."""
-        text = one_line(text)
+        text, font = one_line(text), self.bold if bold else self._plain
         left = x - align * self.width(text, size, bold)
-        self._write(left, y - size / 2, text, size, color, bold)
-
-    def card(self, x: float, y: float, text: str, size: float, room: float) -> None:
-        """Text on a card, its top at `y`, about `x` but in the window; lines are `room` long."""
-        text = one_line(text, 4 * MAX_LINE)
-        imgui.push_font(self._plain, size)
-        wide, high = imgui.calc_text_size(text, wrap_width=room)
-        imgui.pop_font()
-        across, down = CARD_PADDING
-        width, height = wide + 2 * across, high + 2 * down
-        left = min(max(x - width / 2, 8.0), self.size[0] - 8.0 - width)
-        self.panel(left, y, width, height, 7.0)
-        paint = packed(self.theme.text)
-        self.sheet.add_text(self._plain, size, (left + across, y + down), paint, text, room + 1.0)
-
-    def panel(
-        self,
-        x: float,
-        y: float,
-        width: float,
-        height: float,
-        radius: float,
-        edge: Color | None = None,
-    ) -> None:
-        """A card's ground and outline."""
-        corners = (x, y), (x + width, y + height)
-        self.sheet.add_rect_filled(*corners, packed(self.theme.card), radius)
-        self.sheet.add_rect(*corners, packed(edge or self.theme.edge), radius)
+        self.sheet.add_text(font, size, (left, y - size / 2), packed(color), text)
 
     def width(self, text: str, size: float, bold: bool = False) -> float:
         """How wide a line of text is, in units."""
-        imgui.push_font(self._bold if bold else self._plain, size)
-        width = imgui.calc_text_size(text).x
-        imgui.pop_font()
-        return float(width)
-
-    def fitted(self, text: str, size: float, room: float, bold: bool = False) -> str:
-        """The text, or as much of it as `room` holds, with an ellipsis."""
-        text = one_line(text)
-        if self.width(text, size, bold) <= room:
-            return text
-        while text and self.width(text + "…", size, bold) > room:
-            text = text[:-1]
-        return text.rstrip() + "…" if text else ""
+        with imgui_ctx.push_font(self.bold if bold else self._plain, size):
+            return float(imgui.calc_text_size(text).x)
 
     def _corner(self, x: float, y: float, width: float, height: float) -> tuple[float, float]:
         """The upper left one of what stands (x, y) inwards from the nearest corner."""
@@ -111,9 +72,15 @@ class Pen:
             self.size[1] - bottom + y + 1 - height if y < 0 else top + y,
         )
 
-    def _write(self, x: float, y: float, text: str, size: float, color: Color, bold: bool) -> None:
-        font = self._bold if bold else self._plain
-        self.sheet.add_text(font, size, (x, y), packed(color), text)
+
+def fitted(text: str, room: float) -> str:
+    """The text, or as much of it as `room` holds in ImGui's present font, with an ellipsis."""
+    text = one_line(text)
+    if imgui.calc_text_size(text).x <= room:
+        return text
+    while text and imgui.calc_text_size(text + "…").x > room:
+        text = text[:-1]
+    return text.rstrip() + "…" if text else ""
 
 
 def one_line(text: str, longest: int = MAX_LINE) -> str:

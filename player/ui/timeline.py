@@ -3,27 +3,26 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui.pen import Pen
+from player.ui.pen import Pen, fitted
 from player.ui.theme import Color, faint, packed
+from player.ui.widgets import EDGE, card
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.playback import Timeline
 from player.view.state import Scene
 from traits.doubts import doubts_of
 
-DATE_SIZE, SIDE_SIZE, LABEL_SIZE, KEY_SIZE = 19.0, 15.0, 15.0, 13.0
+DATE_SIZE, LABEL_SIZE, KEY_SIZE = 19.0, 15.0, 13.0
 REACH = 18.0  # how far from the line the mouse still takes hold of it
 SNAP = 4.0  # how near to a scan's mark a click means the scan itself
 LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
-BUBBLE_ABOVE, BUBBLE_HEIGHT, PADDING, SPACE = 40.0, 32.0, 12.0, 9.0
+BUBBLE_ABOVE = 24.0  # from the line to the lower edge of the date's card
 DOT, HANDLE = 5.0, 8.0
 EVENT = 13.0  # from the line to the marks of births and losses
 DOUBT, DOUBT_GAP = 8.0, 11.0  # from the line to the stroke of a doubtful interval, and to its scans
 LEFT_OUT = 6.0  # half of the stroke where a scan was left out
-BRACKET = 9.0  # half the height of the brackets about the part that is played
-EDGE = 8.0  # what texts keep from the window's
 
 
 @dataclass(frozen=True)
@@ -115,7 +114,7 @@ class TimelineView:
             self._draw_preview(pen, line, pointed)
         else:
             side = elapsed(self._clip.scans, day, self._clip.time_unit)
-            _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side, pen.theme.accent)
+            _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side)
         return scene
 
     def draw_key(self, pen: Pen, left: float, y: float) -> None:
@@ -147,7 +146,8 @@ class TimelineView:
         ):
             sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
         if timeline.begin is not None or timeline.end is not None:
-            _draw_brackets(pen, y, begin, end)
+            for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
+                pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
         for time in line.times:
             passed = time <= timeline.day
             _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
@@ -157,7 +157,7 @@ class TimelineView:
         radius = HANDLE + (2.0 if lively else 0.0)
         _disc(pen, now, y, radius + 2.5, theme.veil)
         _disc(pen, now, y, radius, theme.accent)
-        _disc(pen, now, y, HANDLE - 4.0, theme.on_accent)
+        _disc(pen, now, y, HANDLE - 4.0, theme.veil)
 
     def _draw_events(self, pen: Pen, line: Line) -> None:
         """Births above the line, losses below it, at the scans that first show them; strokes across
@@ -198,35 +198,24 @@ class TimelineView:
                 side = f"{scan.points:,} points"
                 side += f", {born} born" if born else ""
                 side += f", {lost} lost" if lost else ""
-        _draw_bubble(pen, line, day, date_at(scans, day), side, None)
+        _draw_bubble(pen, line, day, date_at(scans, day), side)
 
 
-def _draw_bubble(
-    pen: Pen, line: Line, day: float, date: str, side: str, accent: Color | None
-) -> None:
-    room = pen.size[0] - 2 * PADDING - 16.0
-    date = pen.fitted(date, DATE_SIZE, room, bold=True)
-    date_width = pen.width(date, DATE_SIZE, bold=True)
-    side = pen.fitted(side, SIDE_SIZE, max(room - date_width - SPACE, 0.0))
-    side_width = pen.width(side, SIDE_SIZE) + SPACE if side else 0.0
-    width, tip = date_width + side_width + 2 * PADDING, line.x_of(day)
-    x = min(max(tip - width / 2, EDGE), pen.size[0] - EDGE - width)
-    y = line.height - BUBBLE_ABOVE
-    top, bottom = y - BUBBLE_HEIGHT / 2, y + BUBBLE_HEIGHT / 2
-    pen.panel(x, top, width, BUBBLE_HEIGHT, 8.0, accent or pen.theme.edge)
-    corners = (tip - 6.0, bottom), (tip + 6.0, bottom), (tip, bottom + 6.0)
-    pen.sheet.add_triangle_filled(*corners, packed(accent or pen.theme.card))
-    pen.write(x + PADDING, y, date, DATE_SIZE, pen.theme.text, bold=True)
-    pen.write(x + PADDING + date_width + SPACE, y + 0.5, side, SIDE_SIZE, pen.theme.muted)
-
-
-def _draw_brackets(pen: Pen, y: float, begin: float, end: float) -> None:
-    """About the part that is played."""
-    for x, inwards in ((begin, 5.0), (end, -5.0)):
-        for down in (-BRACKET, BRACKET):
-            pen.sheet.path_line_to((x + inwards if down < 0 else x, y + down))
-            pen.sheet.path_line_to((x if down < 0 else x + inwards, y + down))
-        pen.sheet.path_stroke(packed(pen.theme.text), thickness=2.0)
+def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None:
+    """The date over a day, and beside it what else is to be told."""
+    x, bottom, width = line.x_of(day), line.height - BUBBLE_ABOVE, pen.size[0]
+    corners = (x - 6.0, bottom), (x + 6.0, bottom), (x, bottom + 6.0)
+    pen.sheet.add_triangle_filled(*corners, packed(pen.theme.card))
+    with card("bubble", (x, bottom), (0.5, 1.0), width):
+        room = width - 2 * EDGE - 30.0
+        with imgui_ctx.push_font(pen.bold, DATE_SIZE):
+            date = fitted(date, room)
+            imgui.text_unformatted(date)
+            room -= imgui.calc_text_size(date).x
+        if side:
+            imgui.same_line()
+            imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 4.0)  # on the date's line
+            imgui.text_disabled(fitted(side, room))
 
 
 def _disc(pen: Pen, x: float, y: float, radius: float, color: Color) -> None:

@@ -1,15 +1,15 @@
-"""Buttons and other controls for the actions in keys.py: Dear ImGui's own, with the key as a tip.
+"""Buttons and windows of Dear ImGui for the actions in keys.py, with their keys as tips.
 
 What clips name is never a label to ImGui: a name can't change what a control is.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
-from player.ui.theme import CLEAR, Color
+from player.ui.theme import CLEAR
 from player.view.state import Scene
 
 ARROWS = str.maketrans({"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"})
@@ -21,9 +21,16 @@ BARE = (
     | imgui.WindowFlags_.no_nav
     | imgui.WindowFlags_.no_focus_on_appearing
 )
+CARD = (
+    BARE & ~imgui.WindowFlags_.no_background
+    | imgui.WindowFlags_.always_auto_resize
+    | imgui.WindowFlags_.no_inputs
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+)
+EDGE = 8.0  # what cards keep from the window's
 
 
-def key_labels(labels: tuple[str, ...]) -> list[str]:
+def key_labels(labels: Sequence[str]) -> list[str]:
     """As the fonts can write them: they have arrows among their icons only."""
     return [label.translate(ARROWS) for label in labels]
 
@@ -34,45 +41,58 @@ def tip(name: str, row: bool = False) -> None:
     row: what it does together with its neighbour, as a slider.
     """
     if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
-        action = keys.action(name)
+        action = keys.ACTIONS[name]
         text = action.row if row and action.row else action.help
-        imgui.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0))
-        imgui.set_tooltip(f"{text}  ({', '.join(key_labels(action.labels))})")
-        imgui.pop_style_var()
+        with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
+            imgui.set_tooltip(f"{text}  ({', '.join(key_labels(action.labels))})")
 
 
-def button(
-    scene: Scene,
-    name: str,
-    label: str,
-    size: tuple[float, float],
-    ground: Color | None = None,
-    text: Color | imgui.ImVec4 | None = None,
-) -> Scene:
-    """A button that does an action; gives the scene as it changed it."""
-    with imgui_ctx.push_id(name):
-        for part, color in ((imgui.Col_.button, ground), (imgui.Col_.text, text)):
-            imgui.push_style_color(part, color or imgui.get_style_color_vec4(part))
+def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:
+    """A button that does an action; gives the scene as it changed it.
+
+    What is on has the accent's colour.
+    """
+    action = keys.ACTIONS[name]
+    part = imgui.Col_.check_mark if action.on and action.on(scene) else imgui.Col_.text
+    color = imgui.get_style_color_vec4(part)
+    with imgui_ctx.push_id(name), imgui_ctx.push_style_color(imgui.Col_.text, color):
         pressed = imgui.button(label, size)
-        imgui.pop_style_color(2)
     tip(name)
-    return keys.action(name).do(scene) if pressed else scene
-
-
-def icon_button(scene: Scene, name: str, icon: str, on: bool = False) -> Scene:
-    """One without a ground of its own; switches that are on have the accent's colour."""
-    accent = imgui.get_style_color_vec4(imgui.Col_.check_mark) if on else None
-    return button(scene, name, icon, (32.0, 32.0), CLEAR, accent)
+    return action.do(scene) if pressed else scene
 
 
 @contextmanager
 def bare_window(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
-    """An ImGui window that is only its controls."""
+    """An ImGui window that is only its controls, whose buttons have no ground of their own."""
     imgui.set_next_window_pos(place)
     imgui.set_next_window_size(size)
-    imgui.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0))
-    imgui.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0))
-    imgui.begin(name, None, BARE)
-    yield
-    imgui.end()
-    imgui.pop_style_var(2)
+    with (
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0)),
+        imgui_ctx.push_style_color(imgui.Col_.button, imgui.ImVec4(*CLEAR)),
+        imgui_ctx.begin(name, None, BARE),
+    ):
+        yield
+
+
+@contextmanager
+def card(
+    name: str, place: tuple[float, float], pivot: tuple[float, float], right: float, flags: int = 0
+) -> Iterator[None]:
+    """An ImGui window as large as what is in it, which the mouse goes through.
+
+    place: where the part of it stands that `pivot` names, from (0, 0) for its upper left corner to
+           (1, 1); it is shifted to stay left of `right`.
+    """
+    imgui.set_next_window_pos(place, 0, pivot)
+    ground = imgui.get_style_color_vec4(imgui.Col_.popup_bg)
+    with (
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 8.0),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_border_size, 1.0),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (12.0, 7.0)),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, ground),
+        imgui_ctx.begin(name, None, CARD | flags),
+    ):
+        (left, top), width = imgui.get_window_pos(), imgui.get_window_width()
+        imgui.set_window_pos((max(min(left, right - EDGE - width), EDGE), top))
+        yield

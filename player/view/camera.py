@@ -76,7 +76,7 @@ class Camera:
         radius = float(np.linalg.norm(points - target, axis=1).max())
         # A plant may be one point, and far from the origin.
         radius = max(radius, 1e-6, 1e-9 * float(np.abs(target).max()))
-        return cls(target=_triple(target), yaw=yaw, up=up, radius=radius)
+        return cls(target=triple(target), yaw=yaw, up=up, radius=radius)
 
     def _for_a_turn(self, points: Vector, aspect: float) -> Self:
         """As near as all points are in the picture from every yaw."""
@@ -91,7 +91,7 @@ class Camera:
             away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
             middles = [(side.min() + side.max()) / 2 for side in (right / away, above / away)]
             shift = camera.distance * np.array([*middles, 0.0])
-            camera = replace(camera, target=_triple(camera.target + camera._frame().T @ shift))
+            camera = replace(camera, target=triple(camera.target + camera._frame().T @ shift))
             camera = replace(camera, distance=camera._least(points, aspect))
         return camera
 
@@ -116,7 +116,7 @@ class Camera:
         height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
         right, above, _ = self._frame()
         return replace(
-            self, target=_triple(np.asarray(self.target) - height * (dx * right + dy * above))
+            self, target=triple(np.asarray(self.target) - height * (dx * right + dy * above))
         )
 
     def zoom(self, factor: float) -> Self:
@@ -235,5 +235,6 @@ def _widest_yaw(horizontal: Vector) -> float:
     return min((yaw, opposite), key=lambda angle: abs(math.remainder(angle - YAW, 2 * math.pi)))
 
 
-def _triple(vector: Vector) -> tuple[float, float, float]:
+def triple(vector: Vector) -> tuple[float, float, float]:
+    """A vector of three numbers, as cameras hold them."""
     return float(vector[0]), float(vector[1]), float(vector[2])

@@ -16,7 +16,7 @@ from gclip import Clip
 from gclip.config_file import read_config
 from player.atomic_write import whole_file
 from player.errors import PlayerError
-from player.view.camera import Camera
+from player.view.camera import Camera, triple
 
 MAX_KEYS = 10_000  # more are no path that someone made
 MAX_FILE_SIZE = 1 << 22  # bytes
@@ -36,9 +36,9 @@ class Key(Struct, frozen=True):
 
     def camera(self, home: Camera, clip: Clip) -> Camera:
         """The clip's own camera; home: any of its cameras."""
-        x, y, z = (np.array(self.target) - clip.origin).tolist()
+        target = triple(np.subtract(self.target, clip.origin))
         view = math.radians(self.field_of_view)
-        camera = replace(home, target=(x, y, z), distance=self.distance, field_of_view=view)
+        camera = replace(home, target=target, distance=self.distance, field_of_view=view)
         return camera.looking(math.radians(self.yaw), math.radians(self.pitch))
 
 
@@ -80,7 +80,7 @@ class CameraPath:
         target, (away, yaw, pitch, view) = values[:3], values[3:]
         return replace(
             first[1],
-            target=(float(target[0]), float(target[1]), float(target[2])),
+            target=triple(target),
             distance=math.exp(away),
             yaw=math.remainder(yaw, 2.0 * math.pi),
             pitch=float(pitch),
@@ -108,9 +108,8 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
     """
     keys = []
     for day, camera in path.keys:
-        x, y, z = (np.asarray(camera.target) + clip.origin).tolist()
         angles = map(math.degrees, (camera.yaw, camera.pitch, camera.field_of_view))
-        keys.append(Key(day, (x, y, z), camera.distance, *angles))
+        keys.append(Key(day, triple(np.add(camera.target, clip.origin)), camera.distance, *angles))
     text = msgspec.json.encode(Document(1, clip.up, keys))
     with whole_file(file) as part:
         part.write_bytes(msgspec.json.format(text, indent=1) + b"\n")

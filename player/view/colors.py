@@ -20,7 +20,7 @@ from gclip.file import check_not_truncated
 from player.errors import PlayerError
 from player.view.camera import axes, outline
 from player.view.holdout_error import Errors
-from player.view.style import NO_FIELD, ColorMap, ColorMode, Style
+from player.view.style import ColorMap, ColorMode, Style
 from traits.growth_rate import growth_rates
 
 STEPS = 256  # texels of a ramp
@@ -95,9 +95,11 @@ class Colors:
     def color_scale(self, style: Style) -> ValueRange | None:
         """What to explain in a legend; None for the scans' and the organs' own colours.
 
-        Raises PlayerError for errors where the clip holds no scan that was left out.
+        Raises PlayerError for fields and errors where the clip holds none.
         """
         clip, mode = self._clip, resolved_color_mode(self._clip, style)
+        if lacking := mode.lacking(clip):
+            raise PlayerError(lacking)
         unit, time = clip.unit or "units", clip.time_unit.removesuffix("s")
         match mode:
             case ColorMode.AGE:
@@ -133,8 +135,6 @@ class Colors:
 
     def _field(self, style: Style) -> PointField:
         fields = self._clip.fields
-        if not fields:
-            raise PlayerError(NO_FIELD)
         return next((field for field in fields if field.name == style.field), fields[0])
 
     def _field_range(self, style: Style) -> tuple[float, float]:

@@ -14,18 +14,14 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Group, Interval, Motion
 from gclip.evaluate import evaluate_layer, layers_at, locate
-from player.errors import PlayerError
-from player.view.style import NO_HOLDOUT
 
 HIGH = 0.98  # share of the movers whose error is below the highest colour's
 
 
 class Errors:
-    """Of one clip. Raises PlayerError where it holds no scan that was left out."""
+    """Of one clip that holds scans that were left out."""
 
     def __init__(self, clip: Clip) -> None:
-        if not clip.held_out:
-            raise PlayerError(NO_HOLDOUT)
         self._clip = clip
         self._scans = {locate(clip, scan.time)[0]: scan for scan in clip.held_out}
 

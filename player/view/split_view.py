@@ -3,12 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 
 from gclip import Clip
-from player.view.camera import Camera, axes
+from player.view.camera import Camera, axes, triple
 from player.view.choices import Compare
 from player.view.dates import date_at
 from player.view.state import Scene
@@ -33,57 +32,45 @@ class Pane:
     left_out: int | None = None
 
 
-@dataclass(frozen=True)
-class Pair:
-    """Two clips, seen alike."""
+def paired_homes(clips: Sequence[Clip], homes: Sequence[Camera]) -> tuple[Camera, Camera]:
+    """Of two clips the cameras that show them alike: the same plant from the same place, others of
+    like size at the same scale.
 
-    #: of each the camera that shows all of it, at the same scale if they are of like size
-    homes: tuple[Camera, ...]
-    #: from the first one's local coordinates to the second's, where both show the same plant in the
-    #: same place; None where they show different ones
-    shift: tuple[float, float, float] | None
-
-    @classmethod
-    def of(cls, clips: tuple[Clip, ...], homes: tuple[Camera, ...]) -> Self:
-        """homes: of each clip the camera that shows all of it."""
-        first, second = clips
-        if _same_place(first, second):
-            shift = _triple(np.asarray(first.origin) - np.asarray(second.origin))
-            return cls((homes[0], homes[0]), shift)
-        if 1.0 / ALIKE < homes[0].radius / homes[1].radius < ALIKE:
-            farther = max(home.distance for home in homes)
-            homes = replace(homes[0], distance=farther), replace(homes[1], distance=farther)
-        return cls(homes, None)
-
-    def transferred(self, camera: Camera) -> Camera:
-        """The second clip's camera that sees what the first one's does."""
-        if self.shift is not None:
-            return replace(camera, target=_triple(np.asarray(camera.target) + self.shift))
-        home, other = self.homes
-        scale = other.distance / home.distance
-        moved = axes(home.up) @ (np.asarray(camera.target) - home.target)
-        return replace(
-            camera,
-            target=_triple(np.asarray(other.target) + scale * (axes(other.up).T @ moved)),
-            distance=scale * camera.distance,
-            yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
-            up=other.up,
-            radius=other.radius,
-        )
-
-
-def panes_of(scene: Scene, names: Sequence[str], pair: Pair | None = None) -> tuple[Pane, ...]:
-    """The panes of a scene, from left to right.
-
-    names: of its clips; pair: of two of them.
+    homes: of each clip the camera that shows all of it.
     """
+    (first, second), (home, other) = clips, homes
+    if _same_place(first, second):
+        shift = np.subtract(first.origin, second.origin)
+        return home, replace(home, target=triple(home.target + shift))
+    if 1.0 / ALIKE < home.radius / other.radius < ALIKE:
+        farther = max(home.distance, other.distance)
+        return replace(home, distance=farther), replace(other, distance=farther)
+    return home, other
+
+
+def transferred(camera: Camera, home: Camera, other: Camera) -> Camera:
+    """The camera that is to `other` as `camera` is to `home`."""
+    scale = other.distance / home.distance
+    moved = axes(other.up).T @ axes(home.up) @ np.subtract(camera.target, home.target)
+    return replace(
+        camera,
+        target=triple(other.target + scale * moved),
+        distance=scale * camera.distance,
+        yaw=math.remainder(other.yaw + camera.yaw - home.yaw, 2.0 * math.pi),
+        up=other.up,
+        radius=other.radius,
+    )
+
+
+def panes_of(scene: Scene, names: Sequence[str]) -> tuple[Pane, ...]:
+    """The panes of a scene, from left to right; names: of its clips."""
     day, first = scene.timeline.day, scene.clip
     if scene.compare is Compare.OFF:
         return (Pane(0, day, scene.camera),)
-    if pair is not None:
+    if scene.other_home is not None:
         left = Pane(0, day, scene.camera, caption=names[0])
-        other = matched_day(first, scene.clips[1], day)
-        right = Pane(1, other, pair.transferred(scene.camera), caption=names[1])
+        camera = transferred(scene.camera, scene.home, scene.other_home)
+        right = Pane(1, matched_day(first, scene.clips[1], day), camera, caption=names[1])
     else:
         left = _nearest_scan(first, day, scene.camera)
         right = Pane(0, day, scene.camera, caption=f"Now, {date_at(first.scans, day)}")
@@ -122,7 +109,3 @@ def _same_place(first: Clip, second: Clip) -> bool:
     sizes = [float(np.linalg.norm(box[1] - box[0])) / 2 for box in boxes]
     apart = float(np.linalg.norm(middles[0] - middles[1]))
     return apart < NEAR * max(sizes) and max(sizes) < ALIKE * min(sizes)
-
-
-def _triple(vector: np.ndarray) -> tuple[float, float, float]:
-    return float(vector[0]), float(vector[1]), float(vector[2])

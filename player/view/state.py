@@ -15,6 +15,16 @@ from traits.curves import plotted
 
 
 @dataclass(frozen=True)
+class Exporting:
+    """An export: its file's name, steps done of all; `ended` with a sentence once it is over."""
+
+    name: str
+    done: int = 0
+    total: int = 0
+    ended: str = ""
+
+
+@dataclass(frozen=True)
 class Scene:
     """What the user has chosen so far; keys, mouse and buttons each turn it into a new one."""
 
@@ -25,6 +35,7 @@ class Scene:
     #: those that are shown, 1 or 2; the first one's organs have the names that they were given,
     #: and where those change, `edits` do
     clips: tuple[Clip, ...] = field(compare=False)
+    other_home: Camera | None = None  #: that shows the second clip as `home` shows the first one
     chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
     edits: Edits | None = None  #: what was put right about organs; None for clips from no file
     turning: bool = False  #: the camera goes round the plant by itself
@@ -43,6 +54,7 @@ class Scene:
     kiosk: bool = False  #: nothing but the plant and the date
     notice: str = ""  #: a passing sentence for the user
     wish: Wish | None = None
+    exporting: Exporting | None = None  #: an export under way
     closed: bool = False
 
     @property
@@ -60,15 +72,11 @@ class Scene:
         return ColorMode(self.style.color_by).resolved(self.clip.has_colors)
 
     @property
-    def color_modes(self) -> tuple[ColorMode, ...]:
+    def color_modes(self) -> list[ColorMode]:
         """What can be chosen."""
-        has = {
-            ColorMode.AUTO: False,
-            ColorMode.SCAN: self.clip.has_colors,
-            ColorMode.ERROR: bool(self.clip.held_out),
-            ColorMode.FIELD: bool(self.clip.fields),
-        }
-        return tuple(mode for mode in ColorMode if has.get(mode, True))
+        colored = self.clip.has_colors
+        modes = [mode for mode in ColorMode if not mode.lacking(self.clip)]
+        return [mode for mode in modes if mode is mode.resolved(colored)]
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
@@ -88,16 +96,6 @@ class Scene:
         return replace(self, notice=notice)
 
 
-@dataclass(frozen=True)
-class Exporting:
-    """An export: its file's name, steps done of all; `ended` with a sentence once it is over."""
-
-    name: str
-    done: int = 0
-    total: int = 0
-    ended: str = ""
-
-
 def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     """The scene with other clips (fresh), or with the same ones as they were baked anew: then on
     the same day, and with the same camera path. What these clips don't have is no longer shown,
@@ -107,7 +105,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     timeline = replace(scene.timeline, times=tuple(clip.times), begin=None, end=None)
     if len(clip.track_table) != len(scene.clip.track_table):
         style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
-    if {"error": not clip.held_out, "field": not clip.fields}.get(style.color_by):
+    if ColorMode(style.color_by).lacking(clip):
         style = replace(style, color_by=ColorMode.AUTO)
     compare = scene.compare
     if len(clips) != len(scene.clips):

@@ -1,8 +1,13 @@
 """How the plant is to look: what the user chooses, apart from camera and time."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Self
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from gclip import Clip
 
 Light = tuple[float, float, float]
 
@@ -14,9 +19,8 @@ class ColorMode(StrEnum):
     """What movers are coloured by."""
 
     label: str  #: what users read
-    colormap: (
-        str  #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
-    )
+    #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
+    colormap: str
 
     def __new__(cls, value: str, label: str = "", colormap: str = "") -> Self:
         mode = str.__new__(cls, value)
@@ -38,11 +42,17 @@ class ColorMode(StrEnum):
         """Whether a clip is given the values' colours as its own (player/view/colors.py)."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
-    def resolved(self, has_colors: bool) -> Self:
+    def resolved(self, has_colors: bool) -> ColorMode:
         """What it comes to with a clip that has scans' colours, or has none."""
         if self in (ColorMode.AUTO, ColorMode.SCAN):
             return ColorMode.SCAN if has_colors else ColorMode.TRACK
         return self
+
+    def lacking(self, clip: Clip) -> str:
+        """Why a clip can't be coloured so, and how it could; "" where it can."""
+        if self is ColorMode.FIELD and not clip.fields:
+            return NO_FIELD
+        return NO_HOLDOUT if self is ColorMode.ERROR and not clip.held_out else ""
 
 
 class ColorMap(StrEnum):

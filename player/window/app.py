@@ -5,7 +5,7 @@ it, and a picture is drawn only where it would differ from the last one.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ from player.view.colors import Colors
 from player.view.dates import date_at
 from player.view.organ_place import organ_place
 from player.view.playback import Timeline
-from player.view.split_view import Pair, Pane, panes_of
+from player.view.split_view import Pane, panes_of
 from player.view.state import Scene, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
@@ -43,24 +43,7 @@ TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
-QUEUED, SETTLING = 2, 4  # pictures until ImGui has seen to events; until windows know their sizes
-TIP = 0.45  # seconds that a tip takes to come
-
-
-@dataclass(frozen=True)
-class Picture:
-    """All that a picture depends on: what is drawn is compared with what is wanted."""
-
-    scene: Scene
-    measures: Measures
-    facts: Facts
-    detail: Detail
-    events: int  #: how many the mouse has sent
-
-    @property
-    def view(self) -> object:
-        """What moves: the day, the camera and the size."""
-        return self.scene.timeline.day, self.scene.camera, self.measures
+SETTLING = 0.6  # seconds that pictures go on after an event: tips come, cards find their sizes
 
 
 class Window:
@@ -80,8 +63,8 @@ class Window:
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
-        self._drawn: Picture | None = None
-        self._unsettled, self._moved_at = 0, 0.0
+        self._drawn: tuple[Scene, Measures, int] | None = None  # and the events by then
+        self._changed_at = 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
         bare = self._show(clips)
         camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
@@ -136,7 +119,6 @@ class Window:
         self._colors, self._organs = Colors(bare[0]), OrganInfo(bare[0])
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch([one.file for one in clips if one.file is not None])
-        self._pair: Pair | None = None
         self._fitted: tuple[float, float, float] | None = None
         self._drawn = None
         return bare
@@ -145,14 +127,9 @@ class Window:
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         plays = self.scene.timeline.playing and not self._interface.timeline.held
-        moves = plays or self.scene.turning or self.scene.notice != ""
-        return moves or self._settles or not self.viewports.whole
-
-    @property
-    def _settles(self) -> bool:
-        """Whether the interface is not yet as it stays."""
-        tip = self._gui.holds_mouse and glfw.get_time() < self._moved_at + TIP
-        return tip or self._unsettled > 0
+        settles = glfw.get_time() < self._changed_at + SETTLING
+        moves = plays or self.scene.turning or self.scene.notice != "" or self._organs.measuring
+        return moves or settles or not self.viewports.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
@@ -163,8 +140,7 @@ class Window:
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         ended = self._exports.look()
-        if ended:
-            scene = scene.with_notice(ended)
+        scene = replace(scene, exporting=self._exports.progress, notice=ended or scene.notice)
         if scene.notice != self._notice:
             seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
             self._notice, self._notice_ends = scene.notice, now + seconds
@@ -223,71 +199,66 @@ class Window:
     def _fit(self) -> None:
         """Fit the cameras to the part of the window that a plant has."""
         width, height = self._measures.units
-        width -= self._aside
+        width -= panel_width(self.scene, width)
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
         plot = strip_height(self.scene, height)
         if self._measures.visible and self._fitted != (width, height, plot):
             before = self._fitted[2] if self._fitted else plot
             self._fitted = (width, height, plot)
-            self.scene, self._pair = fitted(self.scene, (width, height), plot, before)
-
-    @property
-    def _aside(self) -> float:
-        """What the panel takes from the window's width, in units."""
-        return panel_width(self._measures.units[0], self.scene.panel and not self.scene.kiosk)
+            self.scene = fitted(self.scene, (width, height), plot, before)
 
     def _draw(self) -> None:
-        measures, area, now = self._measures, self._measures.beside(self._aside), glfw.get_time()
-        panes = panes_of(self.scene, [one.name for one in self.clips], self._pair)
-        wanted = Picture(self.scene, measures, self._facts(panes), Detail(), self._gui.events)
-        moves = self._drawn is None or wanted.view != self._drawn.view
-        if moves and self.scene.wish is None:
-            wanted = replace(wanted, detail=self._resolution.detail(area))
-        if self._drawn is None or wanted.events != self._drawn.events:
-            self._moved_at = now
-        same = wanted == self._drawn
-        if not measures.visible or (same and self.viewports.whole and not self._settles):
+        """Draw the next picture, if it may differ from the last one."""
+        scene, measures, now = self.scene, self._measures, glfw.get_time()
+        wanted, drawn = (scene, measures, self._gui.events), self._drawn
+        if wanted != drawn:
+            self._changed_at = now
+        elif not self._lively:
             return
-        least = QUEUED if self._drawn and wanted.scene == self._drawn.scene else SETTLING
-        self._unsettled = self._unsettled - 1 if same else least
-        at_rest = (not moves and not self.viewports.loading) or self.scene.wish is not None
-        budget = None if at_rest else LOADING
+        if not measures.visible:
+            return
+        moves = drawn is None or _view(scene, measures) != _view(*drawn[:2])
+        aside = panel_width(scene, measures.units[0])
+        area, panes = measures.beside(aside), panes_of(scene, [one.name for one in self.clips])
+        still = scene.wish is not None  # a picture of all that there is
+        detail = self._resolution.detail(area) if moves and not still else Detail()
+        at_rest = still or not (moves or self.viewports.loading)
         try:
-            self.viewports.paint(area, panes, self.scene.style, wanted.detail, budget)
+            budget = None if at_rest else LOADING
+            self.viewports.paint(area, panes, scene.style, detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
         screen.use()
         self.viewports.show(screen, area)
-        if self.scene.wish is not None:
+        if still:
             pixels = self.viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
-        size = measures.units, measures.scale
-        self.scene = self._interface.draw(screen, self.scene, *size, wanted.facts)
+        self.scene = self._interface.draw(
+            screen, self.scene, measures.units, measures.scale, self._facts(panes)
+        )
         check_context(self._context)
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
         self._drawn = wanted
-        self._pick(panes)
+        self._pick(panes, (measures.units[0] - aside, measures.units[1]))
         self._watch(self.scene)
 
-    def _pick(self, panes: Sequence[Pane]) -> None:
-        """Pick the organ that was clicked."""
-        (width, height), at = self._measures.units, self._interface.mouse.clicked
-        if at is None or self.scene.kiosk:
+    def _pick(self, panes: Sequence[Pane], area: tuple[float, float]) -> None:
+        """Pick the organ that was clicked in the plant's part of the window, in units."""
+        mouse = self._interface.mouse
+        if mouse.clicked is None or self.scene.kiosk:
             return
-        area = (width - self._aside, height)
-        if found := self.viewports.organ_under(panes, self.scene.style, at, area):
+        if found := self.viewports.organ_under(panes, self.scene.style, mouse.clicked, area):
             pane, track, aspect, spot = found
             seen = pane.camera, aspect, spot
             place = None if track is None else organ_place(self.scene.clip, track, pane.day, seen)
-            self.scene = actions.pick(track, place, self._interface.mouse.more)(self.scene)
+            self.scene = actions.pick(self.scene, track, place, mouse.more)
 
     def _facts(self, panes: tuple[Pane, ...]) -> Facts:
         scene, picked = self.scene, self.scene.style.picked
-        colors, compared = self._colors.color_scale(scene.style), panes if len(panes) > 1 else ()
-        facts = Facts(colors, panes=compared, exporting=self._exports.progress)
+        facts = Facts(self._colors.color_scale(scene.style), panes=panes)
         if picked is None:
             return facts
         organ = tuple(self._organs.lines(scene.clip, picked, scene.timeline.day))
@@ -298,3 +269,8 @@ class Window:
         self._drawn = None
         self._follow_window()
         self._draw()
+
+
+def _view(scene: Scene, measures: Measures) -> object:
+    """What moves: the day, the camera and the size."""
+    return scene.timeline.day, scene.camera, measures

@@ -10,7 +10,7 @@ import glfw as untyped
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
-from player.ui.gui import Gui
+from player.ui.gui import BUTTONS, Gui
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
@@ -127,11 +127,6 @@ def listen(
         for name, code in vars(glfw).items()
         if name.startswith("KEY_") and len(name) > len("KEY_A")
     }
-    buttons = {
-        glfw.MOUSE_BUTTON_LEFT: "left",
-        glfw.MOUSE_BUTTON_MIDDLE: "middle",
-        glfw.MOUSE_BUTTON_RIGHT: "right",
-    }
     repeating = shifted = False
 
     def on_key(_: Any, code: int, scancode: int, action: int, modifiers: int) -> None:
@@ -149,8 +144,8 @@ def listen(
         key(chr(code), shifted, repeating)
 
     def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
-        if code in buttons:
-            gui.press(buttons[code], action == glfw.PRESS, bool(modifiers & glfw.MOD_SHIFT))
+        if code < BUTTONS:
+            gui.press(code, action == glfw.PRESS, bool(modifiers & glfw.MOD_SHIFT))
 
     def on_move(_: Any, x: float, y: float) -> None:
         gui.move_mouse(*Measures.of(handle).to_units(x, y))

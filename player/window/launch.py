@@ -10,14 +10,14 @@ if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes img
 import glfw  # noqa: F401  elsewhere before imgui-bundle, whose copy of GLFW knows no Wayland
 
 from gclip import Clip
+from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost
 from player.gl.timers import profile_table
 from player.ui.panel import stands_beside
 from player.view.camera_animation import load_path
-from player.view.holdout_error import Errors
 from player.view.playback import AtEnd
 from player.view.state import Scene
-from player.view.style import GroundChoice, Style
+from player.view.style import ColorMode, GroundChoice, Style
 from player.window.app import Window
 from player.window.glfw_window import opened
 from player.window.opened_clip import OpenClip
@@ -45,8 +45,8 @@ def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
     Raises ClipError, and PlayerError as `show` does.
     """
     clips = [OpenClip.of(file) for file in files]
-    if style.color_by == "error":
-        Errors(clips[0].clip)
+    if lacking := ColorMode(style.color_by).lacking(clips[0].clip):
+        raise PlayerError(lacking)
     last = load_settings()
     path = None if options.path is None else load_path(options.path, clips[0].clip)
     style = replace(style, ground=options.ground or last.ground or style.ground)

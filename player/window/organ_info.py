@@ -22,6 +22,11 @@ class OrganInfo:
     def release(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
+    @property
+    def measuring(self) -> bool:
+        """Whether more is known soon."""
+        return not all(found.done() for found in self._curves.values())
+
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; none until they are measured."""
         if track not in self._curves:

@@ -13,7 +13,7 @@ from player.gl.timers import PassTimers
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
-from player.view.split_view import Pair, Pane
+from player.view.split_view import Pane, paired_homes
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
@@ -34,22 +34,22 @@ def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Cam
 
 def fitted(
     scene: Scene, size: tuple[float, float], plot: float = 0.0, before: float = 0.0
-) -> tuple[Scene, Pair | None]:
-    """The scene with the home camera of a window, and its camera as it stood beside the last one;
-    and how two clips are seen alike.
+) -> Scene:
+    """The scene with the home cameras of a window, and its camera as it stood beside the last one.
 
     size: (width, height) in units of what a plant has of the window.
     plot, before: the height of the plot above the timeline, now and with the last home camera.
     """
-    homes = tuple(home_camera(clip, size, plot) for clip in scene.clips)
-    pair = Pair.of(scene.clips, homes) if len(homes) > 1 else None
-    home = homes[0] if pair is None else pair.homes[0]
+    home, *rest = (home_camera(clip, size, plot) for clip in scene.clips)
+    other = None
+    if rest:
+        home, other = paired_homes(scene.clips, (home, *rest))
     flat = scene.camera.orthographic
     last, now = scene.home.with_orthographic(flat), home.with_orthographic(flat)
     lowered = scene.camera.pan(0.0, -before / 2 / size[1])
     farther = replace(lowered, distance=lowered.distance * now.distance / last.distance)
-    camera = farther.pan(0.0, plot / 2 / size[1])
-    return replace(scene, camera=now if scene.camera == last else camera, home=home), pair
+    camera = now if scene.camera == last else farther.pan(0.0, plot / 2 / size[1])
+    return replace(scene, camera=camera, home=home, other_home=other)
 
 
 class Viewports:
@@ -166,21 +166,19 @@ class Viewports:
 
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
         """What wears values as colours, and scans that were left out, are clips of their own."""
-        mode = ColorMode(style.color_by)
-        clip = self._clips[pane.clip]
-        lacks = {ColorMode.ERROR: not clip.held_out, ColorMode.FIELD: not clip.fields}.get(mode)
-        paint = f"{mode} {style.color_map} {style.field}" if mode.painted and not lacks else ""
+        mode, colors = ColorMode(style.color_by), self._colors[pane.clip]
+        painted = mode.painted and not mode.lacking(self._clips[pane.clip])
+        paint = f"{mode} {style.color_map} {style.field}" if painted else ""
         key = (pane.clip, paint, pane.left_out)
         if key not in self._renderers:
-            colors = self._colors[pane.clip]
-            for other in [k for k in self._renderers if k[1] and k[1] != paint]:
-                self._renderers.pop(other).release()
-            if pane.left_out is None:
-                clip = colors.clip_with_colors(style)
-            else:
+            for number, worn, left_out in list(self._renderers):
+                replaced = pane.left_out is not None and left_out is not None
+                if replaced or (worn and worn != paint):
+                    self._renderers.pop((number, worn, left_out)).release()
+            if pane.left_out is not None:
                 clip = colors.left_out(pane.left_out, style)
-                for other in [k for k in self._renderers if k[2] is not None]:
-                    self._renderers.pop(other).release()
+            else:
+                clip = colors.clip_with_colors(style) if painted else self._clips[pane.clip]
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 

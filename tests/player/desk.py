@@ -24,6 +24,8 @@ from player.view.style import Style
 GROUND = (30, 60, 90)
 SIZE = (900.0, 600.0)
 
+BUTTONS = ("left", "right", "middle")  # in GLFW's order
+
 Place = tuple[float, float, float, float]  # left, top, right, bottom
 
 
@@ -132,7 +134,7 @@ class Desk:
         """Press and release; both may come before the next picture."""
         self.point(at)
         for down in (True, False):
-            self.gui.press(button, down)
+            self.gui.press(BUTTONS.index(button), down)
         return self.draw(3)
 
     def drag(
@@ -141,11 +143,11 @@ class Desk:
     ) -> Scene:  # fmt: skip
         """Press, move and release."""
         self.point(start)
-        self.gui.press(button, True, shift)
+        self.gui.press(BUTTONS.index(button), True, shift)
         self.draw()
         self.gui.move_mouse(*end)
         self.draw(2)
-        self.gui.press(button, False, shift)
+        self.gui.press(BUTTONS.index(button), False, shift)
         return self.draw(2)
 
     def wheel(self, notches: float) -> Scene:

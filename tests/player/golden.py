@@ -154,7 +154,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, (clip,))
         shown = replace(plain, **scene)
         panes = panes_of(shown, [plant])
-        facts = Facts(Colors(clip).color_scale(style), panes=panes if len(panes) > 1 else ())
+        facts = Facts(Colors(clip).color_scale(style), panes=panes)
         with _screen(size) as (context, screen):
             stage, gui = Viewports(context, [clip]), Gui()
             interface = Interface(gui, clip, plant)

@@ -16,7 +16,7 @@ from imgui_bundle import imgui
 
 from gclip import Clip
 from player.ui.interface import Facts
-from player.ui.pen import Pen
+from player.ui.pen import Pen, fitted
 from player.ui.theme import DARK, LIGHT
 from player.ui.timeline import Line, labels_on
 from player.view.colors import Colors
@@ -237,9 +237,8 @@ def test_a_notice_stands_on_a_card_in_the_middle(context: moderngl.Context) -> N
 def test_everything_at_once_is_drawn(context: moderngl.Context) -> None:
     clip = small_clip()
     scene = scene_of(clip, 0.5, color_by=ColorMode.HEIGHT, picked=1)
-    facts = Facts(
-        Colors(clip).color_scale(scene.style), (("kind", "leaf"),), (), Exporting("a.mp4", 3, 10)
-    )
+    scene = replace(scene, exporting=Exporting("a.mp4", 3, 10))
+    facts = Facts(Colors(clip).color_scale(scene.style), (("kind", "leaf"),))
     with opened(context, clip, scene, facts=facts) as desk:
         whole = desk.pixels().copy()
         desk.facts = Facts()
@@ -254,8 +253,9 @@ def test_text_from_clips_is_only_text(context: moderngl.Context) -> None:
     hostile = "%s%n##id###x\x00\x1b[31m\n\t" + "🌱日" + "x" * 100_000
     clip = small_clip([hostile] * 3, leaf=hostile)
     scene = replace(scene_of(clip, 0.5, picked=1, color_by=ColorMode.TRACK), panel=True)
-    facts = Facts(None, ((hostile, hostile),), (), Exporting(hostile, 1, 2))
-    with opened(context, clip, replace(scene, notice=hostile), facts=facts, name=hostile) as desk:
+    facts = Facts(None, ((hostile, hostile),))
+    scene = replace(scene, notice=hostile, exporting=Exporting(hostile, 1, 2))
+    with opened(context, clip, scene, facts=facts, name=hostile) as desk:
         desk.point((450.0, SIZE[1] - 50.0))
         desk.draw(5)
 
@@ -265,10 +265,9 @@ def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
         desk.gui.begin(SIZE, 1.0, DARK)
         pen = Pen(desk.gui, imgui.get_background_draw_list(), SIZE)
         assert pen.width("leaf##7", 16.0) > pen.width("leaf", 16.0)
-        assert pen.fitted("leaf\nleaf", 16.0, 400.0) == "leaf leaf"
-        assert pen.fitted("a long name", 16.0, 40.0).endswith("…")
-        assert pen.width(pen.fitted("a long name", 16.0, 40.0), 16.0) <= 40.0
-        assert pen.fitted("leaf", 16.0, 400.0, bold=True) == "leaf"
+        assert fitted("leaf\nleaf", 400.0) == "leaf leaf"
+        assert fitted("a long name", 40.0).endswith("…")
+        assert imgui.calc_text_size(fitted("a long name", 40.0)).x <= 40.0
         desk.gui.end(desk.framebuffer)
 
 

@@ -8,7 +8,7 @@ import pytest
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.playback import Timeline
-from player.view.split_view import Pair, matched_day, panes_of
+from player.view.split_view import matched_day, paired_homes, panes_of, transferred
 from player.view.state import Scene
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
@@ -49,15 +49,15 @@ def test_the_same_plant_is_seen_from_the_same_place(make_clip: ClipMaker) -> Non
     moved = replace(clip, origin=(5.0, 0.0, 0.0))
     homes = (Camera.home(clip), Camera.home(moved))
     camera = homes[0].orbit(0.4, 0.1).pan(0.1, 0.2)
-    seen = Pair.of((clip, moved), homes).transferred(camera)
+    seen = transferred(camera, *paired_homes((clip, moved), homes))
     assert np.allclose(seen.eye + moved.origin, camera.eye + clip.origin)
 
 
 def test_another_plant_is_seen_from_its_own_side_at_the_same_scale(make_clip: ClipMaker) -> None:
     first, second = make_clip(), replace(make_clip(up="y"), origin=(9000.0, 0.0, 0.0))
-    pair = Pair.of((first, second), (Camera.home(first), Camera.home(second)))
-    seen = pair.transferred(pair.homes[0])
+    home, other = paired_homes((first, second), (Camera.home(first), Camera.home(second)))
+    seen = transferred(home, home, other)
     assert seen.up == "y"
-    assert seen.distance == pair.homes[0].distance
-    assert np.allclose(seen.target, pair.homes[1].target)
-    assert seen.yaw == pytest.approx(pair.homes[1].yaw)
+    assert seen.distance == home.distance
+    assert np.allclose(seen.target, other.target)
+    assert seen.yaw == pytest.approx(other.yaw)

@@ -8,7 +8,7 @@ import pytest
 
 import gclip
 from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
-from player.ui import actions
+from player.ui import actions, keys
 from player.view.camera import Camera
 from player.view.organ_place import organ_place
 from player.view.playback import Timeline
@@ -27,8 +27,8 @@ def opened(tmp_path: Path) -> OpenClip:
 def called(kept: KeptEdits, scene: Scene, track: int, name: str) -> Scene:
     if scene.style.picked != track:
         place = organ_place(scene.clip, track, scene.timeline.day)
-        scene = actions.pick(track, place)(scene)
-    return kept.written(actions.correct("name", name)(scene))
+        scene = actions.pick(scene, track, place)
+    return kept.written(actions.correct(scene, "name", name))
 
 
 def names(scene: Scene) -> list[str]:
@@ -52,7 +52,7 @@ def test_names_are_seen_written_and_taken_back(opened: OpenClip) -> None:
     assert names(scene)[:2] == [stem, "tip"]
     assert [one.name for one in read_corrections(file)] == ["flag", "tip"]
     for expected in ("flag", leaf):
-        scene = kept.written(actions.undo(scene))
+        scene = kept.written(keys.pressed(scene, "ctrl+z"))
         assert names(scene)[:2] == [stem, expected]
     assert read_corrections(file) == ()
 
