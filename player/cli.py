@@ -2,7 +2,6 @@
 
 import math
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,9 +13,9 @@ import player.export
 import player.view
 import player.window
 from gclip.terminal.command import VersionOption, in_panels, run_app
-from gclip.text import Lossy, printable
+from gclip.text import printable
 from player.errors import PlayerError
-from player.info import print_info
+from player.info import info_lines
 from player.ui.keys import help_text
 from player.view.style import ColorMap, ColorMode, GroundChoice, Style
 from traits.dates import day_of
@@ -30,7 +29,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 STILL, TURNTABLE = "still", "turntable"
 SIZE = "1280x720"
 SCANS = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
-PIPE_WIDTH = 200  # letters
+MAX_LETTERS = 2000  # of a line of --info
 LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
 
 
@@ -182,12 +181,8 @@ def play_command(
         )
         _export(clip, film, days, Path(export), force, quiet, path)
     elif info:
-        from rich.console import Console
-
-        # In a pipe nothing is cut to a terminal's width that isn't there.
-        stdout: Any = Lossy(sys.stdout)
-        width = None if sys.stdout.isatty() else PIPE_WIDTH
-        print_info(Console(file=stdout, width=width), gclip.open(clip), clip)
+        for line in info_lines(gclip.open(clip), clip):
+            typer.echo(printable(line, MAX_LETTERS))
     else:
         chosen = None if size is None else _size(size)
         options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)

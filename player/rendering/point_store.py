@@ -16,7 +16,6 @@ import moderngl
 import numpy as np
 
 from gclip import Clip, Interval
-from gclip.errors import ClipError
 from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory
@@ -43,37 +42,28 @@ class Prefetch:
     def __init__(self) -> None:
         self._executor = ThreadPoolExecutor(1)
         self._wanted: int | None = None
-        self._reading: dict[int, Future[bool]] = {}
+        self._reading: Future[None]
 
-    def start(self, index: int, interval: Interval) -> None:
-        """Begin to read an interval, and cancel an earlier one; does nothing the second time."""
-        if index != self._wanted and not self.done(index):
+    def has_read(self, index: int, interval: Interval) -> bool:
+        """Whether an interval is in memory; the first call begins to read it, and no other one."""
+        if index != self._wanted:
             self._wanted = index
-            self._reading[index] = self._executor.submit(self._read, index, interval)
-
-    def done(self, index: int) -> bool:
-        found = self._reading.get(index)
-        return found is not None and found.done() and found.result()
+            self._reading = self._executor.submit(self._read, index, interval)
+        return self._reading.done()
 
     def stop(self) -> None:
         self._wanted = None
         self._executor.shutdown(cancel_futures=True)
 
-    def _read(self, index: int, interval: Interval) -> bool:
-        """Returns whether all of the interval was read."""
+    def _read(self, index: int, interval: Interval) -> None:
+        """Raises ClipError for a truncated file, as uploading it does, which reports that."""
         for buffer in buffers_of(interval):
-            if not buffer.flags.c_contiguous:
-                continue
             pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
             for first in range(0, len(pages), STEP):
                 if self._wanted != index:
-                    return False
-                try:
-                    check_not_truncated(buffer)
-                except ClipError:  # reported when it is uploaded
-                    return False
+                    return
+                check_not_truncated(buffer)
                 pages[first : first + STEP].max(initial=0)
-        return True
 
 
 class ChunkStore:
@@ -153,12 +143,11 @@ class ChunkStore:
         if index >= len(self._clip.intervals):
             return
         interval = self._clip.intervals[index]
-        self._prefetch.start(index, interval)
         if self._ahead[0] != index:
             layers = [Layer(index, group, 0, 0, 1) for group in interval.groups]
             ranges = [DrawRange(layer, layer.group.count) for layer in layers]
             self._ahead = (index, self._slices(ranges))
-        if self._prefetch.done(index):
+        if self._prefetch.has_read(index, interval):
             self._follow(self._ahead[1], ends, ahead=True)
 
     def _slices(self, ranges: list[DrawRange]) -> Iterator[tuple[Chunk, int]]:

@@ -84,7 +84,7 @@ class Renderer:
     ) -> bool:
         """Draw the plant on a day over all of a framebuffer.
 
-        Returns whether every point was drawn in its final size. The framebuffer stays bound, with
+        Returns whether every point was drawn. The framebuffer stays bound, with
         blending and depth test switched off.
 
         size:          width and height of the framebuffer in pixels.
@@ -93,13 +93,12 @@ class Renderer:
                        not on the GPU by then are left out.
         transparent:   draw the plant without a background, with unassociated alpha.
         """
-        wait = upload_budget is None
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
         gbuffer = self._gbuffer_of(samples)
         ranges = self._ranges(layers_at(self.clip, day), stride, upload_budget)
-        closing = self._closing.at(*locate(self.clip, day), wait)
+        closing = self._closing.at(*locate(self.clip, day))
         splats = self._splat_params(camera, style, samples, ranges, closing)
         self._points.set_colors(self._colors, day, style)
         if style.show_ground and not transparent:
@@ -122,9 +121,9 @@ class Renderer:
             light=0,
             transparent=transparent,
         )
-        if not wait:
-            self._closing.measure(locate(self.clip, day)[0])
-        return _missing(ranges) == 0 and stride == 1 and (wait or self.radius_known(day))
+        if upload_budget is not None:
+            self._closing.measure_ahead()
+        return _missing(ranges) == 0 and stride == 1
 
     def organ_at(
         self,
@@ -143,15 +142,11 @@ class Renderer:
         """
         layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
         ranges = self._ranges(layers, 1, 0.0)
-        closing = self._closing.at(*locate(self.clip, day), False)
+        closing = self._closing.at(*locate(self.clip, day))
         samples = (max(round(size[0]), 1), max(round(size[1]), 1))
         splats = self._splat_params(camera, style, samples, ranges, closing)
         self._points.set_colors(self._colors, day, style)
         return self._picking.track_at(ranges, splats, at)
-
-    def radius_known(self, day: float) -> bool:
-        """Whether the splats' size on a day is measured rather than estimated."""
-        return self._closing.settled(locate(self.clip, day)[0])
 
     @property
     def loaded(self) -> int:
@@ -160,7 +155,7 @@ class Renderer:
 
     def release(self) -> None:
         """Stop the threads that read and measure the clip."""
-        self._closing.release()
+        self._closing.stop()
         self._points.store.stop()
 
     def _splat_params(

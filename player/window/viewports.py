@@ -57,7 +57,7 @@ class Viewports:
     it wears as colours and for the last scan shown of those left out.
 
     whole:   whether the last picture showed every mover.
-    loading: whether movers came to the GPU for it, or their size is not known yet.
+    loading: whether movers came to the GPU for it.
     gpu_seconds: what the picture before it took on the GPU.
     """
 
@@ -114,8 +114,7 @@ class Viewports:
                 picture.scissor = (left, 0, right - left, size[1])
                 self._copy("part", picture, place)
                 picture.scissor = None  # type: ignore[assignment]
-        settled = all(self._renderer(pane, style).radius_known(pane.day) for pane in panes)
-        self.loading = upload_budget is not None and (before != self._loaded or not settled)
+        self.loading = upload_budget is not None and before != self._loaded
         self._painted = wanted
 
     def organ_under(

@@ -1,5 +1,7 @@
 """The natural point size follows the surface, not the nearest neighbour."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -40,22 +42,13 @@ def test_the_distance_is_continuous_in_time(make_clip) -> None:
     assert distances.at(1, 0.5) == pytest.approx(middle)
 
 
-def test_a_guess_is_near_the_distance(make_clip) -> None:
-    for points in (grid(1.0, 1.0, noise=0.2), grid(0.2, 1.0), np.repeat(grid(1, 1), 3, axis=0)):
-        assert closing_distance(points, roughly=True) == pytest.approx(
-            closing_distance(points), rel=0.15
-        )
-    distances = ClosingDistances(make_clip())
-    guess = distances.at(0, 0.0, wait=False)
-    assert not distances.settled(0)
-    assert guess == pytest.approx(distances.at(0, 0.0), rel=0.15)
-    distances.at(0, 1.0)
-    assert distances.settled(0)
-
-
-def test_measuring_goes_on_in_a_thread(make_clip) -> None:
-    distances = ClosingDistances(make_clip())
-    distances.measure(0)
-    assert distances._thread is not None
-    distances._thread.join()
-    assert all(distances.settled(index) for index in (0, 1))
+def test_distances_are_measured_ahead(make_clip) -> None:
+    clip = make_clip()
+    ahead, asked = ClosingDistances(clip), ClosingDistances(clip)
+    ahead.measure_ahead()
+    wanted = [asked.at(index, share) for index in (0, 1) for share in (0.0, 1.0)]
+    ends = time.monotonic() + 60.0
+    while len(ahead._at_end) < 3 and time.monotonic() < ends:
+        time.sleep(0.001)
+    ahead.stop()
+    assert set(ahead._at_end.values()) == set(wanted)
