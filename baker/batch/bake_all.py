@@ -25,25 +25,11 @@ ATTEMPTS = 2  # to bake a plant whose worker process is killed
 
 
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
-    """Bake many plants; if one fails, go on with the others.
+    """Bake many plants, folders of scans by name; if one fails, go on with the others.
 
-    Parameters
-    ----------
-    plants : mapping of str to Path
-        The folder of each plant's scans, by its name.
-    options : Options
-    outputs : Outputs
-        Its clip and report are folders.
-
-    Returns
-    -------
-    int
-        The exit code: 1 if the program was at fault for any plant, else 2 if any input was, else 0.
-
-    Raises
-    ------
-    InputError
-        If no plant can be baked with these options and outputs.
+    The outputs' clip and report are folders. Returns the exit code: 1 if the program was at fault
+    for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked with
+    these options and outputs.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:

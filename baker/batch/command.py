@@ -1,11 +1,10 @@
 """Run the command `bake`: list what would be baked, or bake one plant or many."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
-from functools import cache as once
+from functools import partial
 from pathlib import Path
 from shutil import rmtree
-from threading import Event
 
 from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
@@ -16,7 +15,6 @@ from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.batch.progress import StageProgress
 from baker.errors import InputError
-from baker.geometry.parallel import thread_map
 from baker.options import Options
 from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
@@ -71,31 +69,15 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
         options = corrected
     is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
     with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
-        surveyed = Event()
-
-        def report_compiling(done: int, total: int) -> None:
-            if surveyed.is_set():
-                progress("compiling the solver, once", done, total)
 
         def announce(findings: Sequence[Finding]) -> None:
             for line in finding_lines(findings):
                 progress.say(line)
-            surveyed.set()
-            remarks.extend(start_compiling())
-
-        background = stack.enter_context(thread_map(2))
-
-        @once
-        def start_compiling() -> Iterable[str | None]:
-            return background(compile_kernels, [report_compiling] if is_compiled else [])
-
-        def report(stage: str, done: int, total: int) -> None:
-            if stage == "aligning":  # all scans could be read: load or compile the solver meanwhile
-                start_compiling()
-            progress(stage, done, total)
+            if is_compiled:
+                remarks.append(compile_kernels(partial(progress, "compiling the solver, once")))
 
         solve = stack.enter_context(interval_solver(outputs.cluster)) if outputs.cluster else None
-        clip, errors = bake_into(outputs, inputs, options, cache, solve, report, announce)
+        clip, errors = bake_into(outputs, inputs, options, cache, solve, progress, announce)
         rmtree(temporary_cache, ignore_errors=True)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)

@@ -16,21 +16,9 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     Several folders are one plant each, and so are the folders in a folder without scans. The folder
     of the clips, which a pattern such as */ may include, is not a plant.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-    output : str
-        The argument of -o: the folder of the clips, or "" where nothing is written.
-
-    Returns
-    -------
-    dict of str to Path
-        Folders by name, in the order given; empty if the inputs are the scans of one plant.
-
-    Raises
-    ------
-    InputError
-        If there are files among folders, or two plants of one name, or the output is not a folder.
+    output: the argument of -o: the folder of the clips, or "" where nothing is written. Returns
+    folders by name, in the order given; none if the inputs are the scans of one plant. Raises
+    InputError for files among folders, two plants of one name, or an output that is not a folder.
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders and not names_folder(output):

@@ -68,22 +68,11 @@ class Pictures:
 def take_pictures(
     clip: Clip, doubts: Sequence[Sequence[Doubt]], folder: Path | None = None, workers: int = 0
 ) -> Pictures:
-    """Render the pictures of a report.
+    """Render the pictures of a report, with temporary files in `folder`.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    doubts : sequence of sequence of Doubt
-        Grouped by interval, the most doubtful one first.
-    folder : Path, optional
-        For temporary files.
-    workers : int
-        Number of players that render at the same time, 0 for as many as there are cores.
-
-    Raises
-    ------
-    NoPicture
-        If the player can't render, for example without EGL.
+    doubts: grouped by interval, the most doubtful one first; workers: how many players render at
+    the same time, 0 for as many as there are cores. Raises NoPicture if the player can't render,
+    for example without EGL.
     """
     shown = [clip.times[k] for k in scans_pictured(clip)]
     held = [scan.time for scan in clip.held_out]

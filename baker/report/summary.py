@@ -12,19 +12,10 @@ VISIBLE_ERROR = 0.01  # marginal error of a transport plan above which the summa
 def summary_lines(
     clip: Clip, path: Path, seconds: dict[str, float], cached: str = "", verbose: bool = False
 ) -> list[str]:
-    """Summarise a clip in aligned lines of text.
+    """Summarise a clip, which was written to `path`, in aligned lines of text.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    path : Path
-        The clip's file.
-    seconds : dict of str to float
-        Duration of each stage.
-    cached : str
-        How many intervals came from a cache, "" where there is none.
-    verbose : bool
-        Add details of the transport and of the stages.
+    seconds: the duration of each stage; cached: how many intervals came from a cache, "" where
+    there is none; verbose: add details of the transport and of the stages.
     """
     pairs = [pair for interval in clip.intervals for pair in interval.segments]
     events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)

@@ -6,10 +6,9 @@ bounding box of all scans.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.geometry.neighbors import point_spacing
 from baker.pipeline import Survey
@@ -22,10 +21,6 @@ class Distances(NamedTuple):
     mean: float
     deviation: float
     maximum: float
-
-    @classmethod
-    def of(cls, nearest: NDArray[np.float64]) -> Self:
-        return cls(float(nearest.mean()), float(nearest.std()), float(nearest.max()))
 
 
 @dataclass(frozen=True)
@@ -79,7 +74,8 @@ def verify(
     for number, held in enumerate(survey.held_out, 1):
         scan, reconstruction = held.positions, clip.at(held.time).local
         pairs = ((scan, reconstruction), (reconstruction, scan))
-        both = [Distances.of(KDTree(target).query(source)[0]) for target, source in pairs]
+        nearest = [KDTree(target).query(source)[0] for target, source in pairs]
+        both = [Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest]
         sizes = len(scan), point_spacing(scan)
         errors.append(HoldoutError(held.name, held.date, held.time, *sizes, *both))
         report_progress("verification", number, len(survey.held_out))

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +30,6 @@ class FollowedOrgans:
     confirmed: Collection[tuple[int, int | None]] = ()  # (interval, label) that users corrected
 
 
-class IdentityDoubt(NamedTuple):
-    """One organ that may be another one."""
-
-    track: int
-    what: str  #: a clause with {name}, the organ's, and {other}, that of the organ it may be
-    strength: float
-    other: int | None = None
-
-
 @dataclass(frozen=True)
 class _Organs:
     """The organs of a scan: segments of its hierarchy, some of which may have no points."""
@@ -50,15 +40,21 @@ class _Organs:
     size: NDArray[np.float64]  # of each segment, relative to the root mean square of all
 
 
-def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[IdentityDoubt]:
-    """Yield doubts about the matches, births and losses of the interval `index`."""
+def doubtful_identities(
+    series: FollowedOrgans, index: int
+) -> Iterator[tuple[str, float, list[int]]]:
+    """Yield doubts about the matches, births and losses of the interval `index`.
+
+    Each is a clause with {} for the names of organs, a strength, and the ids of these organs, of
+    which the first may be another one.
+    """
     match = series.matches[index]
     tracks, end_tracks = match.first.organs, match.second.organs
     first, second = _organs(series, index, match.first), _organs(series, index + 1, match.second)
+    starts, ends = first.segments.tolist(), second.segments.tolist()
+    known = [(starts.index(a), ends.index(b)) for a, b in match.pairs if a in starts and b in ends]
     scores = np.zeros((len(first.share), len(second.share)))
-    scores[np.ix_(first.segments, second.segments)] = match_scores(
-        first.descriptors, second.descriptors, _matched(first, second, match)
-    )
+    scores[np.ix_(starts, ends)] = match_scores(first.descriptors, second.descriptors, known)
     for pair in match.pairs:
         scores[pair] -= MIN_MARGIN
     successor = dict(best_pairs(scores))
@@ -72,19 +68,19 @@ def doubtful_identities(series: FollowedOrgans, index: int) -> Iterator[Identity
         organ, growth = tracks[a], float(second.size[b] / first.size[a])
         if successor.get(a) != b and (a in successor or b in predecessor):
             rival = tracks[predecessor[b]] if b in predecessor else end_tracks[successor[a]]
-            yield IdentityDoubt(organ, "{name} and {other} may be mixed up", 1.0, rival)
+            yield "{} and {} may be mixed up", 1.0, [organ, rival]
         if growth > MAX_GROWTH:
-            what = "{name} may be two organs (suddenly much larger)"
-            yield IdentityDoubt(organ, what, growth / MAX_GROWTH)
+            what = "{} may be two organs (suddenly much larger)"
+            yield what, growth / MAX_GROWTH, [organ]
         if growth * MAX_SHRINKAGE < 1.0:
-            what = "{name} may lack a part (suddenly much smaller)"
-            yield IdentityDoubt(organ, what, 1.0 / (max(growth, 1e-3) * MAX_SHRINKAGE))
+            what = "{} may lack a part (suddenly much smaller)"
+            yield what, 1.0 / (max(growth, 1e-3) * MAX_SHRINKAGE), [organ]
     for a in match.losses:
         if (strength := float(first.share[a]) / MIN_SHARE) >= 1.0:
-            yield IdentityDoubt(tracks[a], "{name} is large but vanishes", strength)
+            yield "{} is large but vanishes", strength, [tracks[a]]
     for b in match.births:
         if (strength := float(second.share[b]) / MAX_BORN_SHARE) >= 1.0:
-            yield IdentityDoubt(end_tracks[b], "{name} is large but new", strength)
+            yield "{} is large but new", strength, [end_tracks[b]]
 
 
 def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
@@ -98,15 +94,6 @@ def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
     gains = np.maximum(scores, 0.0)
     pairs = np.column_stack(linear_sum_assignment(gains, maximize=True))
     return [(i, j) for i, j in pairs.tolist() if gains[i, j] > 0.0]
-
-
-def _matched(first: _Organs, second: _Organs, match: Match) -> list[tuple[int, int]]:
-    """The pairs of a match, as indices among the organs that have points."""
-    starts, ends = (
-        {segment: index for index, segment in enumerate(organs.segments.tolist())}
-        for organs in (first, second)
-    )
-    return [(starts[a], ends[b]) for a, b in match.pairs if a in starts and b in ends]
 
 
 def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:

@@ -29,19 +29,8 @@ def judge_clip(
 ) -> Clip:
     """Add the verdict to the provenance of a clip, judged without knowing the true growth.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    attachments : sequence of (Attachments, Attachments)
-        For each interval, those in its first and in its second scan.
-    followed : FollowedOrgans, optional
-        The organs, where they were tracked by their shape and not by labels.
-    map : map-like callable
-        Maps over the intervals.
-
-    Returns
-    -------
-    gclip.Clip
+    attachments: for each interval, those in its first and in its second scan; followed: the organs,
+    where they were tracked by their shape and not by labels; map: maps over the intervals.
     """
     judge = partial(_interval_doubts, clip, followed)
     doubts = chain.from_iterable(map(judge, range(len(clip.intervals)), attachments))
@@ -63,14 +52,12 @@ def _interval_doubts(
             contacts = [side[track] for side in attachments if track in side]
             what, strength = max(_motion_faults(motion, contacts), key=lambda fault: fault[1])
             if strength >= 1.0:
-                clause = what.format(name=organ_name(clip, track))
+                clause = what.format(organ_name(clip, track))
                 doubts.append(Doubt(interval.start, interval.end, track, clause, strength))
     if followed is not None:
-        for track, what, strength, other in doubtful_identities(followed, index):
-            organs = sorted([track] if other is None else [track, other])
-            name, *others = (organ_name(clip, organ) for organ in organs)
-            clause = what.format(name=name, other=others and others[0])
-            doubt = Doubt(interval.start, interval.end, track, clause, strength, identity=True)
+        for what, strength, organs in doubtful_identities(followed, index):
+            clause = what.format(*(organ_name(clip, organ) for organ in sorted(organs)))
+            doubt = Doubt(interval.start, interval.end, organs[0], clause, strength, identity=True)
             doubts.append(doubt)
     return doubts
 
@@ -78,14 +65,14 @@ def _interval_doubts(
 def _motion_faults(
     motion: SampledMotion, contacts: Sequence[NDArray[np.floating]]
 ) -> Iterator[tuple[str, float]]:
-    """Yield possible faults of an organ's motion: a clause about its {name}, and the strength."""
-    yield "{name} tears", motion.torn_share / MAX_TORN_SHARE
+    """Yield possible faults of the motion: a clause with {} for the organ, and the strength."""
+    yield "{} tears", motion.torn_share / MAX_TORN_SHARE
     verb = "swells" if motion.size_change > 0 else "shrinks"
-    yield f"{{name}} {verb} between the scans", abs(motion.size_change) / MAX_SIZE_CHANGE
+    yield f"{{}} {verb} between the scans", abs(motion.size_change) / MAX_SIZE_CHANGE
     if len(contacts) == 2:
         order = motion.order_correlation(contacts)
         parts = "the tip and the base" if order < 0 else "parts"
-        yield f"{parts} of {{name}} change places", (1.0 - order) / (1.0 - MIN_ORDER_CORRELATION)
+        yield f"{parts} of {{}} change places", (1.0 - order) / (1.0 - MIN_ORDER_CORRELATION)
 
 
 def organ_name(clip: Clip, track: int) -> str:
