@@ -7,16 +7,16 @@ share its values as they share organs.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from itertools import compress
+from itertools import chain, compress
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.parallel import MapLike
 from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
@@ -57,7 +57,7 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False
+    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
@@ -68,6 +68,8 @@ def choose_labels(
         Whether the user named the field; it is used whatever its values look like.
     are_needed : bool
         Whether the user said that there are labels; a field with a known name is then not doubted.
+    map : map-like callable
+        Maps over the scans.
 
     Returns
     -------
@@ -87,38 +89,30 @@ def choose_labels(
     names: list[str] = []
     findings: list[Finding] = []
     for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
-        is_known = is_asked or label_rank(name) is not None
         having = [scan for scan in scans if name in scan.fields]
-        if not is_known and (names or min(map(len, having)) < MIN_SAMPLE):
-            continue
-        bad = [(scan.path, v) for scan in having for v in _not_whole(scan.fields[name])[:1]]
-        if bad and is_asked:
-            path, value = bad[0]
-            raise InputError(
-                f"'{path}': the field '{excerpt(name)}' holds {value:g}, but "
-                "labels must be whole numbers or words; choose another field with --label-field, "
-                "or read the scans without labels (--labels ignore)."
-            )
-        objection = _objection(name, having, [v for _, v in bad])
-        is_overruled = are_needed and is_known and objection and objection.doubt
-        if is_asked or not objection or is_overruled:
+        is_known = label_rank(name) is not None
+        if is_asked:
+            _require_whole(name, having)
             names.append(name)
-            if not is_known:
-                reason = "is taken for labels: its values lie together as those of organs do"
-                doubt = "its name does not say so"
-                findings.append(_finding(name, reason, doubt, "--labels ignore"))
-        elif is_known and not names:
-            findings.append(objection)
+        elif is_known or not (names or min(len(scan) for scan in having) < MIN_SAMPLE):
+            objection = _objection(name, having, map)
+            if not objection or (objection.doubt and is_known and are_needed):
+                names.append(name)
+                if not is_known:
+                    reason = "is taken for labels: its values lie together as those of organs do"
+                    doubt = "its name does not say so"
+                    findings.append(_finding(name, reason, doubt, "--labels ignore"))
+            elif is_known and not names:
+                findings.append(objection)
     chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
-    used = sorted(set(chosen) - {""}, key=_order)
-    values = [scan.fields.get(name) for scan, name in zip(scans, chosen, strict=True)]
+    values = {k: scans[k].fields[name] for k, name in enumerate(chosen) if name}
     numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
-    labelled = [
-        scan if labels is None else replace(scan, labels=labels)
-        for scan, labels in zip(scans, numbers, strict=True)
-    ]
+    labelled = list(scans)
+    for k, labels in numbers.items():
+        labelled[k] = replace(scans[k], labels=labels)
+    used = ", ".join(excerpt(name) for name in names if name in chosen)
     kept = [finding for finding in findings if finding.doubt or not used]
-    return labelled, ", ".join(map(excerpt, used)), words, tuple(kept)
+    return labelled, used, words, tuple(kept)
 
 
 def drop_labels(
@@ -141,16 +135,19 @@ def drop_labels(
         If no scan has a label of `dropped`, or a scan has no other labels.
     """
     asked = set(filter(None, dropped.lower().split(",")))
+    ground = set() if keep_ground else GROUND_WORDS
     found, removed, remaining = set[str](), set[str](), []
     for scan in scans:
+        labels = [] if scan.labels is None else [scan.labels]
+        fields_of_words = (field for field in scan.fields.values() if field.dtype.kind == "U")
         is_removed = np.zeros(len(scan), bool)
-        for texts, index in _label_texts(scan, words):
-            names = [text.lower() for text in texts]
-            ground = set() if keep_ground else GROUND_WORDS
-            matches = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in names]
-            is_removed |= np.array(matches, bool)[index]
-            found |= {*names}
-            removed |= {*compress(names, matches)}
+        for values in (*labels, *fields_of_words):
+            distinct, index = np.unique(values, return_inverse=True)
+            texts = [words.get(label, str(label)).lower() for label in distinct.tolist()]
+            is_unwanted = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in texts]
+            is_removed |= np.array(is_unwanted, bool)[index]
+            found.update(texts)
+            removed.update(compress(texts, is_unwanted))
         if is_removed.all():
             raise InputError(f"'{scan.path}': without the labels to drop no points are left.")
         remaining.append(scan.take(np.flatnonzero(~is_removed)) if is_removed.any() else scan)
@@ -164,56 +161,61 @@ def drop_labels(
     return remaining, (Finding("labels", f"{listed}, {count:,} points, taken out"),)
 
 
-def _label_texts(scan: Scan, words: dict[int, str]) -> Iterator[tuple[list[str], NDArray[np.intp]]]:
-    """The distinct labels as texts, with the (N,) index of each point's; then fields of words."""
-    if scan.labels is not None:
-        numbers, index = np.unique(scan.labels, return_inverse=True)
-        yield [words.get(number, str(number)) for number in numbers.tolist()], index
-    for values in (field for field in scan.fields.values() if field.dtype.kind == "U"):
-        texts, index = np.unique(values, return_inverse=True)
-        yield texts.tolist(), index
-
-
 def _order(name: str) -> tuple[int, str]:
     rank = label_rank(name)
     return (len(RANKS) if rank is None else rank), name
 
 
-def _not_whole(values: NDArray) -> NDArray:
-    """The numbers that can't be labels."""
+def _fraction(values: NDArray) -> float | None:
+    """The first number that can't be a label; None if all values can."""
     if values.dtype.kind in "iU":
-        return values[:0]
+        return None
     with np.errstate(invalid="ignore"):
         is_whole = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
-        return values[~(is_whole | np.isnan(values))]
+    is_label = is_whole | np.isnan(values)
+    return None if is_label.all() else float(values[~is_label][0])
 
 
-def _objection(name: str, scans: Sequence[Scan], bad: Sequence[float]) -> Finding | None:
+def _require_whole(name: str, scans: Sequence[Scan]) -> None:
+    """Raise InputError where the field that the user named holds a number that is no label."""
+    for scan in scans:
+        if (value := _fraction(scan.fields[name])) is not None:
+            raise InputError(
+                f"'{scan.path}': the field '{excerpt(name)}' holds {value:g}, but "
+                "labels must be whole numbers or words; choose another field with --label-field, "
+                "or read the scans without labels (--labels ignore)."
+            )
+
+
+def _objection(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
     """The reason why a field does not label organs; None if it seems to."""
-    if bad:
-        return _finding(name, f"is not used, as it holds {bad[0]:g}, which is no whole number")
     values = [scan.fields[name] for scan in scans]
+    fraction = next((found for found in map(_fraction, values) if found is not None), None)
+    if fraction is not None:
+        return _finding(name, f"is not used, as it holds {fraction:g}, which is no whole number")
     distinct_of_scan = list(map(np.unique, values))
     distinct = np.unique(np.concatenate(distinct_of_scan))
     texts = [str(value).strip().lower() for value in distinct]
     if len(distinct) == 1:
         return _finding(name, f"is not used, as it is {texts[0].removesuffix('.0')} everywhere")
-    if max(map(len, distinct_of_scan)) == 1:
+    if max(len(distinct) for distinct in distinct_of_scan) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
-    statistics = [_neighborhood_statistics(scans[k].points, values[k]) for k in sampled]
-    agreement, components, steps = np.mean(statistics, axis=0)
+    clouds, labels = [scans[k].points for k in sampled], [values[k] for k in sampled]
+    agreement, components, steps = np.mean(
+        list(map(_neighborhood_statistics, clouds, labels)), axis=0
+    )
+    are_kinds = bool(CLASSES & {*texts}) and not re.search(r"\d", "".join(texts))
     max_components = MAX_COMPONENTS_OF_FEW if len(distinct) <= FEW_VALUES else MAX_COMPONENTS
-    doubt = ""
     if agreement < MIN_AGREEMENT:
         doubt = f"its {len(distinct)} values are mixed among neighbours, as an intensity's are"
     elif steps > MAX_STEPS:
         doubt = "its values change by one from point to point, as heights or scan lines do"
-    elif components > max_components or (
-        CLASSES & {*texts} and not re.search(r"\d", "".join(texts))
-    ):
+    elif components > max_components or are_kinds:
         doubt = "it seems to tell kinds of organs (stem, leaf) and not one organ from another"
-    return _finding(name, "is not used", doubt, f"--label-field '{name}'") if doubt else None
+    else:
+        return None
+    return _finding(name, "is not used", doubt, f"--label-field '{name}'")
 
 
 def _finding(name: str, predicate: str, doubt: str = "", option: str = "") -> Finding:
@@ -229,7 +231,7 @@ def _neighborhood_statistics(
     of a label, effective (inverse Simpson index, so small ones count little); and the share of
     nearest neighbours that differ by one, of those that differ (0 where labels are few).
     """
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
     step = -(-len(points) // MAX_SAMPLE)
@@ -242,9 +244,10 @@ def _neighborhood_statistics(
     counts = np.bincount(label)
     by_chance = float(((counts / len(label)) ** 2).sum())
     agreement = (same[:, 0].mean() - by_chance) / (1.0 - by_chance)
+
     source, k = np.nonzero(same)
-    edges = np.ones(len(source)), (source, neighbors[source, k])
-    _, component = connected_components(csr_matrix(edges, shape=(len(points),) * 2), directed=False)
+    graph = csr_array((np.ones(len(source)), (source, neighbors[source, k])), (len(points),) * 2)
+    _, component = connected_components(graph, directed=False)
     _, first, size = np.unique(component, return_index=True, return_counts=True)
     components = counts**2 / np.bincount(label[first], size.astype(float) ** 2)
     is_large = counts >= MIN_POINTS_OF_LABEL  # a few points are separate by chance
@@ -252,44 +255,45 @@ def _neighborhood_statistics(
     if is_large.any():  # over labels, or over points if that is more
         of_points = np.repeat(components[is_large], counts[is_large])
         median = max(np.median(components[is_large]), np.median(of_points))
-    differences = np.abs(label[neighbors[:, 0]] - label)[~same[:, 0]]
-    are_many = len(differences) and len(distinct) > NEIGHBORS
-    steps = float((differences == 1).mean()) if are_many else 0.0
+
+    steps = 0.0
+    if len(distinct) > NEIGHBORS and not same[:, 0].all():
+        differences = np.abs(label[neighbors[:, 0]] - label)[~same[:, 0]]
+        steps = float((differences == 1).mean())
     return float(agreement), float(median), steps
 
 
 def _numbered(
-    values: Sequence[NDArray | None],
-) -> tuple[list[NDArray[np.int64] | None], dict[int, str]]:
+    values: Mapping[int, NDArray],
+) -> tuple[dict[int, NDArray[np.int64]], dict[int, str]]:
     """The labels of each scan as integers, -1 for none, and the words that they stand for."""
-    if not any(labels is not None and labels.dtype.kind == "U" for labels in values):
-        whole = [None if labels is None else np.nan_to_num(labels, nan=-1) for labels in values]
-        return [None if labels is None else labels.astype(np.int64) for labels in whole], {}
-    distinct = partial(np.unique, return_inverse=True)
-    texts = [None if labels is None else distinct(labels.astype(str)) for labels in values]
-    found = {str(word).strip() for text in texts if text for word in text[0]}
+    if not any(labels.dtype.kind == "U" for labels in values.values()):
+        numbers = {k: np.nan_to_num(labels, nan=-1) for k, labels in values.items()}
+        return {k: labels.astype(np.int64) for k, labels in numbers.items()}, {}
+    coded = {k: np.unique(labels, return_inverse=True) for k, labels in values.items()}
+    texts = {k: [str(label).strip() for label in coded[k][0].tolist()] for k in coded}
     spelling: dict[str, str] = {}  # lower case -> the first spelling
-    for word in sorted(found - {""}, key=lambda word: (natural_key(word), word)):
-        if word.lower() not in NO_LABEL:
-            spelling.setdefault(word.lower(), word)
-    number = {word: k for k, word in enumerate(spelling)}
-    numbers = [
-        text and np.array([number.get(w.strip().lower(), -1) for w in text[0].tolist()])[text[1]]
-        for text in texts
-    ]
+    for text in sorted(set(chain(*texts.values())), key=lambda text: (natural_key(text), text)):
+        if text.lower() not in NO_LABEL:
+            spelling.setdefault(text.lower(), text)
+    number = {word: n for n, word in enumerate(spelling)}
+    numbers = {
+        k: np.array([number.get(text.lower(), -1) for text in texts[k]])[index]
+        for k, (_, index) in coded.items()
+    }
     return numbers, dict(enumerate(spelling.values()))
 
 
-def _without_unlabelled(values: Sequence[NDArray | None]) -> list[NDArray | None]:
-    """Replace the labels of a scan by None where they are one number that means "no labels".
+def _without_unlabelled(values: Mapping[int, NDArray]) -> dict[int, NDArray]:
+    """Leave out the scans whose labels are one number that means "no labels".
 
     That is a number that no scan with several labels has, or that follows such a scan.
     """
-    distinct = [[] if labels is None else np.unique(labels).tolist() for labels in values]
-    is_several = [len(names) > 1 for names in distinct]
-    known = {name for names in compress(distinct, is_several) for name in names}
-    unlabelled = [
-        len(names) == 1 and (any(is_several[:k]) or (any(is_several) and names[0] not in known))
-        for k, names in enumerate(distinct)
-    ]
-    return [None if empty else labels for labels, empty in zip(values, unlabelled, strict=True)]
+    distinct = {k: {*np.unique(labels).tolist()} for k, labels in values.items()}
+    several = [k for k, names in distinct.items() if len(names) > 1]
+    known = {name for k in several for name in distinct[k]}
+    return {
+        k: labels
+        for k, labels in values.items()
+        if k in several or not several or (k < several[0] and distinct[k] <= known)
+    }

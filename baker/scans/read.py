@@ -75,11 +75,14 @@ def read_series(
     scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
     keep_ground, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
-    scans, field, words, labels = choose_labels(scans, is_asked, are_needed)
+    scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
     scans, dropped = drop_labels(scans, words, options.drop_label, keep_ground)
     up = "z" if listing.images and options.up == "auto" else options.up
     scans, ground_up, ground = remove_ground(scans, up, keep_ground, map)
-    scans = _require_all_colors(list(map(partial(_downsampled, options=options), scans)))
+    scans = list(map(partial(_downsampled, options=options), scans))
+    if uncolored := [f"'{scan.name}'" for scan in scans if scan.colors is None]:
+        note = f"colours left out ({excerpt(', '.join(uncolored))} without colours)."
+        scans = [s if s.colors is None else replace(s, colors=None).noting(note) for s in scans]
     unit = options.unit or series.length
     size = require_one_unit(scans, unit)
     return replace(
@@ -101,14 +104,6 @@ def _downsampled(scan: Scan, options: Options) -> Scan:
     if options.voxel is not None:
         scan = downsample(scan, options.voxel)
     return scan if options.resample is None else resampled(scan, options.resample)
-
-
-def _require_all_colors(scans: list[Scan]) -> list[Scan]:
-    """Remove the colours of all scans, with a note, if one has none."""
-    if without := [f"'{scan.name}'" for scan in scans if scan.colors is None]:
-        note = f"colours left out ({excerpt(', '.join(without))} without colours)."
-        return [s if s.colors is None else replace(s, colors=None).noting(note) for s in scans]
-    return scans
 
 
 @dataclass(frozen=True)
