@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,6 @@ from baker.scans.labels import label_rank
 LONGEST_LINE = 1 << 17
 SKIPPED = ("-", "_")  # names of columns that are not used
 MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
-DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*;")  # as European spreadsheets write 1.5; 2.5
-MAX_HEAD = 1_000  # lines that are searched for decimal commas
 USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
 
 
@@ -28,58 +27,55 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     columns. Raises FormatError with the number of the line that does not fit.
     """
     lines = _read_lines(path)
-    if any(map(DECIMAL_COMMA.match, lines[:MAX_HEAD])):
-        lines = [line.replace(",", ".") for line in lines]
     header, delimiter, start, count = _read_head(lines, asked)
-    values = _split(lines[start], delimiter)
+    rows, first_line = lines[start:], start + 1
+    values = _split(rows[0], delimiter)
     width = len(values)
-    if header is None and width not in USUAL_WIDTHS:
-        example = excerpt(",".join(["x", "y", "z", *["-"] * (width - 4), "label"]))
-        raise FormatError(
-            f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
-            f"for others say what they are, as in --columns {example} (- is not used).",
-            start + 1,
-        )
-    usual = [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
-    names = [*map(_axis, header)] if header else usual
-    if asked and width >= 3:
-        names = names[:width]  # some scans of a series may have no column of labels
-    if len(names) != width:
-        reason = f"{width} columns, but {len(names)} names of columns"
-        raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", start + 1)
-    wanted = [i for i in range(width) if names[i] not in SKIPPED]
-    numbers = [i for i in wanted if _is_number(values[i])]
-    words = [i for i in wanted if _is_word(values[i]) and label_rank(names[i]) is not None]
-    unread = [names[i] for i in wanted if i not in numbers + words]
-    if unread and (header is None or set(unread) & {*"xyzXYZ"}):
+    names = _column_names(header, width, first_line, bool(asked))
+    used = [i for i, name in enumerate(names) if name not in SKIPPED]
+    numbers = [i for i in used if _is_number(values[i])]
+    words = [i for i in used if _is_word(values[i]) and label_rank(names[i]) is not None]
+    unread = [names[i] for i in used if i not in numbers + words]
+    if unread and (header is None or not {*"xyzXYZ"}.isdisjoint(unread)):
         example = ",".join(["label", *"xyz", *["-"] * (width - 4)])
         hint = f"; say what the columns are, as in --columns {example}" * (width > 3)
-        raise _not_numbers(values, start + 1, hint)
-    rows = _read_rows(lines[start:], names, start + 1, delimiter, numbers)
+        raise _not_numbers(values, first_line, hint)
+
+    load: Any = partial(np.loadtxt, rows, delimiter=delimiter, quotechar='"', ndmin=2)
+    # A delimiter at the end of a row makes an empty column, which `usecols` leaves out.
+    is_part = len(numbers) < width or rows[0].rstrip().endswith(delimiter or "\n")
+    try:
+        table = load(usecols=numbers if is_part else None)
+    except ValueError:
+        _raise_fault(rows, first_line, delimiter, names, numbers)
+        raise
     if count is not None:
-        require_count(count, len(rows), "rows")
-    notes = [f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}."]
+        require_count(count, len(table), "rows")
+    notes: tuple[str, ...] = ()
     if header is None:
-        if width > 3 and len(rows) > MIN_COUNTED and (np.diff(rows[:, 0]) == 1).all():
+        if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
             example = ",".join(["-", *"xyz", *["-"] * (width - 5), *["label"] * (width > 4)])
             reason = f"its first column counts the rows; name the columns: --columns {example}."
             raise FormatError(reason)
-        for i, name in zip(numbers, usual_names(rows, is_leica=count is not None), strict=True):
+        for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=True):
             # `usual_names` counts columns of numbers only; names[i] counts columns of words, too.
             names[i] = names[i] if name.startswith("column") else name
-        notes = [f"no header line: columns taken as {' '.join(names)}."]
-    columns = {names[i]: rows[:, k] for k, i in enumerate(numbers)}
+        notes = (f"no header line: columns taken as {' '.join(names)}.",)
+    elif unread:
+        listed = excerpt(", ".join(unread))
+        notes = (f"columns passed over, as they hold no numbers: {listed}.",)
+    columns = {names[i]: column for i, column in zip(numbers, table.T, strict=True)}
     if words:
-        form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": words, "ndmin": 2}
-        texts = np.loadtxt(lines[start:], str, **form).T
-        columns |= {names[i]: np.char.strip(text) for i, text in zip(words, texts, strict=True)}
-    return Columns(columns, tuple(notes if unread or header is None else ()))
+        texts = np.char.strip(load(dtype=str, usecols=words)).T
+        columns |= {names[i]: column for i, column in zip(words, texts, strict=True)}
+    return Columns(columns, notes)
 
 
 def _read_lines(path: Path) -> list[str]:
     """Read the lines of a text file in UTF-8 or, with a byte order mark, UTF-16.
 
-    Raises FormatError for a binary file, or a line that is too long for a row of numbers.
+    Between semicolons, commas become decimal points. Raises FormatError for a binary file, or a
+    line that is too long for a row of numbers.
     """
     with path.open("rb") as file:
         head = file.read(65536)
@@ -90,7 +86,27 @@ def _read_lines(path: Path) -> list[str]:
         lines = file.readlines()
     if longest := next((k for k, line in enumerate(lines, 1) if len(line) >= LONGEST_LINE), None):
         raise FormatError(f"{LONGEST_LINE} characters or more are no row of numbers.", longest)
-    return lines
+    return [line.replace(",", ".") if ";" in line else line for line in lines]
+
+
+def _column_names(header: Sequence[str] | None, width: int, line: int, is_asked: bool) -> list[str]:
+    """The names of the columns of a table, whose first row, in this line, has `width` values."""
+    if header is None:
+        if width in USUAL_WIDTHS:
+            return [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
+        example = excerpt(",".join(["x", "y", "z", *["-"] * (width - 4), "label"]))
+        raise FormatError(
+            f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
+            f"for others say what they are, as in --columns {example} (- is not used).",
+            line,
+        )
+    names = [*map(_axis, header)]
+    if is_asked and width >= 3:
+        names = names[:width]  # some scans of a series may have no column of labels
+    if len(names) != width:
+        reason = f"{width} columns, but {len(names)} names of columns"
+        raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", line)
+    return names
 
 
 def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
@@ -113,34 +129,23 @@ def as_type(numbers: NDArray, kind: DTypeLike) -> NDArray:
     return converted
 
 
-def _read_rows(
-    lines: Sequence[str],
-    names: Sequence[str],
-    number: int,
+def _raise_fault(
+    rows: Sequence[str],
+    line: int,
     delimiter: str | None,
-    columns: Sequence[int],
-) -> NDArray[np.float64]:
-    """Parse the numbers in `columns`; `number` is that of the first line.
-
-    Raises FormatError, with its line, for a row that has not one value for each name.
-    """
-    # A delimiter at the end of a row makes an empty column, which `usecols` leaves out.
-    ends_in_delimiter = "".join(lines[:1]).rstrip().endswith(delimiter or "\n")
-    usecols = columns if ends_in_delimiter or len(columns) < len(names) else None
-    form: Any = {"delimiter": delimiter, "quotechar": '"', "usecols": usecols, "ndmin": 2}
-    try:
-        return np.loadtxt(lines, float, **form)
-    except ValueError:
-        for line, text in enumerate(lines, number):
-            values = _split(text.partition("#")[0], delimiter)
-            if values and len(values) != len(names):
-                found = f"{len(values)} value{'s' * (len(values) != 1)} found"
-                expected = f"{len(names)} expected ({excerpt(' '.join(names))})"
-                raise FormatError(f"{found}, but {expected}.", line) from None
-            if not all(_is_number(values[i]) for i in columns if values):
-                hint = ", but the first row has one there"
-                raise _not_numbers([values[i] for i in columns], line, hint) from None
-        raise
+    names: Sequence[str],
+    numbers: Sequence[int],
+) -> None:
+    """Raise FormatError for the first row that has not one value for each name, or no number."""
+    for number, text in enumerate(rows, line):
+        values = _split(text.partition("#")[0], delimiter)
+        if values and len(values) != len(names):
+            found = f"{len(values)} value{'s' * (len(values) != 1)} found"
+            expected = f"{len(names)} expected ({excerpt(' '.join(names))})"
+            raise FormatError(f"{found}, but {expected}.", number) from None
+        if not all(_is_number(values[i]) for i in numbers if values):
+            hint = ", but the first row has one there"
+            raise _not_numbers([values[i] for i in numbers], number, hint) from None
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
@@ -171,7 +176,7 @@ def _read_head(
 ) -> tuple[list[str] | None, str | None, int, int | None]:
     """Names of the columns, delimiter, index of the first row, and number of rows, or None each."""
     comments: list[str] = []
-    names: list[str] | None = None
+    header: list[str] | None = None
     count: int | None = None
     for index, text in enumerate(map(str.strip, lines)):
         if text.startswith(("#", "//")):
@@ -184,13 +189,13 @@ def _read_head(
         if len(values) == 1 and values[0].isdecimal() and count is None:
             count = int(values[0][:18])
         elif sum(is_number) >= min(3, len(values)):
-            names = names or _names_in(comments, delimiter, len(values))
-            name, times = Counter(names).most_common(1)[0] if names else ("", 1)
+            header = [*asked] or header or _names_in(comments, delimiter, len(values))
+            name, times = Counter(header).most_common(1)[0] if header else ("", 1)
             if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
-            return [*asked] or names, delimiter, index, count
-        elif names is None and (asked or _has_xyz(values)) and not any(is_number):
-            names = values
+            return header, delimiter, index, count
+        elif header is None and not any(is_number) and (asked or _has_xyz(values)):
+            header = values
         else:
             is_header = len(values) > 2 and not any(is_number)
             hint = ", and a header has to name x, y and z (or --columns does)" * is_header
@@ -216,12 +221,13 @@ def _axis(name: str) -> str:
 
 
 def _delimiter(line: str) -> str | None:
+    """The delimiter of a table with this line; None for any white space."""
     if ";" in line:
         return ";"
-    if "\t" in line and all(re.search(r"\S", value) for value in line.split("\t")):
-        # Tabs mixed with spaces align columns: any white space is then the delimiter.
-        has_spaces = any(" " in value.strip() for value in line.split("\t"))
-        return None if has_spaces or "," in line else "\t"
+    cells = [cell.strip() for cell in line.split("\t")]
+    if len(cells) > 1 and all(cells):
+        # Tabs mixed with spaces align columns.
+        return None if "," in line or any(" " in cell for cell in cells) else "\t"
     return "," if "," in line else None
 
 
