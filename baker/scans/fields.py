@@ -96,19 +96,10 @@ def _may_be_labels(values: NDArray) -> bool:
 
 
 def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]:
-    """Convert red, green and blue of any dtype to 8-bit sRGB.
+    """Convert red, green and blue, (N,) each, to (N, 3) 8-bit sRGB; name the range, for a note.
 
-    Parameters
-    ----------
-    channels : three (N,) arrays
-        uint8 is used as it is. Floats of at most 1 are taken as 0–1, other numbers of at most 255
-        as 8-bit, of at most 65535 as 16-bit.
-
-    Returns
-    -------
-    colors : (N, 3) uint8, or None where a value is larger, negative or not finite
-    scale : str
-        The range that was assumed, for a note.
+    Floats of at most 1 are taken as 0-1, other numbers of at most 255 as 8-bit, of at most 65535 as
+    16-bit. None where a value is larger, negative or not finite.
     """
     is_integer = all(channel.dtype.kind in "iu" for channel in channels)
     if all(channel.dtype == np.uint8 for channel in channels):

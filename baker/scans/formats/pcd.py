@@ -11,7 +11,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.errors import excerpt
 from baker.scans.formats import Columns, FormatError, require_count, require_room
@@ -45,23 +44,25 @@ def read(path: Path) -> Columns:
             columns = {name: points[name] for name in names}
         case "binary_compressed":
             require_room(count, record.itemsize / LZF_RATIO, room - 8)
-            columns = _read_compressed(path, start, record, count)
+            content = path.read_bytes()[start:]  # sizes of packed and of unpacked data, LZF data
+            packed_size = int.from_bytes(content[:4], "little")
+            body = decompress(content[8 : 8 + packed_size], count * record.itemsize)
+            columns, offset = {}, 0
+            for name in names:  # field after field
+                columns[name] = np.frombuffer(body, record[name], count, offset)
+                offset += columns[name].nbytes
         case other:
             known = "ascii, binary, binary_compressed"
             raise _header_fault(f"names the unknown DATA '{excerpt(other)}'; known are {known}")
-    return Columns(_unpack_colors(columns))
-
-
-def _read_compressed(path: Path, start: int, record: np.dtype, count: int) -> dict[str, NDArray]:
-    """Read a body of two sizes (packed, unpacked) and LZF data: field after field."""
-    content, size = path.read_bytes()[start:], count * record.itemsize
-    packed_size = int.from_bytes(content[:4], "little")
-    body = decompress(content[8 : 8 + packed_size], size)
-    columns, offset = {}, 0
-    for name in record.names or ():
-        columns[name] = np.frombuffer(body, record[name], count, offset)
-        offset += columns[name].nbytes
-    return columns
+    for name in names:
+        if name.lower() in ("rgb", "rgba") and columns[name].dtype.itemsize == 4:
+            packed = np.ascontiguousarray(columns.pop(name)).view("<u4")
+            shifts = {"red": 16, "green": 8, "blue": 0}
+            columns |= {
+                color: (packed >> shift).astype(np.uint8) for color, shift in shifts.items()
+            }
+            break
+    return Columns(columns)
 
 
 def decompress(packed: bytes, size: int) -> bytes:
@@ -90,17 +91,6 @@ def decompress(packed: bytes, size: int) -> bytes:
     if len(result) != size or offset != len(packed):
         raise ValueError("LZF data of another size")
     return bytes(result)
-
-
-def _unpack_colors(columns: dict[str, NDArray]) -> dict[str, NDArray]:
-    """Split a packed colour, with blue in the lowest byte, into red, green and blue."""
-    for name, values in columns.items():
-        if name.lower() in ("rgb", "rgba") and values.dtype.itemsize == 4:
-            packed = np.ascontiguousarray(values).view("<u4")
-            channels = {"red": 16, "green": 8, "blue": 0}
-            colors = {c: (packed >> shift).astype(np.uint8) for c, shift in channels.items()}
-            return {key: column for key, column in columns.items() if key != name} | colors
-    return columns
 
 
 def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:

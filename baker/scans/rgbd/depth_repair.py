@@ -123,22 +123,10 @@ def _polynomial_surface(depth: Depth, measured: Mask, weight: Depth) -> Depth:
 def diffuse(values: Depth, valid: Mask, segment: NDArray[np.integer]) -> Depth:
     """Fill each segment with the solution of Laplace's equation between its valid pixels.
 
-    Parameters
-    ----------
-    values : (H, W) float64
-    valid : (H, W) bool
-    segment : (H, W) integers
-        0 outside of all segments. Nothing flows between segments or out of them.
-
-    Returns
-    -------
-    (H, W) float64
-        NaN outside, and where no valid pixel of the segment is connected (4-neighbourhood).
-
-    References
-    ----------
-    The steady state of the implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular
-    Meshes using Diffusion and Curvature Flow, SIGGRAPH 1999.
+    Nothing flows between segments (numbered from 1, 0 outside) or out of them. NaN outside, and
+    where no valid pixel of the segment is connected (4-neighbourhood). It is the steady state of
+    the implicit diffusion of M. Desbrun et al., Implicit Fairing of Irregular Meshes using
+    Diffusion and Curvature Flow, SIGGRAPH 1999.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components, laplacian

@@ -51,7 +51,11 @@ class Reading:
         return len({moment.time for moment in self.moments}) == len(self.moments)
 
     def contradicts(self, other: Self) -> bool:
-        """Whether this clear reading of another part of the names orders the scans differently."""
+        """Whether other times of the same kind, or of another part of the names, are as likely."""
+        if self.length > MAX_SPAN:
+            return False
+        if self.convention.family == other.convention.family:
+            return self.moments != other.moments
         (start, stop), (other_start, other_stop) = self.spans[0], other.spans[0]
         orders = [np.argsort([m.time for m in read.moments]).tolist() for read in (self, other)]
         is_separate = stop <= other_start or other_stop <= start
@@ -81,18 +85,7 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
     best = min(distinct, key=lambda read: (read.convention.rank, read.spans[0][0], read.length))
-    others = [
-        reading
-        for reading in distinct
-        if reading.length <= MAX_SPAN
-        if (
-            reading.moments != best.moments
-            if reading.convention.family == best.convention.family
-            else reading.contradicts(best)
-        )
-    ]
-    start, stop = best.spans[0]
-    return replace(best, doubt=_doubt(best, others, texts[0][start:stop]))
+    return replace(best, doubt=_doubt(best, distinct, texts[0]))
 
 
 def find_time(text: str) -> re.Match[str] | None:
@@ -118,14 +111,16 @@ def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
     return reading.length == 0 and not reading.moments[0].dated and len(rest) == len(texts)
 
 
-def _doubt(best: Reading, others: Sequence[Reading], first: str) -> str:
-    """How else the times may be read; `first` is the text of the first one."""
-    if others:
+def _doubt(best: Reading, readings: Sequence[Reading], first: str) -> str:
+    """How else the times may be read; `first` is the first name."""
+    if others := [reading for reading in readings if reading.contradicts(best)]:
         other = min(others, key=lambda reading: reading.length)
         moments = sorted(other.moments, key=lambda moment: moment.time)
         span = f"from {moments[0].date} to {moments[-1].date}"
         return f"the names can also be read as {other.convention.what}, {span}"
-    return "" if best.convention.is_clear else f"'{first}' was taken for {best.moments[0].date}"
+    start, stop = best.spans[0]
+    taken = f"'{first[start:stop]}' was taken for {best.moments[0].date}"
+    return "" if best.convention.is_clear else taken
 
 
 def _across_new_year(moments: list[Moment]) -> list[Moment]:
@@ -143,10 +138,25 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
 
     Raises InputError where a line is wrong or a scan is missing.
     """
-    rows = _parse_file(path)
-    places = [f"'{path}', line {number}" for number, _ in rows.values()]
-    times = _parse([text for _, text in rows.values()], places, f"'{path}'")
-    listed = dict(zip(rows, times, strict=True))
+    with input_errors(path):
+        text = read_text(path, MAX_FILE_BYTES)
+    times: dict[str, str] = {}
+    places: list[str] = []
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
+        if not line or line.startswith(("#", "//")):
+            continue
+        parts = re.split(r"[,;\t]", line, maxsplit=2)
+        parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
+        name, time = (part.strip().strip("\"' ") for part in parts[:2])
+        place = f"'{path}', line {number}"
+        if not time or not name:
+            raise InputError(f"{place}: expected a scan's name and a time, found '{line[:60]}'.")
+        if name in times:
+            raise InputError(f"{place}: '{name}' has a time already.")
+        if times or re.search(r"\d", time):  # the first line may be a header
+            times[name] = time
+            places.append(place)
+    listed = dict(zip(times, _parse([*times.values()], places, f"'{path}'"), strict=True))
     moments = []
     for name in names:
         plain = name.rpartition("/")[2]
@@ -163,27 +173,6 @@ def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Mom
     if len(times) != len(names):
         raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
     return _parse([str(time) for time in times], ["times"] * len(times), "times")
-
-
-def _parse_file(path: Path) -> dict[str, tuple[int, str]]:
-    """Parse a times file: name of the scan -> number of the line and time, as text."""
-    with input_errors(path):
-        text = read_text(path, MAX_FILE_BYTES)
-    rows: dict[str, tuple[int, str]] = {}
-    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
-        if not line or line.startswith(("#", "//")):
-            continue
-        parts = re.split(r"[,;\t]", line, maxsplit=2)
-        parts = parts if len(parts) > 1 else [*line.split(None, 1), ""]
-        name, time = (part.strip().strip("\"' ") for part in parts[:2])
-        if not time or not name:
-            raise InputError(
-                f"'{path}', line {number}: expected a scan's name and a time, found '{line[:60]}'."
-            )
-        if rows.setdefault(name, (number, time))[0] != number:
-            raise InputError(f"'{path}', line {number}: '{name}' has a time already.")
-    header = [name for name, (_, time) in [*rows.items()][:1] if not re.search(r"\d", time)]
-    return {name: rows[name] for name in rows if name not in header}
 
 
 def _parse(texts: Sequence[str], places: Sequence[str], source: str) -> list[Moment]:

@@ -1,13 +1,8 @@
 """Order scans by time: from a file with the times, from their names, or in the order given.
 
-The first of these rules that fits every scan is used:
-
-1. ``--times FILE``: a line ``name time`` for each scan, the time a number of days or an ISO date or
-   date-time (``2020-03-08``, ``2020-03-08T14:30``).
-2. Dates or numbers of days, weeks or hours in the names of the files or, where these have none, of
-   the folders that they are in (`baker.scans.times.names`).
-3. Numbers 0, 1, 2, ... in the natural order of the names in a folder (9 before 10), or in the order
-   of a list of files.
+Times in names are those of the files or, where these have none, of the folders that they are in
+(`baker.scans.times.names`). Where only some have a time, scans are numbered 0, 1, 2, ... in the
+natural order of the names in a folder (9 before 10), or in the order of a list of files.
 """
 
 import re
@@ -112,15 +107,16 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
     annotated scans (``M01_0313_a``, ``M01_0314``).
     """
     reading = read_times(stems)
-    spans: Sequence[tuple[int, int]] = reading.spans if reading and reading.are_distinct else ()
-    if not spans:
+    if reading and reading.are_distinct:
+        spans = list(reading.spans)
+    else:
         found = ((stem, find_time(stem)) for stem in stems)
         spans = [time.span() if time else (len(stem), len(stem)) for stem, time in found]
     parts = [(stem[:a], "*" * (b > a), stem[b:]) for stem, (a, b) in zip(stems, spans, strict=True)]
     rests = {rest for _, _, rest in parts}
     shorter, longer = min(rests, key=len), max(rests, key=len)
     if all(star for _, star, _ in parts) and len(rests) == 2 and longer.startswith(shorter):
-        parts = [(before, star, "") for before, star, _ in parts]
+        return [before + star for before, star, _ in parts]
     return ["".join(part) for part in parts]
 
 
@@ -136,7 +132,10 @@ def schedule_in_time(
 
     rule: how the moments were found, for the finding and for messages.
     """
-    scans = list(map(_unread_scan, paths, names, moments))
+    scans = [
+        Scan(np.empty((0, 3)), path=path, name=printable(name), time=moment.time, date=moment.date)
+        for path, name, moment in zip(paths, names, moments, strict=True)
+    ]
     for scan in scans:
         if not abs(scan.time) <= MAX_ABS_TIME:
             raise InputError(
@@ -162,40 +161,35 @@ def schedule_in_time(
     return Series(tuple(ordered), findings=(Finding("days", rule, doubt, "--times FILE"),))
 
 
-def _unread_scan(path: Path, name: str, moment: Moment) -> Scan:
-    no_points = np.empty((0, 3))
-    return Scan(no_points, path=path, name=printable(name), time=moment.time, date=moment.date)
-
-
 def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) -> Series:
-    natural = sorted(range(len(names)), key=lambda i: natural_key(names[i].rpartition(".")[0]))
-    order: Sequence[int] = range(len(names))
-    rule = "the order given"
+    """Number the scans, in the natural order of names that a folder or a shell has listed."""
+    stems = [name.rpartition(".")[0] for name in names]
+    natural = sorted(range(len(names)), key=lambda i: natural_key(stems[i]))
+    order, rule = [*range(len(names))], "the order given"
     # The * of a shell lists scan10 before scan9, an order that nobody wants.
-    if from_folder or (list(names) == sorted(names) and natural != list(order)):
-        _require_clear_order([names[i] for i in natural])
+    if from_folder or (list(names) == sorted(names) and natural != order):
         order, rule = natural, "the natural order of their names"
-    scans = [
-        _unread_scan(paths[i], names[i], Moment(float(k), str(k))) for k, i in enumerate(order)
-    ]
-    untimed = [name for name in names if find_time(name.rpartition(".")[0]) is None]
+        for i, j in pairwise(order):
+            _require_increase(names[i], names[j])
+    moments = [Moment(float(k), str(k)) for k in range(len(names))]
+    series = schedule_in_time([paths[i] for i in order], [names[i] for i in order], moments, rule)
+    untimed = [name for name, stem in zip(names, stems, strict=True) if find_time(stem) is None]
     is_mixed = 0 < len(untimed) < len(names)
     reason = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     doubt = f"{reason}, so growth rates will be per scan and not per day"
-    listed = [scan.name for scan in scans[:MAX_LISTED_NAMES]] + ["..."]
-    found = f"{rule}: {', '.join(listed[: len(scans)])}"
-    return Series(tuple(scans), "scans", findings=(Finding("order", found, doubt, "--times FILE"),))
+    listed = [scan.name for scan in series.scans[:MAX_LISTED_NAMES]] + ["..."]
+    found = f"{rule}: {', '.join(listed[: len(names)])}"
+    return replace(series, unit="scans", findings=(Finding("order", found, doubt, "--times FILE"),))
 
 
-def _require_clear_order(names: Sequence[str]) -> None:
-    """Raise InputError where a number in the sorted names decreases: which one is the time?"""
-    for pair in pairwise(names):
-        before, after = (
-            [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])] for name in pair
+def _require_increase(*pair: str) -> None:
+    """Raise InputError where a number in the second of two names is smaller: which is the time?"""
+    before, after = (
+        [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])] for name in pair
+    )
+    if any(a > b for a, b in zip(before, after, strict=False)):
+        raise InputError(
+            "The order of '{}' and '{}' can't be told from their names; give it by --times FILE, "
+            "with dates such as 2020-03-08 in the names, or by naming the files in order."
+            "".format(*pair)
         )
-        if any(a > b for a, b in zip(before, after, strict=False)):
-            raise InputError(
-                "The order of '{}' and '{}' can't be told from their names; give it by --times "
-                "FILE, with dates such as 2020-03-08 in the names, or by naming the files in "
-                "order.".format(*pair)
-            )
