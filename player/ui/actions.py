@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+import player.export
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, sentence
+from player.view.choices import SIZES, Compare, Wish, sentence
 from player.view.playback import AtEnd
-from player.view.style import ColorMap, ColorMode
+from player.view.style import ColorMap
 
 if TYPE_CHECKING:
     from player.view.state import Scene
@@ -31,10 +33,22 @@ QUIT_NEXT = "Press Esc again to quit."
 class Choice:
     """One of several values: a key goes on to the next one, and the panel lists them all."""
 
-    now: Callable[[Scene], Any]
+    label: str
+    field: str  #: of the scene, or of a part of it: "curve", "style.color_map"
     values: Callable[[Scene], Sequence[Any]]
-    choose: Callable[[Scene, Any], Scene]
     name: Callable[[Any], str] = str  #: of a value, as the panel lists it
+    #: why a value can't be chosen, and how it could; "" where it can
+    lacking: Callable[[Scene, Any], str] = lambda scene, value: ""
+
+    def now(self, scene: Scene) -> Any:
+        """What is chosen; the first of the values where that is none of them."""
+        values, found = self.values(scene), attrgetter(self.field)(scene)
+        return next((value for value in values if value == found), values[0])
+
+    def choose(self, scene: Scene, value: Any) -> Scene:
+        if lacking := self.lacking(scene, value):
+            return scene.with_notice(lacking[0].upper() + lacking[1:])
+        return scene.changed(self.field, value, f"{self.label}: {self.name(value)}")
 
     def next(self, scene: Scene) -> Scene:
         """Choose the next value, after the last one the first."""
@@ -42,55 +56,22 @@ class Choice:
         return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
 
 
-def _color_by(scene: Scene, mode: ColorMode) -> Scene:
-    if lacking := mode.lacking(scene.clip):
-        return scene.with_notice(lacking[0].upper() + lacking[1:])
-    return scene.with_style(f"Coloured by {mode.label}", color_by=mode)
-
-
-def _end_by(scene: Scene, at_end: AtEnd) -> Scene:
-    timeline = replace(scene.timeline, at_end=at_end, backwards=False)
-    return replace(scene, timeline=timeline, notice=f"At the end: {at_end}")
-
-
-def _plot(scene: Scene, curve: str) -> Scene:
-    told = f"Plots the {curve} of the picked organ" if curve else "Plots nothing"
-    return replace(scene, curve=curve, notice=told)
-
-
-def _size_name(size: tuple[int, int] | None) -> str:
-    return f"{size[0]} × {size[1]}" if size else "as the window"
-
-
-COLOR = Choice(lambda s: s.color_mode, lambda s: s.color_modes, _color_by, lambda mode: mode.label)
-FIELD = Choice(
-    lambda s: s.style.field or s.clip.fields[0].name,
-    lambda s: [field.name for field in s.clip.fields],
-    lambda s, name: s.with_style(f"Coloured by {name}", field=name),
-)
-COLOR_MAP = Choice(
-    lambda s: s.style.color_map,
-    lambda s: list(ColorMap),
-    lambda s, map: s.with_style(f"Colour map: {map}", color_map=map),
-)
-CURVE = Choice(lambda s: s.curve, lambda s: (*s.curves, ""), _plot)
-COMPARE = Choice(
-    lambda s: s.compare,
-    lambda s: list(Compare),
-    lambda s, how: replace(s, compare=how, notice=f"Compare: {how}"),
-)
+COLOR = Choice(
+    "Colour", "style.color_by", lambda scene: scene.color_modes,
+    lambda mode: mode.label, lambda scene, mode: mode.lacking(scene.clip),
+)  # fmt: skip
+FIELD = Choice("Field", "style.field", lambda scene: [one.name for one in scene.clip.fields])
+COLOR_MAP = Choice("Colours", "style.color_map", lambda scene: list(ColorMap))
+CURVE = Choice("Plot", "curve", lambda scene: [*scene.curves, ""], lambda name: name or "nothing")
+COMPARE = Choice("Compare", "compare", lambda scene: list(Compare))
+AT_END = Choice("At the end", "timeline.at_end", lambda scene: list(AtEnd))
 FORMAT = Choice(
-    lambda s: s.output.example,
-    lambda s: s.formats,
-    lambda s, name: s.with_output(f"Export: {name}", example=name),
+    "Export", "output.example", lambda scene: [one.example for one in player.export.FORMATS]
 )
 SIZE = Choice(
-    lambda s: s.output.size,
-    lambda s: SIZES,
-    lambda s, size: s.with_output(f"Pictures: {_size_name(size)}", size=size),
-    _size_name,
-)
-AT_END = Choice(lambda s: s.timeline.at_end, lambda s: list(AtEnd), _end_by)
+    "Pictures", "output.size", lambda scene: SIZES,
+    lambda size: f"{size[0]} × {size[1]}" if size else "as the window",
+)  # fmt: skip
 
 
 def go_home(scene: Scene) -> Scene:
@@ -132,6 +113,10 @@ def follow_path(scene: Scene) -> Scene:
     if not scene.path:
         return scene.with_notice(NO_KEYS)
     return replace(scene, following=not scene.following, turning=False)
+
+
+def save_path(scene: Scene) -> Scene:
+    return replace(scene, wish=Wish.SAVE_PATH) if scene.path else scene.with_notice(NO_KEYS)
 
 
 def resize_points(scene: Scene, factor: float) -> Scene:
@@ -186,11 +171,6 @@ def isolate_picked(scene: Scene) -> Scene:
     if picked is None and scene.style.alone is None:
         return scene.with_notice(NO_ORGAN)
     return scene.with_style(alone=picked if scene.style.alone is None else None)
-
-
-def switch_transparent(scene: Scene) -> Scene:
-    text = "opaque" if scene.output.transparent else "transparent"
-    return scene.with_output(f"Pictures: {text}", transparent=not scene.output.transparent)
 
 
 def wipe_to(scene: Scene, share: float) -> Scene:

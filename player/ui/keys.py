@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from player.ui import actions
@@ -85,22 +86,10 @@ def _time(move: str, *given: float, notice: str = "") -> Callable[[Scene], Scene
     return do
 
 
-def _switch(name: str, keys: str, help: str) -> Action:
-    """One of the scene's own switches, called as the scene calls it."""
-    return Action(
-        name, keys, help,
-        lambda scene: replace(scene, **{name: not getattr(scene, name)}),  # type: ignore[arg-type]
-        on=lambda scene: bool(getattr(scene, name)),
-    )  # fmt: skip
-
-
-def _style_switch(name: str, keys: str, help: str, field: str) -> Action:
-    """One of the style's switches."""
-    return Action(
-        name, keys, help,
-        lambda scene: scene.with_style("", **{field: not getattr(scene.style, field)}),
-        on=lambda scene: bool(getattr(scene.style, field)),
-    )  # fmt: skip
+def _switch(name: str, keys: str, help: str, field: str) -> Action:
+    """What turns a field of the scene, or of a part of it, on and off."""
+    value = attrgetter(field)
+    return Action(name, keys, help, lambda scene: scene.changed(field, not value(scene)), on=value)
 
 
 def _wish(name: str, key: str, help: str, wish: Wish) -> Action:
@@ -158,7 +147,7 @@ TABLE: dict[str, tuple[Action, ...]] = {
             "follow", "j", "follow the camera's path", actions.follow_path,
             on=lambda s: s.following,
         ),
-        _wish("save path", "shift+j", "save the camera's path", Wish.SAVE_PATH),
+        Action("save path", "shift+j", "save the camera's path", actions.save_path),
     ),
     "Look": (
         Action("color", "c", "colour by something else", actions.COLOR.next),
@@ -179,11 +168,11 @@ TABLE: dict[str, tuple[Action, ...]] = {
             lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
             on=lambda s: s.style.ground == "light",
         ),
-        _style_switch("floor", "b", "floor and shadow", "show_ground"),
-        _style_switch("depth", "d", "depth cue", "depth_cue"),
+        _switch("floor", "b", "floor and shadow", "style.show_ground"),
+        _switch("depth", "d", "depth cue", "style.depth_cue"),
         Action("shading", "m", "shading: none, soft, strong", actions.next_shading),
-        _switch("guides", "a", "scale bar and axes"),
-        _switch("legend", "y", "legend"),
+        _switch("guides", "a", "scale bar and axes", "guides"),
+        _switch("legend", "y", "legend", "legend"),
     ),
     "Organs": (
         Action("next organ", "n", "next organ", lambda s: actions.pick_next(s, 1), ORGANS),
@@ -232,13 +221,10 @@ TABLE: dict[str, tuple[Action, ...]] = {
         _wish("export", "e", "export, or stop exporting", Wish.EXPORT),
         Action("format", "shift+e", "choose what to export", actions.FORMAT.next),
         Action("size", "r", "size of pictures", actions.SIZE.next),
-        Action(
-            "transparent", "shift+s", "pictures without background",
-            actions.switch_transparent, on=lambda s: s.output.transparent,
-        ),
-        _switch("panel", "tab", "panel"),
-        _switch("fullscreen", "f11", "full screen"),
-        _switch("help", "h ? f1", "this help"),
+        _switch("transparent", "shift+s", "pictures without background", "output.transparent"),
+        _switch("panel", "tab", "panel", "panel"),
+        _switch("fullscreen", "f11", "full screen", "fullscreen"),
+        _switch("help", "h ? f1", "this help", "help"),
         Action("leave", "escape", "close, let go, or quit", actions.escape),
         Action("quit", "q", "quit", lambda s: replace(s, closed=True)),
     ),

@@ -68,11 +68,11 @@ def draw_panel(
 
 def _look(scene: Scene) -> Scene:
     absent = () if scene.clip.held_out else (ColorMode.ERROR,)  # the answer tells how to get it
-    scene = _choice(scene, "Colour", actions.COLOR, "color", absent)
+    scene = _choice(scene, actions.COLOR, "color", absent)
     if scene.color_mode is ColorMode.FIELD and len(scene.clip.fields) > 1:
-        scene = _choice(scene, "Field", actions.FIELD, "color")
+        scene = _choice(scene, actions.FIELD, "color")
     if scene.color_mode.colormap:
-        scene = _choice(scene, "Colours", actions.COLOR_MAP, "colormap")
+        scene = _choice(scene, actions.COLOR_MAP, "colormap")
     style = scene.style
     if style.pixels is None:
         limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
@@ -93,14 +93,13 @@ def _view(scene: Scene) -> Scene:
 
 
 def _compare(scene: Scene) -> Scene:
-    label = "Other clip" if len(scene.clips) > 1 else "With scan"
-    return _choice(scene, label, actions.COMPARE, "compare")
+    return _choice(scene, actions.COMPARE, "compare")
 
 
 def _export(scene: Scene) -> Scene:
-    scene = _choice(scene, "What", actions.FORMAT, "format")
+    scene = _choice(scene, actions.FORMAT, "format")
     if next(one for one in FORMATS if one.example == scene.output.example).picture:
-        scene = _choice(scene, "Pixels", actions.SIZE, "size")
+        scene = _choice(scene, actions.SIZE, "size")
     if scene.output.example.endswith(".png"):
         scene = _switches(scene, "transparent")
     export = "Stop" if scene.exporting else "Export"
@@ -212,14 +211,11 @@ def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
     _key(action)
 
 
-def _choice(
-    scene: Scene, label: str, choice: Choice, action: str, more: Sequence[Any] = ()
-) -> Scene:
+def _choice(scene: Scene, choice: Choice, action: str, more: Sequence[Any] = ()) -> Scene:
     """A list to choose from, with `more` than the values that the key goes through."""
     now = choice.now(scene)
-    with _row(label, action):
-        opened = imgui.begin_combo(f"##{label}", choice.name(now))
-        if opened:
+    with _row(choice.label, action):
+        if imgui.begin_combo(f"##{choice.label}", choice.name(now)):
             for value in (*choice.values(scene), *more):
                 if imgui.selectable(choice.name(value), value == now)[0]:
                     scene = choice.choose(scene, value)
@@ -243,7 +239,7 @@ def _slider(
         tip(action, row=True)
         imgui.same_line()
         imgui.text_unformatted(text)
-    return scene.with_style("", **{name: value}) if changed else scene
+    return scene.changed(f"style.{name}", value) if changed else scene
 
 
 def _switches(scene: Scene, *names: str) -> Scene:

@@ -82,9 +82,7 @@ class TimelineView:
         self._clip = clip
         self._events = events(clip)
         self._doubts = doubts_of(clip)
-        dates = [scan.date for scan in clip.scans]
-        self._dates = (dates, short_dates(dates))
-        self._held_out = tuple(held.time for held in clip.held_out)
+        self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
 
     def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float], least: float) -> Scene:
@@ -93,28 +91,30 @@ class TimelineView:
         ends:  where the line begins and ends, across the window that ImGui has begun.
         least: the x that dates stay right of.
         """
-        height = pen.size[1] - 50.0
-        line = Line(
-            ends[0], max(ends[1], ends[0] + 1.0), height, tuple(self._clip.times), self._held_out
-        )
-        imgui.set_cursor_screen_pos((line.left - REACH / 2, height - REACH))
+        y, others = pen.size[1] - 50.0, tuple(held.time for held in self._clip.held_out)
+        line = Line(ends[0], max(ends[1], ends[0] + 1.0), y, tuple(self._clip.times), others)
+        imgui.set_cursor_screen_pos((line.left - REACH / 2, y - REACH))
         imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
         self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
         pointed = imgui.get_mouse_pos().x
         if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
             scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
         day = scene.timeline.day
-        self._draw_line(pen, line, scene.timeline, hovered or self.held)
-        self._draw_events(pen, line)
+        _draw_line(pen, line, scene.timeline, hovered or self.held)
+        self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
-            place = line.x_of(key), height + EVENT
-            pen.sheet.add_ngon_filled(place, 4.5, packed(pen.theme.text), 4)
-        self._draw_dates(pen, line, day, least)
+            pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
+        for scan, x in labels_on(
+            line, self._dates, (least, pen.size[0] - EDGE), lambda text: pen.width(text, LABEL_SIZE)
+        ):
+            color = pen.theme.text if line.times[scan] == day else pen.theme.muted
+            pen.write(x, y + LABELS_BELOW, self._dates[scan], LABEL_SIZE, color, align=0.5)
+        side = elapsed(self._clip.scans, day, self._clip.time_unit)
         if hovered and not self.held and abs(pointed - line.x_of(day)) > HANDLE:
-            self._draw_preview(pen, line, pointed)
-        else:
-            side = elapsed(self._clip.scans, day, self._clip.time_unit)
-            _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side)
+            day = line.day_at(pointed)  # what a click would go to
+            side = self._told_of(day)
+            _disc(pen, line.x_of(day), y, DOT + SNAP, faint(pen.theme.accent, 0.35))
+        _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side)
         return scene
 
     def draw_key(self, pen: Pen, left: float, y: float) -> None:
@@ -136,69 +136,55 @@ class TimelineView:
             pen.write(x + 12.0, y, text, KEY_SIZE, theme.muted)
             x += 12.0 + wide + 12.0
 
-    def _draw_line(self, pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
-        theme, sheet, y = pen.theme, pen.sheet, line.height
-        now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
-        begin, end = line.x_of(timeline.lower), line.x_of(timeline.upper)
-        for left, right, paint in (
-            (line.left, line.right, theme.track),
-            (begin, max(now, begin), theme.accent),
-        ):
-            sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
-        if timeline.begin is not None or timeline.end is not None:
-            for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
-                pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
-        for time in line.times:
-            passed = time <= timeline.day
-            _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
-            _disc(pen, line.x_of(time), y, DOT, theme.accent if passed else theme.muted)
-            if not passed:
-                _disc(pen, line.x_of(time), y, DOT - 2.0, theme.veil)
-        radius = HANDLE + (2.0 if lively else 0.0)
-        _disc(pen, now, y, radius + 2.5, theme.veil)
-        _disc(pen, now, y, radius, theme.accent)
-        _disc(pen, now, y, HANDLE - 4.0, theme.veil)
-
-    def _draw_events(self, pen: Pen, line: Line) -> None:
+    def _draw_marks(self, pen: Pen, line: Line) -> None:
         """Births above the line, losses below it, at the scans that first show them; strokes across
         it where scans were left out, and along it where the bake doubts an interval.
         """
-        theme = pen.theme
+        theme, y = pen.theme, line.height
         for doubt in self._doubts:
             x, end = line.x_of(doubt.start) + DOUBT_GAP, line.x_of(doubt.end) - DOUBT_GAP
-            _stroke(pen, x, max(end, x + 2.0), line.height + DOUBT)
-        for time in self._held_out:
-            x = line.x_of(time)
-            ends = (x, line.height - LEFT_OUT), (x, line.height + LEFT_OUT)
-            pen.sheet.add_line(*ends, packed(theme.muted), 2.0)
+            _stroke(pen, x, max(end, x + 2.0), y + DOUBT)
+        for x in map(line.x_of, line.others):
+            pen.sheet.add_line((x, y - LEFT_OUT), (x, y + LEFT_OUT), packed(theme.muted), 2.0)
         for time, (born, lost) in zip(line.times, self._events, strict=True):
             if born:
-                _triangle(pen, line.x_of(time), line.height - EVENT + 3.0, -1.0, theme.accent)
+                _triangle(pen, line.x_of(time), y - EVENT + 3.0, -1.0, theme.accent)
             if lost:
-                _triangle(pen, line.x_of(time), line.height + EVENT - 3.0, 1.0, theme.loss)
+                _triangle(pen, line.x_of(time), y + EVENT - 3.0, 1.0, theme.loss)
 
-    def _draw_dates(self, pen: Pen, line: Line, day: float, least: float) -> None:
-        ends, shown = (least, pen.size[0] - EDGE), []
-        for texts in self._dates:
-            shown = labels_on(line, texts, ends, lambda text: pen.width(text, LABEL_SIZE))
-            if len(shown) == len(texts):
-                break
-        for scan, x in shown:
-            color = pen.theme.text if line.times[scan] == day else pen.theme.muted
-            pen.write(x, line.height + LABELS_BELOW, texts[scan], LABEL_SIZE, color, align=0.5)
-
-    def _draw_preview(self, pen: Pen, line: Line, pointed: float) -> None:
-        """What a click would go to."""
-        day, scans = line.day_at(pointed), self._clip.scans
-        _disc(pen, line.x_of(day), line.height, DOT + SNAP, faint(pen.theme.accent, 0.35))
-        wrong = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
-        side = f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
-        for scan, (born, lost) in zip(scans, self._events, strict=True):
+    def _told_of(self, day: float) -> str:
+        """What is to be told of a scan, or of what looks wrong on a day between two."""
+        for scan, (born, lost) in zip(self._clip.scans, self._events, strict=True):
             if scan.time == day:
-                side = f"{scan.points:,} points"
-                side += f", {born} born" if born else ""
-                side += f", {lost} lost" if lost else ""
-        _draw_bubble(pen, line, day, date_at(scans, day), side)
+                told = [f"{scan.points:,} points"]
+                told += [f"{born} born"] * bool(born) + [f"{lost} lost"] * bool(lost)
+                return ", ".join(told)
+        wrong = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
+        return f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
+
+
+def _draw_line(pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
+    theme, sheet, y = pen.theme, pen.sheet, line.height
+    now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
+    begin, end = line.x_of(timeline.lower), line.x_of(timeline.upper)
+    for left, right, paint in (
+        (line.left, line.right, theme.track),
+        (begin, max(now, begin), theme.accent),
+    ):
+        sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
+    if timeline.begin is not None or timeline.end is not None:
+        for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
+            pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
+    for time in line.times:
+        passed = time <= timeline.day
+        _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
+        _disc(pen, line.x_of(time), y, DOT, theme.accent if passed else theme.muted)
+        if not passed:
+            _disc(pen, line.x_of(time), y, DOT - 2.0, theme.veil)
+    radius = HANDLE + (2.0 if lively else 0.0)
+    _disc(pen, now, y, radius + 2.5, theme.veil)
+    _disc(pen, now, y, radius, theme.accent)
+    _disc(pen, now, y, HANDLE - 4.0, theme.veil)
 
 
 def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None:

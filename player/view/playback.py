@@ -30,9 +30,8 @@ class Timeline:
     at_end: AtEnd = AtEnd.LOOP
     backwards: bool = False  #: on its way back (PING_PONG)
     rest: float = field(default=0.0, compare=False)  #: seconds that the clock still waits at an end
-    begin: float | None = (
-        None  #: of the part that is played; None for the series' own, as for `end`
-    )
+    #: of the part that is played; None for the series' own, as for `end`
+    begin: float | None = None
     end: float | None = None
 
     @classmethod
@@ -64,6 +63,10 @@ class Timeline:
         seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), SHORTEST), LONGEST)
         return self.speed * (self.last - self.first) / seconds
 
+    @property
+    def _returns(self) -> bool:
+        return self.backwards and self.at_end is AtEnd.PING_PONG
+
     def tick(self, seconds: float) -> Self:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
         clock = self
@@ -78,8 +81,8 @@ class Timeline:
                 return replace(self, rest=self.rest - seconds), 0.0
             return self._turned(), seconds - self.rest
         if not self.lower <= self.day <= self.upper:
-            return replace(self, day=self.upper if self.backwards else self.lower), seconds
-        goal, sign = (self.lower, -1.0) if self.backwards else (self.upper, 1.0)
+            return replace(self, day=self.upper if self._returns else self.lower), seconds
+        goal, sign = (self.lower, -1.0) if self._returns else (self.upper, 1.0)
         needed = abs(goal - self.day) / self.days_per_second
         if seconds < needed:
             day = self.day + sign * seconds * self.days_per_second
@@ -95,7 +98,7 @@ class Timeline:
 
     def played(self) -> Self:
         """Start the clock; at the end of the series it starts over, or goes back."""
-        at_goal = self.day == (self.lower if self.backwards else self.upper)
+        at_goal = self.day == (self.lower if self._returns else self.upper)
         return replace(self._turned() if at_goal else self, playing=True)
 
     def paused(self) -> Self:

@@ -44,7 +44,6 @@ class Scene:
     compare: Compare = Compare.OFF
     wipe: float = 0.5  #: share of the width where the wipe's line stands
     output: Output = field(default_factory=Output)
-    formats: tuple[str, ...] = (Output.example,)  #: what can be exported, by an example's name
     panel: bool = False
     guides: bool = True  #: scale bar and axes
     legend: bool = True  #: what the colours mean
@@ -88,9 +87,11 @@ class Scene:
     def with_style(self, notice: str = "", **changes: object) -> Self:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
 
-    def with_output(self, notice: str, **changes: object) -> Self:
-        """Change what the next picture or export is to be."""
-        return replace(self, output=replace(self.output, **changes), notice=notice)  # type: ignore[arg-type]
+    def changed(self, field: str, value: object, notice: str = "") -> Self:
+        """Change a field, also of a part: "curve", "style.ground"."""
+        part, _, name = field.rpartition(".")
+        changes = {part: replace(getattr(self, part), **{name: value})} if part else {name: value}
+        return replace(self, **{"notice": notice, **changes})
 
     def with_notice(self, notice: str) -> Self:
         return replace(self, notice=notice)

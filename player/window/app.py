@@ -13,7 +13,6 @@ import glfw
 
 from gclip import Clip
 from gclip.errors import ClipError, UserError
-from player.export.formats import FORMATS
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
@@ -68,8 +67,7 @@ class Window:
         self._title, self._notice, self._notice_ends = "", "", 0.0
         bare = self._show(clips)
         camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
-        formats = tuple(one.example for one in FORMATS)
-        scene = Scene(timeline, camera, camera, style, bare[:1], formats=formats)
+        scene = Scene(timeline, camera, camera, style, bare[:1])
         self.scene = prepare(reopened(scene, bare, fresh=True))
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
@@ -139,8 +137,7 @@ class Window:
             scene = scene.with_camera(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
-        ended = self._exports.look()
-        scene = replace(scene, exporting=self._exports.progress, notice=ended or scene.notice)
+        scene = self._exports.followed(scene)
         if scene.notice != self._notice:
             seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
             self._notice, self._notice_ends = scene.notice, now + seconds

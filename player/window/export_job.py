@@ -13,7 +13,6 @@ from player.atomic_write import free_name
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
 from player.export.image import save_screenshot
-from player.ui.actions import NO_KEYS
 from player.view.camera_animation import CameraPath, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at
@@ -70,16 +69,10 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
     name = Path(output).name
 
-    def tell(state: Exporting) -> None:
-        try:
-            events.send(state)
-        except OSError:  # the window is gone
-            raise Stopped from None
-
     def progress(done: int, total: int) -> None:
         if stop.is_set():
             raise Stopped
-        tell(Exporting(name, done, total))
+        events.send(Exporting(name, done, total))  # fails where the window is gone
 
     try:
         export(gclip.open(clip), film, Path(output), progress)
@@ -90,8 +83,8 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
         ended = str(error)
     except Exception as error:
         ended = f"Exporting {name} failed: {error or type(error).__name__}."
-    with suppress(Stopped):
-        tell(Exporting(name, ended=ended))
+    with suppress(OSError):
+        events.send(Exporting(name, ended=ended))
 
 
 class Exports:
@@ -100,17 +93,13 @@ class Exports:
     def __init__(self) -> None:
         self._running: ExportJob | None = None
 
-    @property
-    def progress(self) -> Exporting | None:
-        """Of the export under way, if there is one."""
-        return self._running.state if self._running else None
-
-    def look(self) -> str:
-        """What to tell the user: "" unless an export has just ended."""
-        ended = self._running.look().ended if self._running else ""
-        if ended:
-            self._running = None
-        return ended
+    def followed(self, scene: Scene) -> Scene:
+        """The scene with how far the export under way is, or how it ended."""
+        state = self._running.look() if self._running else None
+        if state is None or not state.ended:
+            return replace(scene, exporting=state)
+        self._running = None
+        return replace(scene, exporting=None, notice=state.ended)
 
     def execute(
         self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
@@ -120,43 +109,36 @@ class Exports:
         area, pixels: (width, height) in pixels of the part of the window that shows the plant, and
                       its RGB, bottom row first.
         """
-        wish, scene = scene.wish, replace(scene, wish=None)
         try:
-            if wish is Wish.SAVE_PATH:
-                if not scene.path:
-                    return scene.with_notice(NO_KEYS)
-                file = Path(f"{opened.name}.camera.json")
-                save_path(scene.path, opened.clip, file)
-                return scene.with_notice(saved(file))
-            name, still = opened.name, wish is Wish.PICTURE
-            if still:
-                name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
-                plain = scene.output.size is None and not scene.output.transparent
-                if plain or opened.file is None:
-                    return scene.with_notice(saved(save_screenshot(pixels, area, name)))
-            if opened.file is None:
-                return scene.with_notice("Only clips that were opened from a file can be exported.")
-            return scene.with_notice(self._toggle(scene, opened.file, name, area, still))
+            told = self._told(scene, opened, area, pixels)
         except UserError as error:
-            return scene.with_notice(str(error))
+            told = str(error)
+        return replace(scene, wish=None, notice=told)
+
+    def _told(self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes) -> str:
+        output, name, example = scene.output, opened.name, scene.output.example
+        if scene.wish is Wish.SAVE_PATH:
+            file = Path(f"{name}.camera.json")
+            save_path(scene.path, opened.clip, file)
+            return saved(file)
+        if scene.wish is Wish.PICTURE:
+            example = STILL
+            name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
+            if opened.file is None or (output.size is None and not output.transparent):
+                return saved(save_screenshot(pixels, area, name))
+        if opened.file is None:
+            return "Only clips that were opened from a file can be exported."
+        if self._running is not None:
+            self._running.stop()
+            return "Stopping …"
+        file, film = free_name(name, example), film_of(scene, example, area, name)
+        format_of(file, film)
+        self._running = ExportJob(opened.file, film, file)
+        return f"Exporting {file}"
 
     def release(self) -> None:
         if self._running:
             self._running.release()
-
-    def _toggle(
-        self, scene: Scene, clip: Path, name: str, area: tuple[int, int], still: bool
-    ) -> str:
-        """Begin an export of what the scene shows, or stop the one under way."""
-        if self._running is not None:
-            self._running.stop()
-            return "Stopping …"
-        example = STILL if still else scene.output.example
-        output = free_name(name, example)
-        film = film_of(scene, example, area, name)
-        format_of(output, film)
-        self._running = ExportJob(clip, film, output)
-        return f"Exporting {output}"
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:

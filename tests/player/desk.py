@@ -11,7 +11,6 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.export.formats import FORMATS
 from player.ui import panel, widgets
 from player.ui.gui import NOWHERE, Gui
 from player.ui.interface import Facts, Interface
@@ -32,9 +31,8 @@ Place = tuple[float, float, float, float]  # left, top, right, bottom
 def scene_of(clip: Clip, day: float = 0.0, **changes: Any) -> Scene:
     """What a window shows of a clip at first, paused on a day."""
     camera, style = Camera.home(clip), Style(**changes)
-    formats = tuple(one.example for one in FORMATS)
     timeline = Timeline.of(clip.times).at(day)
-    return Scene(timeline, camera, camera, style, (clip,), formats=formats)
+    return Scene(timeline, camera, camera, style, (clip,))
 
 
 class Places:

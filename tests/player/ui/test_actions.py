@@ -34,7 +34,7 @@ def pressed(scene: Scene, *names: str) -> Scene:
 def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> None:
     """From a state in which each of them does something."""
     scene = pressed(scene, "right", "k", "n", "end")
-    scene = replace(scene, compare=Compare.WIPE, formats=("film.mp4", "plant.glb"), notice="told")
+    scene = replace(scene, compare=Compare.WIPE, notice="told")
     scene = replace(scene, timeline=replace(scene.timeline.at(1.5), at_end=AtEnd.STOP))
     if action.name in ("first", "front"):
         scene = scene.with_camera(lambda camera: camera.orbit(0.3, 0.3))
