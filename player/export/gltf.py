@@ -11,10 +11,8 @@ their weights over time, sampled at keys between which viewers interpolate linea
 straight paths).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,9 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, Group, Interval, Motion
-from gclip.evaluate import bernstein, blend_srgb, srgb_to_linear
-from gclip.file import check_not_truncated
+from gclip import Clip, Motion
+from gclip.evaluate import Layer, bernstein, evaluate_layer, srgb_to_linear
 from player.export.film import Film, Progress
 from player.view.camera import axes
 from player.view.dates import date_at
@@ -34,16 +31,6 @@ DISSOLVE = 8  # parts in which an organ that fades goes: glTF can't animate opac
 METERS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 FLOAT, SHORT = 5126, 5123  # glTF's component types
 VERTICES = 34962  # and its ARRAY_BUFFER
-
-
-@dataclass(frozen=True)
-class Part:
-    """Movers that move by the same weights and vanish together."""
-
-    interval: int
-    movers: slice
-    group: Group
-    until: float  #: share of the interval until which they are there; infinite for those that stay
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -69,96 +56,86 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
             )
         ],
         animations=[gltf.Animation(name="growth", samplers=[], channels=[])],
+        buffers=[gltf.Buffer(byteLength=0)],
     )
-    store, parts = _Store(document), list(_parts(clip))
+    blob, parts = bytearray(), list(_parts(clip))
     progress(0, len(parts))
-    for done, movers in enumerate(parts, start=1):
-        _add(document, store, clip, movers, film.length(clip))
+    for done, (layer, until) in enumerate(parts, start=1):
+        _add(document, blob, clip, layer, until, film.length(clip))
         progress(done, len(parts))
-    document.buffers = [gltf.Buffer(byteLength=store.size)]
-    document.set_binary_blob(b"".join(store.pieces))
+    document.buffers[0].byteLength = len(blob)
+    document.set_binary_blob(bytes(blob))
     document.save_binary(str(path))
 
 
-def _parts(clip: Clip) -> Iterator[Part]:
+def _parts(clip: Clip) -> Iterator[tuple[Layer, float]]:
+    """Movers that move by the same weights and vanish together, with the places of an interval's
+    start and the colours half way through it, for points have one each; and the share of the
+    interval until which they are there, infinite for those that stay.
+    """
     for index, interval in enumerate(clip.intervals):
         last = index == len(clip.intervals) - 1
         for group in interval.groups:
+            layer = Layer(index, group, parameter=0.0, blend=0.5, alpha=1.0)
             if group.motion is Motion.FADE:
                 # A prefix of a group is a fair sample of it, and so is each slice.
                 cuts = np.linspace(group.first, group.stop, DISSOLVE + 1).astype(int).tolist()
                 for i, (first, stop) in enumerate(pairwise(cuts)):
                     if stop > first:
-                        yield Part(index, slice(first, stop), group, (i + 0.5) / DISSOLVE)
+                        some = replace(group, first=first, count=stop - first)
+                        yield replace(layer, group=some), (i + 0.5) / DISSOLVE
             elif group.motion is not Motion.REMOVE and group.count:
-                until = np.inf if last and group.motion is Motion.MOVE else 1.0
-                yield Part(index, slice(group.first, group.stop), group, until)
+                yield layer, np.inf if last and group.motion is Motion.MOVE else 1.0
 
 
-def _add(document: Any, store: _Store, clip: Clip, part: Part, seconds: float) -> None:
+def _add(
+    document: Any, blob: bytearray, clip: Clip, layer: Layer, until: float, seconds: float
+) -> None:
     """One node with its mesh and its two animation channels."""
     import pygltflib as gltf
 
-    interval, box = clip.intervals[part.interval], clip.intervals[part.interval].box
-    check_not_truncated(interval.tracks)
-    low, step = (np.zeros(3), np.ones(3)) if box is None else (np.asarray(box.low), box.step)
-    start, *others = (p[part.movers].astype(np.float64) for p in interval.curve)
+    interval, group = clip.intervals[layer.interval], layer.group
+    start, colors, tracks = evaluate_layer(clip, layer)
+    paint = colors / 255.0
+    paint[:, :3] = srgb_to_linear(paint[:, :3])
     attributes = gltf.Attributes(
-        POSITION=store.positions(low + step * start),
-        COLOR_0=store.array(_linear_colors(clip, interval, part.movers), normalized=True),
+        POSITION=_array(document, blob, start, bounds=True),
+        COLOR_0=_array(document, blob, np.round(65535 * paint).astype(np.uint16), normalized=True),
     )
-    attributes._LABEL = store.array(interval.tracks[part.movers].astype(np.float32))
+    attributes._LABEL = _array(document, blob, tracks.astype(np.float32))
+    step = 1.0 if interval.box is None else interval.box.step
+    origin, *others = (p[group.first : group.stop].astype(float) for p in interval.curve)
+    moved = [(step * (other - origin)).astype(np.float32) for other in others]
     primitive = gltf.Primitive(
         attributes=attributes,
-        targets=[
-            gltf.Attributes(POSITION=store.positions(step * (other - start))) for other in others
-        ],
+        targets=[gltf.Attributes(POSITION=_array(document, blob, p, bounds=True)) for p in moved],
         material=0,
         mode=gltf.POINTS,
     )
-    shown = part.until > 1.0  # without animation a viewer shows the last scan
     end = bernstein(interval.degree, 1.0)[1:].tolist()
     dates = [date_at(clip.scans, time) for time in (interval.start, interval.end)]
-    document.meshes.append(gltf.Mesh(primitives=[primitive], weights=end))
     document.nodes[0].children.append(len(document.nodes))
-    document.nodes.append(
-        gltf.Node(
-            name=f"{dates[0]} to {dates[1]}",
-            mesh=len(document.meshes) - 1,
-            scale=[float(shown)] * 3,
-        )
-    )
+    stays = until > 1.0  # without animation a viewer shows the last scan
+    node = gltf.Node(mesh=len(document.meshes), scale=[float(stays)] * 3)
+    node.name = f"{dates[0]} to {dates[1]}"
+    document.meshes.append(gltf.Mesh(primitives=[primitive], weights=end))
+    document.nodes.append(node)
 
-    falls = part.group.motion is Motion.FALL
+    falls = group.motion is Motion.FALL
     shares = np.linspace(0.0, 1.0, CURVED_KEYS if falls or interval.degree > 1 else 2)
     eased = shares**2 if falls else shares
-    first, last = clip.times[0], clip.times[-1]
-    rate = seconds / (last - first)
-    begin, length = (interval.start - first) * rate, (interval.end - interval.start) * rate
-    store.channel(
-        "weights",
-        begin + length * shares,
-        np.array([bernstein(interval.degree, share)[1:] for share in eased.tolist()]).ravel(),
-        gltf.ANIM_LINEAR,
+    rate = seconds / (clip.times[-1] - clip.times[0])
+    begin = (interval.start - clip.times[0]) * rate
+    length = (interval.end - interval.start) * rate
+    weights = [bernstein(interval.degree, share)[1:] for share in eased.tolist()]
+    _animate(
+        document, blob, "weights", gltf.ANIM_LINEAR, begin + length * shares, np.ravel(weights)
     )
     changes = [(begin, 1.0)] if begin == 0.0 else [(0.0, 0.0), (begin, 1.0)]
-    if not shown:
-        changes.append((begin + length * part.until, 0.0))
+    if not stays:
+        changes.append((begin + length * until, 0.0))
     times, scales = np.array(changes).T
-    store.channel("scale", times, np.repeat(scales[:, None], 3, axis=1), gltf.ANIM_STEP)
-
-
-def _linear_colors(clip: Clip, interval: Interval, movers: slice) -> NDArray[np.uint16]:
-    """(n, 4) linear light and alpha in 16 bits, half way through the interval: points have one
-    colour each.
-    """
-    if interval.start_colors is not None and interval.end_colors is not None:
-        srgb = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], 0.5)
-    else:
-        srgb = clip.palette[interval.tracks[movers]]
-    linear = srgb / 255.0
-    linear[:, :3] = srgb_to_linear(linear[:, :3])
-    return np.round(65535.0 * linear).astype(np.uint16)
+    _animate(document, blob, "scale", gltf.ANIM_STEP, times, np.repeat(scales[:, None], 3, axis=1))
 
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
@@ -169,56 +146,51 @@ def _placed(clip: Clip) -> NDArray[np.float64]:
     return matrix
 
 
-@dataclass
-class _Store:
-    """The buffer in the making, and the accessors that say what lies where."""
+def _array(
+    document: Any,
+    blob: bytearray,
+    values: NDArray[Any],
+    vertices: bool = True,
+    bounds: bool = False,
+    normalized: bool = False,
+) -> int:
+    """Append an array of float32 or uint16 to the buffer; returns the index of its accessor."""
+    import pygltflib as gltf
 
-    document: Any  # pygltflib's
-    pieces: list[bytes] = field(default_factory=list)
-    size: int = 0
+    view = gltf.BufferView(buffer=0, byteOffset=len(blob), byteLength=values.nbytes)
+    view.target = VERTICES if vertices else None
+    accessor = gltf.Accessor(bufferView=len(document.bufferViews), count=len(values))
+    accessor.componentType = FLOAT if values.dtype == np.float32 else SHORT
+    accessor.type = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
+    accessor.normalized = normalized
+    if bounds:
+        rows = values.reshape(len(values), -1)
+        accessor.min, accessor.max = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+    document.bufferViews.append(view)
+    document.accessors.append(accessor)
+    blob += np.ascontiguousarray(values).tobytes()
+    blob += bytes(-len(blob) % 4)
+    return len(document.accessors) - 1
 
-    def positions(self, points: NDArray[np.float64]) -> int:
-        """An accessor with the bounds that glTF wants of positions."""
-        exact = points.astype(np.float32)
-        return self.array(exact, min=exact.min(axis=0).tolist(), max=exact.max(axis=0).tolist())
 
-    def array(self, values: NDArray[Any], vertices: bool = True, **about: Any) -> int:
-        """Put an array of float32 or uint16 into the buffer; gives its accessor."""
-        import pygltflib as gltf
+def _animate(
+    document: Any,
+    blob: bytearray,
+    path: str,
+    interpolation: str,
+    seconds: NDArray[np.float64],
+    values: NDArray[np.float64],
+) -> None:
+    """Animate a property of the newest node."""
+    import pygltflib as gltf
 
-        data = np.ascontiguousarray(values).tobytes()
-        view = gltf.BufferView(buffer=0, byteOffset=self.size, byteLength=len(data))
-        view.target = VERTICES if vertices else None
-        self.document.bufferViews.append(view)
-        kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
-        self.document.accessors.append(
-            gltf.Accessor(
-                bufferView=len(self.document.bufferViews) - 1,
-                componentType=FLOAT if values.dtype == np.float32 else SHORT,
-                count=len(values),
-                type=kind,
-                **about,
-            )
-        )
-        self.pieces.append(data + b"\0" * (-len(data) % 4))
-        self.size += len(self.pieces[-1])
-        return len(self.document.accessors) - 1
-
-    def channel(
-        self, path: str, seconds: NDArray[np.float64], values: NDArray[Any], how: str
-    ) -> None:
-        """Animate the newest node."""
-        import pygltflib as gltf
-
-        animation = self.document.animations[0]
-        exact = seconds.astype(np.float32)
-        bounds = {"min": [float(exact[0])], "max": [float(exact[-1])]}
-        times = self.array(exact, vertices=False, **bounds)
-        output = self.array(values.astype(np.float32), vertices=False)
-        animation.samplers.append(
-            gltf.AnimationSampler(input=times, output=output, interpolation=how)
-        )
-        node = gltf.AnimationChannelTarget(node=len(self.document.nodes) - 1, path=path)
-        animation.channels.append(
-            gltf.AnimationChannel(sampler=len(animation.samplers) - 1, target=node)
-        )
+    animation = document.animations[0]
+    target = gltf.AnimationChannelTarget(node=len(document.nodes) - 1, path=path)
+    channel = gltf.AnimationChannel(sampler=len(animation.samplers), target=target)
+    sampler = gltf.AnimationSampler(
+        input=_array(document, blob, seconds.astype(np.float32), vertices=False, bounds=True),
+        output=_array(document, blob, values.astype(np.float32), vertices=False),
+        interpolation=interpolation,
+    )
+    animation.samplers.append(sampler)
+    animation.channels.append(channel)

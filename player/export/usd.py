@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, Group, Interval, Motion
-from gclip.evaluate import positions_on_curve, srgb_to_linear
-from gclip.file import check_not_truncated
+from gclip import Clip, Group, Motion
+from gclip.evaluate import Layer, evaluate_layer, srgb_to_linear
 from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
@@ -81,35 +80,31 @@ def _write_stage(clip: Clip, film: Film, path: Path, progress: Progress) -> None
 
 
 def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length: float) -> None:
-    """One prim: places over time, colours, labels, and when it is seen."""
+    """One prim: places and colours over time, labels, and when it is seen."""
     from pxr import Sdf, UsdGeom, Vt
 
     if group.motion is Motion.REMOVE or not group.count:
         return
-    interval, movers = clip.intervals[index], slice(group.first, group.stop)
-    check_not_truncated(interval.tracks)
     prim = UsdGeom.Points.Define(stage, f"/plant/interval_{index:04d}_{group.motion.value}")
-    straight = interval.degree == 1 and group.motion is not Motion.FALL
     places, extents = prim.CreatePointsAttr(), prim.CreateExtentAttr()
+    paint = prim.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
+    falls = group.motion is Motion.FALL
+    straight = clip.intervals[index].degree == 1 and not falls
     for share in np.linspace(0.0, 1.0, 2 if straight else CURVED_SAMPLES).tolist():
-        parameter = share**2 if group.motion is Motion.FALL else share
-        points = positions_on_curve(interval, movers, parameter)
-        time = begin + share * length
-        places.Set(Vt.Vec3fArray.FromNumpy(points), time)
-        corners = np.stack([points.min(axis=0), points.max(axis=0)])
-        extents.Set(Vt.Vec3fArray.FromNumpy(corners), time)
+        layer = Layer(index, group, share**2 if falls else share, share, alpha=1.0)
+        local, colors, tracks = evaluate_layer(clip, layer)
+        time, points = begin + share * length, Vt.Vec3fArray.FromNumpy(local)
+        places.Set(points, time)
+        extents.Set(UsdGeom.PointBased.ComputeExtent(points), time)
+        if share in (0.0, 1.0):
+            light = srgb_to_linear(colors[:, :3] / 255.0).astype(np.float32)
+            paint.Set(Vt.Vec3fArray.FromNumpy(light), time)
     prim.CreateWidthsAttr(Vt.FloatArray([2.0 * clip.spacing]))
     prim.SetWidthsInterpolation(UsdGeom.Tokens.constant)
-
-    paint = prim.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
-    first, last = _linear_colors(clip, interval, movers)
-    paint.Set(Vt.Vec3fArray.FromNumpy(first), begin)
-    if last is not None:
-        paint.Set(Vt.Vec3fArray.FromNumpy(last), begin + length)
     label = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
         "label", Sdf.ValueTypeNames.IntArray, UsdGeom.Tokens.vertex
     )
-    label.Set(Vt.IntArray.FromNumpy(interval.tracks[movers].astype(np.int32)))
+    label.Set(Vt.IntArray.FromNumpy(tracks.astype(np.int32)))
     if group.motion is Motion.FADE:
         opacity = prim.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.constant)
         opacity.Set(Vt.FloatArray([1.0]), begin)
@@ -121,19 +116,6 @@ def _add(stage: Any, clip: Clip, index: int, group: Group, begin: float, length:
     seen.Set(UsdGeom.Tokens.inherited, begin)
     if index < len(clip.intervals) - 1 or group.motion is not Motion.MOVE:
         seen.Set(UsdGeom.Tokens.invisible, begin + length)
-
-
-def _linear_colors(
-    clip: Clip, interval: Interval, movers: slice
-) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    """(n, 3) linear light at the interval's start, and at its end where that differs."""
-
-    def linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        return srgb_to_linear(srgb[:, :3] / 255.0).astype(np.float32)
-
-    if interval.start_colors is not None and interval.end_colors is not None:
-        return linear(interval.start_colors[movers]), linear(interval.end_colors[movers])
-    return linear(clip.palette[interval.tracks[movers]]), None
 
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
