@@ -159,7 +159,7 @@ def film(clips: list[Path], size: Size) -> None:
             for _ in range(ROUNDS):
                 pictures = list(part.frames(clip, offscreen))
                 codec = {"codec": "libx264", "arguments": [*X264, *BT709]}
-                write = partial(encode, film=part, path=output, **codec)
+                write = partial(encode, count=len(days), film=part, path=output, **codec)
                 encoder.append(milliseconds(partial(write, pictures), process_seconds))
                 frames = part.frames(clip, offscreen)
                 exported.append(milliseconds(partial(write, frames), process_seconds))

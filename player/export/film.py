@@ -1,7 +1,7 @@
 """A film: which day each of its frames shows, from where it is seen, and how far drawing is."""
 
 import math
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
 
@@ -97,18 +97,15 @@ class Film:
         return draw
 
     def pictures(
-        self, clip: Clip, progress: Progress, before: Sequence[float] = ()
+        self, clip: Clip, progress: Progress = lambda done, total: None
     ) -> Generator[NDArray, None, None]:
-        """The frames, each drawn as it is asked for; first of all pictures of days `before`.
+        """The frames, each drawn as it is asked for.
 
         OpenGL starts with the first one: an encoder is started before, since drivers have threads
         and locks that a fork may hang on (imageio-ffmpeg, issue 58).
         """
         total = self.frame_count(clip)
         with Offscreen(clip, self.size) as offscreen:
-            draw = self.painter(clip, offscreen)
-            for day in before:
-                yield draw(day, self.camera(clip, day))
             progress(0, total)
             for done, picture in enumerate(self.frames(clip, offscreen), start=1):
                 yield picture
@@ -116,16 +113,10 @@ class Film:
 
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""
-        days, home = self.days(clip), self.camera(clip)
+        days, home = self.days(clip), Camera.home(clip, self.aspect, turning=self.turning)
         turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         starts = [self.path.at(day) if self.path else home for day in days]
         return [camera.orbit(turn * index, 0.0) for index, camera in enumerate(starts)]
-
-    def camera(self, clip: Clip, day: float | None = None) -> Camera:
-        """From where a day is seen; without one, the film's first picture."""
-        if self.path:
-            return self.path.at(self.days(clip)[0] if day is None else day)
-        return Camera.home(clip, self.aspect, turning=self.turning)
 
 
 class FrameProgress(ProgressBars):

@@ -1,7 +1,9 @@
 """Films as MP4 or QuickTime (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
 
-from collections.abc import Generator, Iterable, Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +54,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     webm = path.suffix.lower() == ".webm"
     codec, options = ("libvpx-vp9", VP9) if webm else ("libx264", X264)
     with closing(film.pictures(clip, progress)) as pictures:
-        encode(pictures, film, path, codec, [*options, *BT709])
+        encode(pictures, film.frame_count(clip), film, path, codec, [*options, *BT709])
 
 
 def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -65,30 +67,32 @@ def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
         "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
     )
     arguments = ("-vf", palette, "-loop", "0")
-    with closing(film.pictures(clip, progress, before=samples)) as pictures:
-        encode(pictures, film, path, "gif", arguments, pixels="pal8", unseen=len(samples))
+    sampled = replace(film, at=tuple(samples), every=None).pictures(clip)
+    with closing(sampled), closing(film.pictures(clip, progress)) as frames:
+        encode(chain(sampled, frames), len(days), film, path, "gif", arguments, pixels="pal8")
 
 
 def encode(
     pictures: Iterable[NDArray[np.uint8]],
+    count: int,
     film: Film,
     path: Path,
     codec: str,
     arguments: Sequence[str],
     pixels: str = "yuv420p",
-    unseen: int = 0,
 ) -> None:
     """Pipe pictures, (height, width, 4) uint8 of the film's size, through ffmpeg into a file.
 
+    count:                    how many frames the file must have in the end.
     codec, arguments, pixels: as ffmpeg names them: the encoder, its options, the format of its
                               pixels.
-    unseen:                   how many of the pictures are no frames of the film.
     Raises PlayerError if ffmpeg is missing or gives up.
     """
-    from imageio_ffmpeg import get_ffmpeg_exe, write_frames
+    from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, write_frames
 
+    file = str(path.absolute())
     frames = write_frames(
-        str(path.absolute()),
+        file,
         film.size,
         pix_fmt_in="rgba",
         pix_fmt_out=pixels,
@@ -105,36 +109,15 @@ def encode(
         raise PlayerError(
             "no ffmpeg was found; install the package imageio-ffmpeg, or ffmpeg itself."
         ) from None
-    sent = _send(pictures, frames)
-    if _frame_count(path) != sent - unseen:
-        raise failure(path, get_ffmpeg_exe())
-
-
-def _send(
-    pictures: Iterable[NDArray[np.uint8]], frames: Generator[None, NDArray[np.uint8], None]
-) -> int:
-    """How many pictures were sent. ffmpeg is killed where drawing fails or is stopped."""
-    sent = 0
-    try:
+    with closing(frames):
         for picture in pictures:
-            sent += 1
             try:
                 frames.send(np.ascontiguousarray(picture))
             except OSError:  # ffmpeg has ended, with fewer frames than were sent
                 break
-        frames.close()
-    except BaseException:
-        with suppress(KeyboardInterrupt):  # it kills; `close` would wait for what is to be encoded
-            frames.throw(KeyboardInterrupt())
-        raise
-    return sent
-
-
-def _frame_count(path: Path) -> int:
-    """How many frames of a film can be decoded: imageio-ffmpeg tells no exit code."""
-    from imageio_ffmpeg import count_frames_and_secs
-
     try:
-        return count_frames_and_secs(str(path.absolute()))[0]
+        written, _ = count_frames_and_secs(file)  # imageio-ffmpeg does not tell the exit code
     except RuntimeError:
-        return 0
+        written = 0
+    if written != count:
+        raise failure(path, get_ffmpeg_exe())

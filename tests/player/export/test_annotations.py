@@ -60,7 +60,7 @@ def test_the_scale_bar_is_as_long_as_it_says(clip: Clip, tmp_path: Path) -> None
     plain, barred = (
         still(clip, tmp_path, annotations=Annotations(scale=on)) for on in (False, True)
     )
-    camera = Film(size=SIZE).camera(clip)
+    camera = Film(size=SIZE).cameras(clip)[0]
     units = SIZE[1] / (2 * camera.distance * math.tan(camera.field_of_view / 2))
     columns = np.flatnonzero((np.abs(barred - plain).max(axis=2) > 60)[325:347].any(axis=0))
     width = columns[-1] - columns[0] + 1

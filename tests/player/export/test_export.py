@@ -140,7 +140,7 @@ def test_pictures_of_chosen_days_carry_their_view(clip: Clip, tmp_path: Path) ->
 def test_the_turntable_turns_and_the_still_camera_does_not(make_clip) -> None:
     clip = make_clip()
     film = Film(size=(64, 48), fps=4, seconds=1.0, turning=True)
-    assert film.camera(clip).distance >= Film(size=(64, 48)).camera(clip).distance
+    assert film.cameras(clip)[0].distance >= Film(size=(64, 48)).cameras(clip)[0].distance
 
 
 def test_what_rests_is_drawn_once(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
