@@ -14,7 +14,7 @@ from player.ui.theme import DARK, Theme, dress
 from player.view.fonts import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
-NOWHERE = -1e6
+NOWHERE = (-1e6, -1e6)  # the mouse, while it is outside the window
 BUTTONS = 3  # left, right and middle, in GLFW's order and ImGui's
 # Keys for a field that is written in, where ImGui calls them otherwise than GLFW.
 RENAMED = {"left": "left_arrow", "right": "right_arrow", "kp_enter": "keypad_enter"}
@@ -23,9 +23,8 @@ RENAMED = {"left": "left_arrow", "right": "right_arrow", "kp_enter": "keypad_ent
 class Gui:
     """`begin`, ImGui's own calls, `end`: once for every picture, in the OpenGL context in use.
 
-    bold:   the second font; the first is the default, and both have the icons.
-    theme:  the colours of the picture that has begun.
-    events: counts what mouse and keys did.
+    bold:  the second font; the first is the default, and both have the icons.
+    theme: the colours of the picture that has begun.
     """
 
     def __init__(self) -> None:
@@ -42,7 +41,6 @@ class Gui:
             font = io.fonts.add_font_from_file_ttf(font_file(name), 16.0)
             io.fonts.add_font_from_file_ttf(font_file(ICONS), 14.0, merged)
         self.bold, self.theme = font, DARK
-        self.events = 0
         self._then = time.perf_counter()
         imgui.backends.opengl3_init("#version 330")
 
@@ -70,39 +68,21 @@ class Gui:
         imgui.backends.opengl3_shutdown()
         imgui.destroy_context(self._own)
 
-    def move_mouse(self, x: float, y: float) -> None:
-        """It came to (x, y), in units."""
-        self._io().add_mouse_pos_event(x, y)
-
-    def lose_mouse(self) -> None:
-        """It left the window; what it holds goes on."""
-        if not any(self._io().mouse_down[button] for button in range(BUTTONS)):
-            self.move_mouse(NOWHERE, NOWHERE)
-
-    def press(self, button: int, down: bool, shift: bool = False) -> None:
-        """One of the BUTTONS went down, or up."""
-        self._io().add_key_event(imgui.Key.mod_shift, shift)
-        self._io().add_mouse_button_event(button, down)
-
-    def turn_wheel(self, notches: float) -> None:
-        self._io().add_mouse_wheel_event(0.0, notches)
+    @property
+    def pending(self) -> bool:
+        """Whether events have come that no picture has seen."""
+        return len(imgui.get_current_context().input_events_queue) > 0
 
     def type(self, key: str) -> None:
         """A character, or a key by GLFW's name, for a field that is written in."""
-        found = getattr(imgui.Key, RENAMED.get(key, key), None)
+        io, found = imgui.get_io(), getattr(imgui.Key, RENAMED.get(key, key), None)
         if len(key) == 1:
-            self._io().add_input_character(ord(key))
+            io.add_input_character(ord(key))
         elif found is not None:
             for down in (True, False):
-                self._io().add_key_event(found, down)
+                io.add_key_event(found, down)
 
     @property
     def writes(self) -> bool:
         """Whether a field is written in."""
         return bool(imgui.get_io().want_text_input)
-
-    def _io(self) -> imgui.IO:
-        """Where an event goes."""
-        self.events += 1
-        imgui.set_current_context(self._own)
-        return imgui.get_io()

@@ -62,7 +62,7 @@ class Window:
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
-        self._drawn: tuple[Scene, Measures, int] | None = None  # and the events by then
+        self._drawn: tuple[Scene, Measures] | None = None
         self._changed_at = 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
         bare = self._show(clips)
@@ -71,7 +71,7 @@ class Window:
         self.scene = prepare(reopened(scene, bare, fresh=True))
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
-        listen(handle, self._gui, self._press, self._draw_again, self._dropped.extend)
+        listen(handle, self._press, self._draw_again, self._dropped.extend)
         if self.scene.kiosk:
             glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
 
@@ -207,14 +207,14 @@ class Window:
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        wanted, drawn = (scene, measures, self._gui.events), self._drawn
-        if wanted != drawn:
+        wanted, drawn = (scene, measures), self._drawn
+        if wanted != drawn or self._gui.pending:
             self._changed_at = now
         elif not self._lively:
             return
         if not measures.visible:
             return
-        moves = drawn is None or _view(scene, measures) != _view(*drawn[:2])
+        moves = drawn is None or _view(*wanted) != _view(*drawn)
         aside = panel_width(scene, measures.units[0])
         area, panes = measures.beside(aside), panes_of(scene, [one.name for one in self.clips])
         still = scene.wish is not None  # a picture of all that there is

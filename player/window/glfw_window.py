@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import glfw as untyped
+from imgui_bundle import imgui
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
-from player.ui.gui import BUTTONS, Gui
+from player.ui.gui import BUTTONS, NOWHERE
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
@@ -59,18 +60,22 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
     size: (width, height) in units of 1/96 inch.
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
-    reasons: list[str] = []
-    glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason)))
+    reasons = ["no reason given"]
+    glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason).rstrip(".")))
     if not glfw.init():
         raise PlayerError(
-            "no window can be opened, because there is no display "
-            f"({_last(reasons)}); start it on a desktop, or {EXPORT_INSTEAD}."
+            f"no window can be opened, because there is no display ({reasons[-1]}); start it on a "
+            f"desktop, or {EXPORT_INSTEAD}."
         )
     try:
-        handle = _created(size, title) or _created_without_gpu(size, title)
+        handle = _created(size, title)
+        if not handle:  # a GPU's driver may be broken; Mesa draws on the CPU, slower
+            os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+            glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
+            handle = glfw.init() and _created(size, title)
         if not handle:
             raise PlayerError(
-                f"this display offers no OpenGL 3.3 ({_last(reasons)}); install a newer graphics "
+                f"this display offers no OpenGL 3.3 ({reasons[-1]}); install a newer graphics "
                 f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
             )
         per_unit = glfw.get_window_size(handle)[0] / size[0]
@@ -100,23 +105,14 @@ def _created(size: tuple[int, int], title: str) -> Any:
     return None
 
 
-def _created_without_gpu(size: tuple[int, int], title: str) -> Any:
-    """The same where Mesa draws it on the CPU, slower: a GPU's driver may be broken."""
-    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
-    glfw.terminate()  # Mesa looks for its drivers once in a connection to the display
-    return _created(size, title) if glfw.init() else None
-
-
 def listen(
     handle: Any,
-    gui: Gui,
     key: Callable[[str, bool, bool], None],
     draw_again: Callable[[], None],
     dropped: Callable[[list[str]], None],
 ) -> None:
-    """Hand the window's events on.
+    """Hand the window's events on: the mouse's to Dear ImGui.
 
-    gui:        gets the mouse's.
     key:        gets a key's name, after "ctrl+" where that is held, or the character typed; whether
                 shift is held; whether it repeats.
     draw_again: called when the system needs the picture anew.
@@ -127,7 +123,7 @@ def listen(
         for name, code in vars(glfw).items()
         if name.startswith("KEY_") and len(name) > len("KEY_A")
     }
-    repeating = shifted = False
+    io, repeating, shifted = imgui.get_io(), False, False
 
     def on_key(_: Any, code: int, scancode: int, action: int, modifiers: int) -> None:
         nonlocal repeating, shifted
@@ -145,17 +141,22 @@ def listen(
 
     def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
         if code < BUTTONS:
-            gui.press(code, action == glfw.PRESS, bool(modifiers & glfw.MOD_SHIFT))
+            io.add_key_event(imgui.Key.mod_shift, bool(modifiers & glfw.MOD_SHIFT))
+            io.add_mouse_button_event(code, action == glfw.PRESS)
 
     def on_move(_: Any, x: float, y: float) -> None:
-        gui.move_mouse(*Measures.of(handle).to_units(x, y))
+        io.add_mouse_pos_event(*Measures.of(handle).to_units(x, y))
+
+    def on_enter(_: Any, entered: bool) -> None:
+        if not entered and not imgui.is_any_mouse_down():  # what the mouse holds goes on
+            io.add_mouse_pos_event(*NOWHERE)
 
     glfw.set_key_callback(handle, on_key)
     glfw.set_char_callback(handle, on_character)
     glfw.set_mouse_button_callback(handle, on_button)
     glfw.set_cursor_pos_callback(handle, on_move)
-    glfw.set_cursor_enter_callback(handle, lambda _, entered: None if entered else gui.lose_mouse())
-    glfw.set_scroll_callback(handle, lambda _, right, up: gui.turn_wheel(up))
+    glfw.set_cursor_enter_callback(handle, on_enter)
+    glfw.set_scroll_callback(handle, lambda _, right, up: io.add_mouse_wheel_event(0.0, up))
     glfw.set_window_refresh_callback(handle, lambda _: draw_again())
     glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
 
@@ -198,7 +199,3 @@ def _monitor_of(handle: Any) -> Any:
 
 def _text(reason: str | bytes) -> str:
     return reason.decode(errors="replace") if isinstance(reason, bytes) else reason
-
-
-def _last(reasons: list[str]) -> str:
-    return reasons[-1].rstrip(".") if reasons else "no reason given"

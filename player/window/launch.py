@@ -14,8 +14,7 @@ from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost
 from player.gl.timers import profile_table
 from player.ui.panel import stands_beside
-from player.view.camera_animation import load_path
-from player.view.playback import AtEnd
+from player.view.camera_animation import CameraPath, load_path
 from player.view.state import Scene
 from player.view.style import ColorMode, GroundChoice, Style
 from player.window.app import Window
@@ -23,7 +22,6 @@ from player.window.glfw_window import opened
 from player.window.opened_clip import OpenClip
 from player.window.settings import Settings, load_settings, save_settings
 
-SIZE = (1280, 720)
 RESETS = 3  # of the graphics driver that are put up with
 
 
@@ -48,25 +46,23 @@ def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
     if lacking := ColorMode(style.color_by).lacking(clips[0].clip):
         raise PlayerError(lacking)
     last = load_settings()
-    path = None if options.path is None else load_path(options.path, clips[0].clip)
-    style = replace(style, ground=options.ground or last.ground or style.ground)
-    size = options.size or last.size or SIZE
+    path = load_path(options.path, clips[0].clip) if options.path else CameraPath()
+    style = replace(style, ground=options.ground or last.ground)
+    size = options.size or last.size
     beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
 
     def prepare(scene: Scene) -> Scene:
-        scene = replace(
+        return replace(
             scene,
             turning=options.turning,
-            panel=last.panel is not False and beside,
-            guides=last.guides is not False,
-            legend=last.legend is not False,
+            path=path,
+            following=bool(path),
+            panel=last.panel and beside,
+            guides=last.guides,
+            legend=last.legend,
+            kiosk=options.kiosk,
+            fullscreen=options.kiosk,
         )
-        if path is not None:
-            scene = replace(scene, path=path, following=True, turning=False)
-        if options.kiosk:
-            endless = replace(scene.timeline, at_end=AtEnd.LOOP)
-            scene = replace(scene, timeline=endless, kiosk=True, fullscreen=True)
-        return scene
 
     scene, size = show(clips, style, size=size, prepare=prepare, profile=options.profile)
     if not options.kiosk:
@@ -81,7 +77,7 @@ def show(
     style: Style | None = None,
     *,
     name: str = "plant",
-    size: tuple[int, int] = SIZE,
+    size: tuple[int, int] = Settings().size,
     prepare: Callable[[Scene], Scene] = lambda scene: scene,
     watch: Callable[[Scene], None] = lambda scene: None,
     profile: bool = False,
@@ -115,7 +111,8 @@ def show(
         Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
     """
     shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
-    for left in reversed(range(RESETS + 1)):
+    resets = 0
+    while True:
         with opened(size, shown[0].name) as handle:
             window = Window(handle, shown, style or Style(), prepare, watch)
             try:
@@ -124,7 +121,8 @@ def show(
                     print(profile_table(window.viewports.timers), file=sys.stderr)
                 return scene, window.size
             except ContextLost:
-                if left == 0:
+                resets += 1
+                if resets > RESETS:
                     raise
                 shown, lost = window.clips, window.scene
 
@@ -133,4 +131,3 @@ def show(
 
             finally:
                 window.release()
-    raise AssertionError("the last one returns or raises")

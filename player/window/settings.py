@@ -17,13 +17,13 @@ Side = Annotated[int, Meta(ge=320, le=16384)]  # units
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """Unset ones (None) are as on the first day."""
+    """As they are on the first day."""
 
-    size: tuple[Side, Side] | None = None  #: (width, height) of the window in units of 1/96 inch
-    panel: bool | None = None  #: whether it is open
-    ground: GroundChoice | None = None  #: the background
-    guides: bool | None = None  #: whether they are shown, as `legend`
-    legend: bool | None = None
+    size: tuple[Side, Side] = (1280, 720)  #: of the window in units of 1/96 inch
+    panel: bool = True  #: whether it is open
+    ground: GroundChoice = GroundChoice.DARK  #: the background
+    guides: bool = True  #: whether they are shown, as `legend`
+    legend: bool = True
 
 
 def load_settings() -> Settings:

@@ -121,18 +121,27 @@ class Desk:
         half = (bottom - top) / 4
         return Line(left + half, right - half, (top + bottom) / 2, tuple(self.clip.times))
 
+    def move(self, x: float, y: float) -> None:
+        """The mouse came to (x, y)."""
+        imgui.get_io().add_mouse_pos_event(x, y)
+
+    def press(self, button: str, down: bool, shift: bool = False) -> None:
+        """One of BUTTONS went down, or up."""
+        imgui.get_io().add_key_event(imgui.Key.mod_shift, shift)
+        imgui.get_io().add_mouse_button_event(BUTTONS.index(button), down)
+
     def point(self, at: str | tuple[float, float]) -> Scene:
-        self.gui.move_mouse(*(self.middle(at) if isinstance(at, str) else at))
+        self.move(*(self.middle(at) if isinstance(at, str) else at))
         return self.draw(2)
 
     def leave(self) -> None:
-        self.point((NOWHERE, NOWHERE))
+        self.point(NOWHERE)
 
     def click(self, at: str | tuple[float, float], button: str = "left") -> Scene:
         """Press and release; both may come before the next picture."""
         self.point(at)
         for down in (True, False):
-            self.gui.press(BUTTONS.index(button), down)
+            self.press(button, down)
         return self.draw(3)
 
     def drag(
@@ -141,15 +150,15 @@ class Desk:
     ) -> Scene:  # fmt: skip
         """Press, move and release."""
         self.point(start)
-        self.gui.press(BUTTONS.index(button), True, shift)
+        self.press(button, True, shift)
         self.draw()
-        self.gui.move_mouse(*end)
+        self.move(*end)
         self.draw(2)
-        self.gui.press(BUTTONS.index(button), False, shift)
+        self.press(button, False, shift)
         return self.draw(2)
 
     def wheel(self, notches: float) -> Scene:
-        self.gui.turn_wheel(notches)
+        imgui.get_io().add_mouse_wheel_event(0.0, notches)
         return self.draw(2)
 
     def release(self) -> None:

@@ -35,17 +35,17 @@ def desk(context: moderngl.Context) -> Iterator[Desk]:
 def test_a_press_on_the_timeline_goes_there_and_a_drag_follows(desk: Desk) -> None:
     line = desk.line
     desk.point((line.x_of(1.0), line.height))
-    desk.gui.press(0, True)
+    desk.press("left", True)
     assert desk.draw(2).timeline.day == pytest.approx(1.0, abs=0.01)
     assert desk.interface.timeline.held
-    desk.gui.move_mouse(line.x_of(2.6), 10.0)
+    desk.move(line.x_of(2.6), 10.0)
     assert desk.draw(2).timeline.day == pytest.approx(2.6, abs=0.01)
-    desk.gui.move_mouse(-500.0, 10.0)
+    desk.move(-500.0, 10.0)
     assert desk.draw(2).timeline.day == 0.0
-    desk.gui.press(0, False)
+    desk.press("left", False)
     desk.draw(2)
     assert not desk.interface.timeline.held
-    desk.gui.move_mouse(line.x_of(2.6), line.height)
+    desk.move(line.x_of(2.6), line.height)
     assert desk.draw(2).timeline.day == 0.0
 
 
@@ -94,9 +94,9 @@ def test_the_wheel_comes_nearer_and_goes_back(desk: Desk) -> None:
 
 def test_a_button_acts_on_release_if_the_cursor_is_still_there(desk: Desk) -> None:
     desk.point("play")
-    desk.gui.press(0, True)
+    desk.press("left", True)
     assert not desk.draw(2).timeline.playing
-    desk.gui.press(0, False)
+    desk.press("left", False)
     assert desk.draw(2).timeline.playing
     desk.drag("play", PLANT)
     assert desk.scene.timeline.playing
