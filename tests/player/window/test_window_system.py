@@ -81,7 +81,7 @@ def test_the_time_of_each_pass_is_told_at_the_end(
     environment = {**os.environ, **display, "XDG_CONFIG_HOME": str(tmp_path)}
     command = [sys.executable, "-m", "player", clip_file, "--profile", "--size", "320x240"]
     played = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
-    seen = ["xdotool", "search", "--sync", "--onlyvisible", "--class", "play", "sleep", "2"]
+    seen = ["xdotool", "search", "--sync", "--onlyvisible", "--name", "plant", "sleep", "2"]
     subprocess.run(seen, env=environment, check=True, timeout=120)  # some pictures are timed
     ends = time.monotonic() + 120.0
     while played.poll() is None and time.monotonic() < ends:
