@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
 import subprocess
@@ -10,6 +11,11 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+# One thread for linear algebra, as the commands have it: more would spin while they wait for each
+# other, and tests run side by side on all cores anyway.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[variable] = "1"
 
 # How long a case takes never decides whether a test passes.
 settings.register_profile("untimed", deadline=None)

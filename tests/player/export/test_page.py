@@ -6,6 +6,7 @@ import io
 import json
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -78,11 +79,14 @@ def browser(chromium: str) -> Iterator[Any]:
         started.close()
 
 
-@pytest.fixture
-def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+@contextmanager
+def pages(browser: Any, folder: Path, density: float) -> Iterator[Any]:
     """Export a clip, open the page from disk, and see to it that it asks for nothing else."""
     context = browser.new_context(
-        viewport={"width": 480, "height": 360}, has_touch=True, reduced_motion="reduce"
+        viewport={"width": 480, "height": 360},
+        device_scale_factor=density,
+        has_touch=True,
+        reduced_motion="reduce",
     )
     tab = context.new_page()
     troubles: list[str] = []
@@ -91,7 +95,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
     tab.on("request", lambda request: troubles.append(request.url))
 
     def open_(clip: Clip, film: Film | None = None) -> Any:
-        path = tmp_path / "plant.html"
+        path = folder / "plant.html"
         export(clip, film or Film(), path)
         tab.goto(path.as_uri())
         until(tab, "window.viewer !== undefined")
@@ -102,6 +106,20 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
 
     yield open_
     context.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open a clip's page on a coarse screen: its picture is drawn soon, and not looked at."""
+    with pages(browser, tmp_path, density=0.25) as open_:
+        yield open_
+
+
+@pytest.fixture
+def opened_sharp(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open a clip's page where a pixel of its picture is one of the screen."""
+    with pages(browser, tmp_path, density=1) as open_:
+        yield open_
 
 
 def until(tab: Any, what: str) -> None:
@@ -203,8 +221,8 @@ def test_the_plot_of_an_organ_leaves_the_plant_free(opened: Any, make_clip: Any)
     assert tab.evaluate(seen) == pytest.approx(before), "as it was"
 
 
-def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
-    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+def test_mouse_touch_keys_and_timeline(opened_sharp: Any, make_clip: Any) -> None:
+    tab = opened_sharp(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
     assert not tab.is_visible("#scale"), "these colours mean nothing"
     first = screenshot(tab)
     plant = first[100:240, 140:340]
@@ -256,9 +274,9 @@ def test_mouse_touch_keys_and_timeline(opened: Any, make_clip: Any) -> None:
     assert tab.evaluate("viewer.look.byTrack") is True
 
 
-def test_fewer_movers_leave_no_gaps(opened: Any, make_clip: Any) -> None:
+def test_fewer_movers_leave_no_gaps(opened_sharp: Any, make_clip: Any) -> None:
     clip = make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255)))
-    tab = opened(clip)
+    tab = opened_sharp(clip)
     covered = """(every) => {
         const { renderer, camera, look } = viewer, { canvas, gl } = renderer;
         const { width, height } = canvas, bytes = new Uint8Array(4 * width * height);
@@ -277,11 +295,11 @@ def test_fewer_movers_leave_no_gaps(opened: Any, make_clip: Any) -> None:
 
 @pytest.mark.parametrize(("ground", "color"), [("dark", "scan"), ("light", "track")])
 def test_page_and_film_show_the_same_picture(
-    opened: Any, make_clip: Any, ground: str, color: str
+    opened_sharp: Any, make_clip: Any, ground: str, color: str
 ) -> None:
     clip = make_clip(degree=2, colors=((200, 40, 30, 255), (30, 90, 200, 255)), lost=Motion.FADE)
     style, size = Style(ground=ground, color_by=ColorMode(color)), (480, 360)
-    tab = opened(clip, Film(size=size, style=style))
+    tab = opened_sharp(clip, Film(size=size, style=style))
     tab.add_style_tag(content="header, footer { visibility: hidden }")
     for day in (1.3, 3.0):
         tab.evaluate(f"viewer.seek({day})")
@@ -294,8 +312,10 @@ def test_page_and_film_show_the_same_picture(
         assert (difference.max(axis=2) > 24).mean() < 0.002
 
 
-def test_less_is_drawn_while_things_move_on_a_slow_machine(opened: Any, make_clip: Any) -> None:
-    tab = opened(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
+def test_less_is_drawn_while_things_move_on_a_slow_machine(
+    opened_sharp: Any, make_clip: Any
+) -> None:
+    tab = opened_sharp(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
     whole = screenshot(tab)
     tab.evaluate("viewer.state.level = 4; viewer.act('turn')")
     until(tab, "viewer.renderer.canvas.width === Math.round(0.4 * 480)")
