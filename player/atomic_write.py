@@ -8,7 +8,7 @@ from glob import escape
 from itertools import count
 from pathlib import Path
 
-from gclip.terminal.atomic import atomic_file, check_output, folder_beside, sync, writing
+from gclip.terminal.atomic import check_output, folder_beside, sync, writing
 from player.errors import PlayerError
 
 NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
@@ -16,18 +16,8 @@ PROBE = 1 << 20  # bytes
 
 
 @contextmanager
-def whole_file(path: Path, force: bool = True) -> Iterator[Path]:
-    """A temporary file, which takes the place of `path` when the work is done, else is removed.
-
-    Raises UserError where it can't be written, or would overwrite a file unless that is forced.
-    """
-    with atomic_file(path, force) as part:
-        yield part
-
-
-@contextmanager
 def whole_files(path: Path, force: bool = True) -> Iterator[Path]:
-    """As `whole_file`, for files numbered as the name says: all take their places in the end.
+    """As `atomic_file`, for files numbered as the name says: all take their places in the end.
 
     The folder that they go to is made if only itself is missing. What else is in it stays.
     """

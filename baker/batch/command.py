@@ -1,7 +1,7 @@
 """Run the command `bake`: list what would be baked, or bake one plant or many."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack, suppress
+from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from shutil import rmtree
@@ -63,27 +63,26 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     is_large = _bytes_of(inputs) >= MIN_BYTES_TO_CACHE
     folder = outputs.cache or (temporary_cache if is_large else None)
     cache = Cache(folder) if folder else None
-    remarks: list[str | None] = []
-    if (corrected := with_corrections(options, outputs.clip)) is not options:
-        remarks.append(f"corrections: {corrections_file(outputs.clip)}")
-        options = corrected
+    corrected = with_corrections(options, outputs.clip)
     is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
-    with ExitStack() as stack, StageProgress(outputs.quiet) as progress:
+    on_cluster = interval_solver(outputs.cluster) if outputs.cluster else nullcontext()
+    with on_cluster as solve, StageProgress(outputs.quiet) as progress:
 
         def announce(findings: Sequence[Finding]) -> None:
             for line in finding_lines(findings):
                 progress.say(line)
-            if is_compiled:
-                remarks.append(compile_kernels(partial(progress, "compiling the solver, once")))
+            if corrected is not options:
+                progress.say(f"corrections: {corrections_file(outputs.clip)}")
+            compiling = partial(progress, "compiling the solver, once")
+            if is_compiled and (remark := compile_kernels(compiling)):
+                progress.say(remark)
 
-        solve = stack.enter_context(interval_solver(outputs.cluster)) if outputs.cluster else None
-        clip, errors = bake_into(outputs, inputs, options, cache, solve, progress, announce)
+        clip, errors = bake_into(outputs, inputs, corrected, cache, solve, progress, announce)
         rmtree(temporary_cache, ignore_errors=True)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
-    notes = clip.provenance["notes"] if outputs.verbose else []
     cached = cache.summary() if cache and (outputs.cache or cache.found) else ""
-    lines = [*notes, *filter(None, remarks)]
+    lines = list(clip.provenance["notes"]) if outputs.verbose else []
     lines += summary_lines(clip, outputs.clip, progress.seconds, cached, outputs.verbose)
     lines += error_lines(errors, clip.unit) if errors else []
     written = {"report": outputs.report, "traits": outputs.traits}

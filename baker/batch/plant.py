@@ -133,7 +133,7 @@ def bake_into(
     progress("writing", 0, 1)
     clip.save(outputs.clip, outputs.force)  # another bake may have been faster
     progress("writing", 1, 1)
-    errors = verify(clip, survey, progress)
+    errors = verify(clip, progress)
     if outputs.report is not None:
         write_report(
             outputs.report,

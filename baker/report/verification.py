@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from baker.geometry.neighbors import point_spacing
-from baker.pipeline import Survey
 from gclip import Clip
 
 
@@ -46,39 +45,23 @@ class HoldoutError:
 
 def verify(
     clip: Clip,
-    survey: Survey,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> list[HoldoutError]:
-    """Compare a clip with the scans that were left out of it.
+    """Compare a clip with each of the scans that were left out of it (section 4 of the paper).
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    survey : Survey
-        Of the clip's bake.
-    report_progress : callable, optional
-        Called with "verification", the number of scans compared and their total.
-
-    Returns
-    -------
-    list of HoldoutError
-        One for each scan left out.
-
-    References
-    ----------
-    Section 4 of the paper, Figure 13.
+    report_progress: called with "verification", the number of scans compared and their total.
     """
     from scipy.spatial import KDTree
 
     errors = []
-    for number, held in enumerate(survey.held_out, 1):
+    for number, held in enumerate(clip.held_out, 1):
         scan, reconstruction = held.positions, clip.at(held.time).local
         pairs = ((scan, reconstruction), (reconstruction, scan))
         nearest = [KDTree(target).query(source)[0] for target, source in pairs]
         both = [Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest]
         sizes = len(scan), point_spacing(scan)
         errors.append(HoldoutError(held.name, held.date, held.time, *sizes, *both))
-        report_progress("verification", number, len(survey.held_out))
+        report_progress("verification", number, len(clip.held_out))
     return errors
 
 

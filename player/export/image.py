@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import free_name, is_numbered, numbered, whole_file
+from gclip.terminal.atomic import atomic_file
+from player.atomic_write import free_name, is_numbered, numbered
 from player.export.film import Film, Progress
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
@@ -39,7 +40,7 @@ def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> Path:
     """
     path = free_name(title, "still.png")
     picture = np.frombuffer(pixels, np.uint8).reshape(size[1], size[0], 3)[::-1]
-    with whole_file(path) as part:
+    with atomic_file(path) as part:
         part.write_bytes(_encoded(picture))
     return path
 

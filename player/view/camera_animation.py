@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.config_file import read_config
-from player.atomic_write import whole_file
+from gclip.terminal.atomic import atomic_file
 from player.errors import PlayerError
 from player.view.camera import Camera, triple
 
@@ -111,7 +111,7 @@ def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
         angles = map(math.degrees, (camera.yaw, camera.pitch, camera.field_of_view))
         keys.append(Key(day, triple(np.add(camera.target, clip.origin)), camera.distance, *angles))
     text = msgspec.json.encode(Document(1, clip.up, keys))
-    with whole_file(file) as part:
+    with atomic_file(file) as part:
         part.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
 
 

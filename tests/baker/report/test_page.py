@@ -84,7 +84,7 @@ def test_the_verdict_comes_first_with_what_is_wrong_and_where(baked, tmp_path, p
     judged = replace(
         clip, provenance={**clip.provenance, "verdict": verdict_provenance(clip, doubts)}
     )
-    write_report(tmp_path / "r.html", judged, record, verify(judged, record), title="plant.gclip")
+    write_report(tmp_path / "r.html", judged, record, verify(judged), title="plant.gclip")
     html = (tmp_path / "r.html").read_text()
     text = " ".join(Page(html).text.split())
     places = [
@@ -137,7 +137,7 @@ def test_the_report_does_not_change_the_clip(write_scans, tmp_path):
 
 
 def test_without_opengl_the_report_says_so(baked, tmp_path, player_fails):
-    write_report(tmp_path / "r.html", *baked, verify(*baked))
+    write_report(tmp_path / "r.html", *baked, verify(baked[0]))
     page = Page((tmp_path / "r.html").read_text())
     assert "play: no EGL here." in page.text
     assert "img" not in page.tags
@@ -145,7 +145,7 @@ def test_without_opengl_the_report_says_so(baked, tmp_path, player_fails):
 
 
 def test_a_clip_whose_name_is_not_utf_8_has_a_report(baked, tmp_path, player_fails):
-    write_report(tmp_path / "r.html", *baked, verify(*baked), title="pl\udcff.gclip")
+    write_report(tmp_path / "r.html", *baked, verify(baked[0]), title="pl\udcff.gclip")
     assert "pl\ufffd.gclip" in (tmp_path / "r.html").read_text()
 
 
@@ -154,7 +154,7 @@ def test_a_report_without_room_for_its_pictures_says_so(baked, tmp_path, monkeyp
         raise ClipError(f"{path} can't be written: No space left on device.")
 
     monkeypatch.setattr(Clip, "save", no_room)
-    write_report(tmp_path / "r.html", *baked, verify(*baked))
+    write_report(tmp_path / "r.html", *baked, verify(baked[0]))
     assert "there is no room for the clip" in Page((tmp_path / "r.html").read_text()).text
 
 
@@ -162,7 +162,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_
     (tmp_path / "r.html").mkdir()
     before = sorted(tmp_path.iterdir())
     with pytest.raises(UserError, match=r"r\.html can't be written"):
-        write_report(tmp_path / "r.html", *baked, verify(*baked))
+        write_report(tmp_path / "r.html", *baked, verify(baked[0]))
     assert sorted(tmp_path.iterdir()) == before
 
 

@@ -48,8 +48,8 @@ WHOLE = replace(PLAIN, transport="whole", holdout=2)
 
 
 def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
-    clip, record = bake_recorded([shifted], WHOLE)
-    (error,) = verify(clip, record)
+    clip, _ = bake_recorded([shifted], WHOLE)
+    (error,) = verify(clip)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
     for distances in error.both:
         assert distances.maximum < 1e-3  # at another time than day 1: 0.5
@@ -58,8 +58,8 @@ def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
 def test_distances_are_those_to_the_nearest_point(shifted):
     far = np.loadtxt(shifted / "day1.xyz")
     np.savetxt(shifted / "day1.xyz", np.vstack([far, [[30.0, 1.0, 1.5]]]), fmt="%.6f")
-    clip, record = bake_recorded([shifted], WHOLE)
-    (error,) = verify(clip, record)
+    clip, _ = bake_recorded([shifted], WHOLE)
+    (error,) = verify(clip)
     assert error.reconstruction_to_scan.maximum < 1e-3, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0]
@@ -75,7 +75,7 @@ def test_figures_are_in_the_unit_of_the_scans(write_scans):
     large.mkdir()
     for path in folder.iterdir():
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
-    errors = [verify(*bake_recorded([f], replace(PLAIN, holdout=2)))[0] for f in (folder, large)]
+    errors = [verify(bake_recorded([f], replace(PLAIN, holdout=2))[0])[0] for f in (folder, large)]
     small, big = (error.reconstruction_to_scan for error in errors)
     assert small.mean > 1e-2
     assert big.mean == pytest.approx(1000 * small.mean, rel=1e-2)
@@ -100,13 +100,13 @@ def test_scans_left_out_play_no_part_in_the_bake(write_scans):
 
 
 def test_a_whole_series_has_nothing_to_verify(write_scans):
-    clip, record = bake_recorded([write_scans()], PLAIN)
-    assert verify(clip, record) == []
+    clip, _ = bake_recorded([write_scans()], PLAIN)
+    assert verify(clip) == []
 
 
 def test_all_together(write_scans):
-    clip, record = bake_recorded([write_scans(days=range(5))], replace(PLAIN, holdout=2))
-    errors = verify(clip, record)
+    clip, _ = bake_recorded([write_scans(days=range(5))], replace(PLAIN, holdout=2))
+    errors = verify(clip)
     made, missed = overall(errors)
     assert made.mean == pytest.approx(np.mean([e.reconstruction_to_scan.mean for e in errors]))
     assert missed.maximum == max(e.scan_to_reconstruction.maximum for e in errors)
