@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -56,14 +58,10 @@ def pack_interval(
     segments : tuple of SegmentPair
     """
     degree = max(len(m.curve) - 1 for m in movers)
-    by_motion = [[m for m in movers if m.motion is motion and len(m)] for motion in Motion]
-    movers = [m for group in by_motion for m in group]
-    stops = np.cumsum([sum(map(len, group)) for group in by_motion]).tolist()
-    groups = [
-        Group(first, stop - first, motion)
-        for motion, first, stop in zip(Motion, [0, *stops], stops, strict=False)
-        if stop > first
-    ]
+    movers = [m for motion in Motion for m in movers if m.motion is motion and len(m)]
+    groups: list[Group] = []
+    for motion, same in groupby(movers, attrgetter("motion")):
+        groups.append(Group(groups[-1].stop if groups else 0, sum(map(len, same)), motion))
     elevated = (elevate_degree(m.curve, degree) for m in movers)
     curve = [_concatenate(points) for points in zip(*elevated, strict=True)]
     tracks = _concatenate([m.tracks for m in movers])

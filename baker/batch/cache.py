@@ -60,10 +60,7 @@ class Cache:
         ) -> Iterator[Interval]:
             keys = [self._key(job) for job in jobs]
             tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
-            cached = [
-                entry if entry is not None and _is_interval(entry, job, tracks) else None
-                for entry, job in zip(map(self._read, keys), jobs, strict=True)
-            ]
+            cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
             missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
             self.found, self.solved = len(jobs) - len(missing), len(missing)
             solved = iter(solve(missing, report_progress))
@@ -90,12 +87,17 @@ class Cache:
     def _key(self, job: Any) -> str:
         return sha256(_encoded((self._program, job))).hexdigest()
 
-    def _read(self, key: str) -> Interval | None:
+    def _read(self, key: str, job: IntervalJob, tracks: int) -> Interval | None:
+        """The entry of a key, if it is a valid interval of the job: anyone may have written it."""
         path = self.folder / key[:2] / key
-        with suppress(OSError, msgspec.MsgspecError):
+        with suppress(OSError, msgspec.MsgspecError, ClipError):
             entry = memoryview(path.read_bytes() if path.is_file() else b"")
-            if sha256(key.encode() + entry[32:]).digest() == entry[:32]:
-                return msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
+            if sha256(key.encode() + entry[32:]).digest() != entry[:32]:
+                return None
+            found = msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
+            buffers = found.buffers(0)
+            read_interval(Container("", buffers, 0, {*buffers}), 0, found, tracks)
+            return found if (found.start, found.end) == job.times else None
         return None
 
     def _write(self, key: str, interval: Interval) -> Interval:
@@ -108,15 +110,6 @@ class Cache:
         except UserError as error:
             self.trouble = self.trouble or str(error).rstrip(".")
         return interval
-
-
-def _is_interval(interval: Interval, job: IntervalJob, tracks: int) -> bool:
-    """Whether an entry is a valid interval of the job: anyone may have written into the folder."""
-    with suppress(ClipError):
-        buffers = interval.buffers(0)
-        read_interval(Container("", buffers, 0, {*buffers}), 0, interval, tracks)
-        return (interval.start, interval.end) == job.times
-    return False
 
 
 def _encoded(value: Any) -> bytes:
