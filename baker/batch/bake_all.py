@@ -7,6 +7,7 @@ from concurrent.futures import Future, as_completed
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from baker.batch.cluster import bake_on_cluster
 from baker.batch.outputs import Outputs, check_output
@@ -122,7 +123,7 @@ def _make_folder(folder: Path) -> None:
         raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    check_output(folder / "plant.gclip", True, "a clip", ".gclip")
+        TemporaryFile(dir=folder).close()  # whether files can be written there
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:
