@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +14,7 @@ import player.export
 import player.view
 import player.window
 from gclip.terminal.command import VersionOption, in_panels, run_app
+from gclip.terminal.progress import StageProgress
 from gclip.text import printable
 from player.errors import PlayerError
 from player.info import info_lines
@@ -206,8 +208,9 @@ def _export(
     film = replace(film, at=tuple(_day(clip, text) for text in days))
     if camera is not None:
         film = replace(film, path=player.view.load_path(camera, clip))
-    with player.export.FrameProgress(quiet, "drawing" if chosen.picture else "writing") as progress:
-        player.export.export(clip, film, output, progress, force)
+    with StageProgress(quiet) as progress:
+        report = partial(progress, "drawing" if chosen.picture else "writing")
+        player.export.export(clip, film, output, report, force)
     if not quiet:
         typer.echo(f"wrote {output}", err=True)
 

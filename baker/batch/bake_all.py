@@ -13,12 +13,12 @@ from baker.batch.cluster import bake_on_cluster
 from baker.batch.outputs import Outputs, check_output
 from baker.batch.parallel import process_pool
 from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
-from baker.batch.progress import StageProgress
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
 from baker.options import Options
 from gclip.terminal.atomic import writing
 from gclip.terminal.command import DONE, OUR_FAULT
+from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
 

@@ -13,7 +13,6 @@ from baker.batch.listing import finding_lines, list_plants
 from baker.batch.outputs import Outputs, check_cache, check_not_input, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
-from baker.batch.progress import StageProgress
 from baker.errors import InputError
 from baker.options import Options
 from baker.report.summary import summary_lines, verdict_line
@@ -21,6 +20,7 @@ from baker.report.verification import error_lines
 from baker.scans import Finding
 from baker.transport.compile import compile_kernels
 from gclip.corrections import corrections_file
+from gclip.terminal.progress import StageProgress
 from traits.plants import write_traits
 
 MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and keeps its intervals

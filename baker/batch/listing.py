@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from shutil import get_terminal_size
 
-from baker.batch.progress import StageProgress
 from baker.errors import InputError
 from baker.geometry.parallel import thread_map, worker_count
 from baker.options import Options
 from baker.pipeline import survey_series
 from baker.scans import Finding, Scan
 from baker.scans.scan import TOPICS
+from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable
 
 UNWRAPPED = 10**6  # width of lines that are not printed to a terminal

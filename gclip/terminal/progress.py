@@ -1,41 +1,69 @@
 """Show progress on stderr: bars in a terminal, lines in a pipe or log, nothing when quiet."""
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING, Any, Self
+import time
+from typing import Any, Self
 
 from gclip.text import Lossy, printable
 
-if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
 
+class StageProgress:
+    """Shows the stages of a command one after the other; call it with (stage, done, total).
 
-class ProgressBars:
-    """Base class of progress reports; the bars are shown while the context is active.
-
-    stdout and stderr are not redirected, since a process forked meanwhile could wait forever for a
-    lock of rich's console. Errors in writing the progress are ignored.
+    The bars are shown while the context is active. stdout and stderr are not redirected, since a
+    process forked meanwhile could wait forever for a lock of rich's console. Errors in writing the
+    progress are ignored.
     """
 
-    def __init__(self, quiet: bool, *columns: str | ProgressColumn) -> None:
+    def __init__(self, quiet: bool = False) -> None:
         from rich.console import Console
-        from rich.progress import Progress
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
         stderr: Any = Lossy(sys.stderr)
         self._console = Console(file=stderr, quiet=quiet, soft_wrap=True)
         has_bars = self._console.is_terminal and not quiet
         self.plain = not quiet and not has_bars  #: whether lines are printed instead of bars
-        redirect: Any = {"redirect_stdout": False, "redirect_stderr": False}
-        self.bars = Progress(*columns, console=self._console, disable=not has_bars, **redirect)
+        self.seconds: dict[str, float] = {}  #: stage -> duration, of the stages that are finished
+        self.bars = Progress(
+            "{task.description:<14}",
+            BarColumn(),
+            MofNCompleteColumn(),
+            "{task.fields[seconds]:5.1f} s",
+            TimeRemainingColumn(),
+            console=self._console,
+            disable=not has_bars,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        self._stage: str | None = None
+        self._task: Any = None
+        self._began = time.perf_counter()
 
     def __enter__(self) -> Self:
         self.bars.start()
         return self
 
     def __exit__(self, *exception: Any) -> None:
+        if exception[0] is None:
+            self._finish()
         self.bars.stop()
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        if stage != self._stage:
+            self._finish()
+            self._stage = stage
+            self._task = self.bars.add_task(stage, total=total, seconds=0.0)
+        elapsed = time.perf_counter() - self._began
+        self.bars.update(self._task, completed=done, total=total, seconds=elapsed)
 
     def say(self, sentence: str) -> None:
         """Print a line above the bars."""
         self._console.print(printable(sentence), markup=False, highlight=False)
+
+    def _finish(self) -> None:
+        elapsed = time.perf_counter() - self._began
+        if self._stage is not None:
+            self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + elapsed
+            if self.plain:
+                self.say(f"{self._stage}: {elapsed:.1f} s")
+        self._stage, self._began = None, time.perf_counter()

@@ -8,7 +8,6 @@ from itertools import groupby
 from numpy.typing import NDArray
 
 from gclip import Clip
-from gclip.terminal.progress import ProgressBars
 from player.export.annotations import annotated
 from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
@@ -117,21 +116,3 @@ class Film:
         turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         starts = [self.path.at(day) if self.path else home for day in days]
         return [camera.orbit(turn * index, 0.0) for index, camera in enumerate(starts)]
-
-
-class FrameProgress(ProgressBars):
-    """An instance is the `progress` callable of `export`: steps done, steps in all."""
-
-    def __init__(self, quiet: bool = False, doing: str = "drawing") -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
-
-        super().__init__(quiet, doing, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        self._task = self.bars.add_task(doing, total=None)
-        self._doing = doing
-        self._tenth = 0
-
-    def __call__(self, done: int, total: int) -> None:
-        self.bars.update(self._task, completed=done, total=total)
-        if self.plain and 10 * done // total > self._tenth:
-            self._tenth = 10 * done // total
-            self.say(f"{self._doing}: {done} of {total}")

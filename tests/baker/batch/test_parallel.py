@@ -147,17 +147,17 @@ def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
     """While bars are drawn as fast as they can be, their locks are held nearly always."""
     code = (
         "from baker.batch.parallel import process_pool\n"
-        "from gclip.terminal.progress import ProgressBars\n"
+        "from gclip.terminal.progress import StageProgress\n"
         "from tests.baker.batch.test_parallel import warn\n"
-        "bars = ProgressBars(False, '{task.description}')\n"
+        "bars = StageProgress()\n"
         "bars.bars.live.refresh_per_second = 2000\n"
         "with bars:\n"
-        "    task = bars.bars.add_task('warning', total=40)\n"
-        "    for _ in range(5):\n"
+        "    bars('warning', 0, 40)\n"
+        "    for round in range(5):\n"
         "        with process_pool(4) as submit:\n"
-        "            for one in [submit(warn, k) for k in range(8)]:\n"
+        "            for k, one in enumerate([submit(warn, k) for k in range(8)]):\n"
         "                one.result()\n"
-        "                bars.bars.update(task, advance=1)\n"
+        "                bars('warning', 8 * round + k + 1, 40)\n"
     )
     ours, terminal = pty.openpty()
     command = subprocess.Popen(

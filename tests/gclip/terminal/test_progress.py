@@ -8,13 +8,13 @@ import sys
 
 import pytest
 
-from gclip.terminal.progress import ProgressBars
+from gclip.terminal.progress import StageProgress
 
 FORK = """
 import os, sys, warnings
-from gclip.terminal.progress import ProgressBars
-with ProgressBars(False, "working") as progress:
-    progress.bars.add_task("", total=None)
+from gclip.terminal.progress import StageProgress
+with StageProgress() as progress:
+    progress("working", 0, 1)
     assert sys.stderr is sys.__stderr__ and sys.stdout is sys.__stdout__
     progress._console._lock.acquire()  # as when it is drawing in its thread
     child = os.fork()
@@ -49,8 +49,8 @@ def test_a_forked_worker_can_print_a_warning() -> None:
 def test_what_nobody_can_take_is_not_said(out: str) -> None:
     code = (
         f"import os, sys; {out!r} == 'closed' and (os.close(2), setattr(sys, 'stderr', None))\n"
-        "from gclip.terminal.progress import ProgressBars\n"
-        "with ProgressBars(False) as progress:\n"
+        "from gclip.terminal.progress import StageProgress\n"
+        "with StageProgress(False) as progress:\n"
         "    for _ in range(5): progress.say('x' * 1000)\n"
         "print('done')"
     )
@@ -67,10 +67,10 @@ def test_what_nobody_can_take_is_not_said(out: str) -> None:
 
 
 def test_lines_take_the_bars_place_in_a_pipe(capsys: pytest.CaptureFixture[str]) -> None:
-    with ProgressBars(False) as progress:
+    with StageProgress(False) as progress:
         assert progress.plain
         progress.say("a\x1b[2Jb")
-    with ProgressBars(True) as progress:
+    with StageProgress(True) as progress:
         assert not progress.plain
         progress.say("nothing")
     assert capsys.readouterr().err == "a\ufffd[2Jb\n"
