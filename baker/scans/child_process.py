@@ -48,7 +48,10 @@ class ChildProcess:
         """
         with self._lock:
             if self._process is None or self._process.poll() is not None:
-                self._process = _start()
+                path = f"sys.path[:] = {[*map(str, sys.path)]}"
+                program = f"import sys; {path}; from {__name__} import serve; serve()"
+                command = [sys.executable, "-c", program]
+                self._process = Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL)
             calls, results = self._process.stdin, self._process.stdout
             assert calls
             assert results
@@ -66,13 +69,6 @@ class ChildProcess:
         if error is not None:
             raise error
         return result
-
-
-def _start() -> Popen[bytes]:
-    code = (
-        f"import sys; sys.path[:] = {[*map(str, sys.path)]}; from {__name__} import serve; serve()"
-    )
-    return Popen([sys.executable, "-c", code], stdin=PIPE, stdout=PIPE, stderr=DEVNULL)
 
 
 def serve() -> None:

@@ -77,11 +77,11 @@ def holds_scans(folder: Path) -> bool:
 def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
     with input_errors(folder):
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
-        for path in entries:
-            if _is_named_as_scan(path) and not (path.is_file() or path.is_dir()):
+        scans = [path for path in entries if _is_named_as_scan(path) and not path.is_dir()]
+        for path in scans:
+            if not path.is_file():
                 link = "a link to a file that is not there"
                 raise InputError(f"'{path}' is {link if path.is_symlink() else 'no regular file'}.")
-        scans = [path for path in entries if _is_scan(path)]
         clouds = [path for path in scans if READERS[suffix_of(path)] not in BESIDE_SCANS]
         scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 from baker.errors import InputError, excerpt, input_errors
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
@@ -115,7 +114,7 @@ class Listing:
 
     def files(self, scan: Scan) -> tuple[Path, ...]:
         """All files that a scan is read from."""
-        return (scan.path, *(self.images.other_files(scan.path) if self.images else ()))
+        return self.images.files(scan.path) if self.images else (scan.path,)
 
     def read(self, scan: Scan, options: Options, child: ChildProcess | None = None) -> Scan:
         """Read a scan from its files and remove points without finite coordinates."""
@@ -149,9 +148,9 @@ def list_series(
     file = options.times
     if camera:
         images = ImageSeries(camera, file)
-        has_virtual_root = images.has_labels and options.labels != "ignore"
-        root: Literal["virtual"] | None = "virtual" if has_virtual_root else None
-        series = replace(images.series, fixed=True, root=root, length="mm")
+        series = replace(images.series, fixed=True, length="mm")
+        if images.has_labels and options.labels != "ignore":
+            series = replace(series, root="virtual")
     else:
         images, from_folder = None, len(inputs) == 1
         series = schedule_scans(find_scans(inputs, file), file, times, from_folder)

@@ -28,13 +28,13 @@ def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
     rounded = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
     logs = np.log(np.maximum(sizes, MIN_SIZE))
     deviation = np.abs(logs - np.median(logs))
+    factors = [a / b for a in UNITS for b in UNITS]
     doubts = []
     for pair in pairwise(range(len(sizes))):
         usual, odd = sorted(pair, key=deviation.__getitem__)
         ratio = float(np.exp(abs(logs[odd] - logs[usual])))
         if ratio < LIKELY_RATIO or min(sizes[odd], sizes[usual]) == 0.0:
             continue
-        factors = [a / b for a in UNITS for b in UNITS]
         factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[usual]))
         name = scans[odd].name
         doubt = (

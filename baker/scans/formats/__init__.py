@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from numpy.typing import NDArray
 
@@ -137,24 +136,21 @@ def read_columns(
     reader = READERS[kind]
     if names and reader != "text":
         raise InputError(f"'{path}' is no text table: leave out --columns.")
+    arguments = [names] if names else []
     try:
-        with input_errors(path):
-            with path.open("rb") as file:  # messages of libraries don't name permissions or folders
+        with input_errors(path), _unpacked(path) as plain:
+            with plain.open("rb") as file:  # messages of libraries don't name permissions, folders
                 if not file.read(1):
                     raise FormatError("is an empty file.")
-            with _unpacked(path) as plain:
-                arguments: tuple[Any, ...] = (reader, plain, *([names] if names else []))
+            if child and reader in NATIVE:
                 memory = NATIVE_BYTES + BYTES_PER_BYTE * plain.stat().st_size
-                try:
-                    columns: Columns = (
-                        child.call(memory, _read, *arguments)
-                        if child and reader in NATIVE
-                        else _read(*arguments)
-                    )
-                except ChildEnded as error:
-                    raise FormatError(_unsound(plain, str(error))) from error
-            if not any(map(len, columns.values.values())):
-                raise FormatError("holds no points.")
+                columns: Columns = child.call(memory, _read, reader, plain, *arguments)
+            else:
+                columns = _read(reader, plain, *arguments)
+        if not any(map(len, columns.values.values())):
+            raise FormatError("holds no points.")
+    except ChildEnded as error:
+        raise InputError(FormatError(_unsound(kind, str(error))).about(path)) from error
     except FormatError as fault:
         raise InputError(fault.about(path)) from fault
     return columns
@@ -170,11 +166,11 @@ def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
         raise
     except BaseException as error:  # a panic of the LAZ decoder is not an Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
-        raise FormatError(_unsound(path, reason)) from error
+        raise FormatError(_unsound(path.suffix, reason)) from error
 
 
-def _unsound(path: Path, reason: str) -> str:
-    return f"is no sound {path.suffix[1:].upper()} file, or is cut short ({reason})."
+def _unsound(suffix: str, reason: str) -> str:
+    return f"is no sound {suffix[1:].upper()} file, or is cut short ({reason})."
 
 
 @contextmanager
@@ -191,6 +187,4 @@ def _unpacked(path: Path) -> Iterator[Path]:
                     require_no_bomb(path, file.tell() + file.write(chunk))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
-        if plain.stat().st_size == 0:
-            raise FormatError("holds an empty file.")
         yield plain

@@ -85,12 +85,12 @@ def _triangulated(content: bytes) -> bytes:
     """
     content = re.sub(rb"\\\r?\n", b" ", content)  # continued lines
     content = re.sub(rb"(?m)^[ \t]*mtllib\b.*", b"", content)
-    return re.sub(rb"(?m)^[ \t]*f((?:[ \t]+[^\s#]+){4,})", _fan, content)
 
+    def fan(face: re.Match[bytes]) -> bytes:
+        first, *corners = face[1].split()
+        return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(corners))
 
-def _fan(face: re.Match[bytes]) -> bytes:
-    first, *corners = face[1].split()
-    return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(corners))
+    return re.sub(rb"(?m)^[ \t]*f((?:[ \t]+[^\s#]+){4,})", fan, content)
 
 
 def _read_off(path: Path) -> Mesh:

@@ -37,10 +37,6 @@ class Element:
     count: int
     properties: dict[str, tuple[str, str | None]] = field(default_factory=dict)
 
-    @property
-    def has_lists(self) -> bool:
-        return any(length for _, length in self.properties.values())
-
 
 def read(path: Path) -> Columns:
     """Read the vertices' properties, except for lists; of a mesh, sampled on its faces.
@@ -146,7 +142,7 @@ def _read_element(
         fields.append((name, first[name].dtype, shape))
     record = np.dtype(fields)
     end = begin + count * record.itemsize
-    if not element.has_lists:
+    if all(name in first for name in record.names or ()):  # no property is a list
         require_room(count, record.itemsize, len(body) - begin)
     if end <= len(body):
         rows = body[begin:end].view(record)

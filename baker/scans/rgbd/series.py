@@ -73,20 +73,19 @@ def schedule_frames(
 
     Raises InputError: a slot that is `per_day` or more, or two frames at one time.
     """
-    slots = [_SLOT.fullmatch(frame.name) for frame in frames]
     paths = [frame.color for frame in frames]
-    known = [slot for slot in slots if slot is not None]
-    if times_file is not None or len(known) < len(frames):
+    slots = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
 
-    for frame, slot in zip(frames, known, strict=True):
+    for frame, slot in zip(frames, slots, strict=True):
         if int(slot["slot"]) >= per_day:
             raise InputError(
                 f"'{frame.color}' is number {int(slot['slot'])} of its day, but a day has "
                 f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
                 "where the number is the hour)."
             )
-    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in known]
+    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in slots]
     moments = [Moment(time, f"day {time:.2f}") for time in times]
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(paths, [path.name for path in paths], moments, rule)
@@ -131,10 +130,11 @@ class ImageSeries:
         points = unproject(depth, camera, self._ground)
         return Scan(points, point_labels, colors[chosen], notes, path=color)
 
-    def other_files(self, color: Path) -> tuple[Path, ...]:
-        """The files that a frame is read from besides its colour image."""
+    def files(self, color: Path) -> tuple[Path, ...]:
+        """The files that a frame is read from, its colour image first."""
         frame = self.frames[color]
-        return (self.camera_file, *filter(None, (frame.depth, frame.label, frame.mask)))
+        others = (frame.depth, frame.label, frame.mask)
+        return (color, self.camera_file, *(path for path in others if path))
 
     @cached_property
     def _ground(self) -> float:
@@ -157,11 +157,10 @@ class ImageSeries:
         """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera)
-        sides = zip(("height", "width"), (camera.height, camera.width), depth.shape, strict=True)
-        for side, expected, found in sides:
-            if expected not in (None, found):
-                message = f"has the {side} {found}, but '{self.camera_file}' says {expected}."
-                raise InputError(f"'{frame.depth}' {message}")
+        for k, side in enumerate(("height", "width")):
+            if (expected := getattr(camera, side)) not in (None, depth.shape[k]):
+                message = f"has the {side} {depth.shape[k]}, but '{self.camera_file}' says"
+                raise InputError(f"'{frame.depth}' {message} {expected}.")
         height, width = colors.shape[:2]
         if camera.crop is not None:
             left, top = camera.crop
