@@ -15,7 +15,7 @@ from baker.errors import InputError
 from baker.scans.child_process import ChildProcess
 from baker.scans.formats import read_columns
 from baker.scans.rgbd.camera import read_camera
-from baker.scans.rgbd.series import read_pixels
+from baker.scans.rgbd.images import read_pixels
 from baker.scans.times.schedule import schedule_scans
 from tests.baker.hostile_files import File, all_files, check_file
 from tests.baker.sound_files import CAMERA, SOUND

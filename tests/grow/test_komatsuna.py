@@ -12,7 +12,8 @@ from baker.errors import InputError
 from baker.scans import read_series
 from baker.scans.rgbd.camera import Camera, read_camera
 from baker.scans.rgbd.depth_repair import repair
-from baker.scans.rgbd.series import Frame, find_frames, read_depth, read_labels
+from baker.scans.rgbd.images import read_depth, read_labels
+from baker.scans.rgbd.series import Frame, find_frames
 from grow.cli import main
 from grow.faults import Faults
 from grow.images import ImagePlan, rosette, write_images
@@ -42,8 +43,11 @@ def near_border(labels: NDArray[np.int64], width: int) -> NDArray[np.bool_]:
 
 def border_errors(folder: Path, camera: Camera, frame: Frame) -> tuple[NDArray, NDArray]:
     """mm off the true depth in the 3 outermost pixels of every organ, as measured and repaired."""
-    measured, labels = read_depth(frame.depth, camera), read_labels(frame.label or Path())
-    truth = read_depth(folder / "truth" / frame.depth.name, camera)
+    measured, labels = (
+        read_depth(frame.depth, camera.depth_unit),
+        read_labels(frame.label or Path()),
+    )
+    truth = read_depth(folder / "truth" / frame.depth.name, camera.depth_unit)
     true_labels = read_labels(folder / "truth" / frame.depth.name.replace("depth", "label"))
     repaired = repair(measured, labels).depth
     border = near_border(labels, 3) & (labels == true_labels)

@@ -67,7 +67,7 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     depth_unit: Positive = 1.0  # of one count of depth
     crop: tuple[Coordinate, Coordinate] | None = None  # left, top
     ground: Positive | None = None
-    background: Label = 0  # a number of `baker.scans.rgbd.series.read_labels`
+    background: Label = 0  # a number of `baker.scans.rgbd.images.read_labels`
     per_day: Count = 6
     images: Patterns = Patterns()
     repair: RepairOptions = RepairOptions()

@@ -1,11 +1,8 @@
 """Read a folder of colour and depth images as a series of scans."""
 
 import re
-import struct
-import warnings
 from collections.abc import Sequence
 from functools import cached_property
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,14 +13,10 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
 from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
+from baker.scans.rgbd.images import read_depth, read_labels, read_mask, read_pixels
 from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
 from baker.scans.times.schedule import natural_key, schedule_in_time, schedule_scans
-
-FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # for others, Pillow may run external programs
-MAX_PIXELS = 100_000_000
-MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs at most 1032 bytes into one
-MAX_LABELS = 256  # more colours are in a label image that was smoothed or compressed with loss
 
 _SLOT = re.compile(r"(?:\d{1,3}[_-])?(?P<day>\d{1,3})[_-](?P<slot>\d{1,2})")
 
@@ -156,7 +149,7 @@ class ImageSeries:
     def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
         """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
-        depth = read_depth(frame.depth, camera)
+        depth = read_depth(frame.depth, camera.depth_unit)
         for k, side in enumerate(("height", "width")):
             if (expected := getattr(camera, side)) not in (None, depth.shape[k]):
                 message = f"has the {side} {depth.shape[k]}, but '{self.camera_file}' says"
@@ -166,9 +159,7 @@ class ImageSeries:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
-        painted = np.zeros(depth.shape, bool)
-        if frame.mask:  # marked where a channel other than opacity is not 0
-            painted = _numbers(read_pixels(frame.mask, "I.*", "RGBA")) != 0
+        painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
         images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
         for path, image in images:
             if image is not None and image.shape != (height, width):
@@ -211,66 +202,3 @@ def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tu
 def _by_label(labels: NDArray[np.int64]) -> str:
     counts = zip(*np.unique(labels, return_counts=True), strict=True)
     return "label: pixels " + (", ".join(f"{label}: {count}" for label, count in counts) or "none")
-
-
-def read_depth(path: Path, camera: Camera) -> NDArray[np.float64]:
-    """Read depth (H, W) in mm along the camera's axis, 0 where the camera measured nothing."""
-    return np.maximum(read_pixels(path, "I.*"), 0).astype(np.float64) * camera.depth_unit
-
-
-def read_labels(path: Path) -> NDArray[np.int64]:
-    """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured one.
-
-    Transparent pixels are 0. Raises InputError, also for more than `MAX_LABELS` colours.
-    """
-    labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
-    distinct = len(np.unique(labels))
-    if distinct > MAX_LABELS:
-        raise InputError(
-            f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
-            "each organ, saved without loss and without smoothing."
-        )
-    return labels
-
-
-def _numbers(pixels: NDArray) -> NDArray[np.int64]:
-    """Convert (H, W) or (H, W, 4) pixels to one number each: the value, or 0xRRGGBB."""
-    if pixels.ndim == 2:
-        return pixels.astype(np.int64)
-    red, green, blue, alpha = np.moveaxis(pixels.astype(np.int64), -1, 0)
-    return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
-
-
-def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """Read an image's pixels, converted to the Pillow mode `other` unless its mode matches `kept`.
-
-    Raises InputError if the image can't be read.
-    """
-    from PIL import Image, UnidentifiedImageError
-
-    # From memory, so that Pillow can't allocate the size that a damaged chunk announces.
-    content = path.read_bytes()
-    try:
-        with (
-            warnings.catch_warnings(action="ignore"),
-            Image.open(BytesIO(content), formats=FORMATS) as image,
-        ):
-            count = image.width * image.height
-            if count > MAX_PIXELS:
-                raise Image.DecompressionBombError
-            if image.format == "PNG" and count > MAX_PIXELS_PER_BYTE * len(content):
-                raise ValueError(f"its {len(content)} bytes can't hold so many pixels")
-            mode = image.mode if re.fullmatch(kept, image.mode) else other
-            if mode is not None:
-                return np.array(image.convert(mode))
-    except (Image.DecompressionBombError, OSError, SyntaxError, ValueError, struct.error) as error:
-        reason = " ".join(str(error).split()).rstrip(".")
-        if isinstance(error, UnidentifiedImageError):
-            reason = f"it is none of {', '.join(FORMATS)}, or damaged"
-        if isinstance(error, Image.DecompressionBombError):
-            reason = f"it has more than {MAX_PIXELS // 10**6} million pixels"
-        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
-    raise InputError(
-        f"'{path}' is no depth image: it must have one channel of whole numbers of 16 bits a "
-        f"pixel, not the kind '{image.mode}'."
-    )
