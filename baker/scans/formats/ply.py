@@ -23,19 +23,19 @@ NAMES = {"i1": "char int8", "u1": "uchar uint8 bool", "i2": "short int16", "u2":
 NAMES |= {"i4": "int int32", "u4": "uint uint32", "f4": "float float32", "f8": "double float64"}
 TYPES = {name: kind for kind, names in NAMES.items() for name in names.split()}
 
+Types = dict[str, tuple[str, str | None]]
+"""Property -> dtype of its values and, for a list, dtype of its length, else None."""
+
 Values = dict[str, NDArray | list[NDArray]]
 """Property -> (N,) numbers; for a list (N, k) if all are equally long, else N arrays."""
 
 
 @dataclass(frozen=True)
 class Element:
-    """An element of the header (vertex, face): how many there are, and their properties.
-
-    properties: name -> dtype of the values and, for a list, dtype of its length, else None.
-    """
+    """An element of the header (vertex, face): how many there are, and their properties."""
 
     count: int
-    properties: dict[str, tuple[str, str | None]] = field(default_factory=dict)
+    properties: Types = field(default_factory=dict)
 
 
 def read(path: Path) -> Columns:
@@ -58,7 +58,10 @@ def read(path: Path) -> Columns:
     values: dict[str, Values] = {}
     offset = 0
     for name, element in elements.items():
-        values[name], offset = _read_element(body, offset, element, order)
+        types = element.properties
+        if not order:
+            types = {key: ("f8", length and "f8") for key, (_, length) in types.items()}
+        values[name], offset = _read_element(body, offset, element.count, types)
     if not order:
         require_count(offset // 8, len(body) // 8, "values")
     columns = {
@@ -112,48 +115,50 @@ def _require_new(name: str, known: dict) -> None:
 
 
 def _read_element(
-    body: NDArray[np.uint8], offset: int, element: Element, order: str
+    body: NDArray[np.uint8], offset: int, count: int, types: Types
 ) -> tuple[Values, int]:
     """Read the values of an element that starts at `offset`; also returns the offset of its end."""
+    if not count or not types:
+        return {name: np.empty(0) for name in types}, offset
+    first, _ = _read_rows(body, offset, 1, types)
+    fields: list[tuple[str, str, tuple[int, ...]]] = []
+    for name, (kind, length) in types.items():
+        fields += [(f"length of {name}", length, ())] if length else []
+        fields.append((name, kind, (len(first[name][0]),) if length else ()))
+    record = np.dtype(fields)
+    lengths = [name for name in record.names or () if name not in types]
+    if not lengths:
+        require_room(count, record.itemsize, len(body) - offset)
+    end = offset + count * record.itemsize
+    if end <= len(body):
+        rows = body[offset:end].view(record)
+        # All lists are as long as those of the first row.
+        if all((rows[name] == rows[name][0]).all() for name in lengths):
+            return {name: rows[name] for name in types}, end
+    values, end = _read_rows(body, offset, count, types)
+    return {
+        name: arrays if types[name][1] else np.concatenate(arrays)
+        for name, arrays in values.items()
+    }, end
 
-    def take(kind: str, count: int) -> NDArray:
+
+def _read_rows(
+    body: NDArray[np.uint8], offset: int, count: int, types: Types
+) -> tuple[dict[str, list[NDArray]], int]:
+    """Read `count` rows one by one, with lists of any length; also returns the end's offset."""
+
+    def take(kind: str, number: int) -> NDArray:
         nonlocal offset
-        dtype = np.dtype(kind if order else float)
-        require_room(max(count, 1), dtype.itemsize * (count > 0), len(body) - offset)
-        start, offset = offset, offset + count * dtype.itemsize
+        dtype = np.dtype(kind)
+        require_room(max(number, 1), dtype.itemsize * (number > 0), len(body) - offset)
+        start, offset = offset, offset + number * dtype.itemsize
         return body[start:offset].view(dtype)
 
-    def take_property(kind: str, length: str | None) -> NDArray:
-        (count,) = take(length, 1) if length else (1,)
-        if not 0 <= count <= len(body):
-            raise FormatError(f"holds a list of {count:g} values, which can't be.")
-        return take(kind, int(count))
-
-    begin, count = offset, element.count
-    if not count or not element.properties:
-        return {name: np.empty(0) for name in element.properties}, offset
-    first = {name: take_property(*types) for name, types in element.properties.items()}
-    # If all lists are as long as those of the first row, the element is one structured array.
-    fields = list[tuple]()
-    for name, (_, length) in element.properties.items():
-        if length:
-            fields.append((f"length of {name}", length if order else float))
-        shape = (len(first[name]),) if length else ()
-        fields.append((name, first[name].dtype, shape))
-    record = np.dtype(fields)
-    end = begin + count * record.itemsize
-    if all(name in first for name in record.names or ()):  # no property is a list
-        require_room(count, record.itemsize, len(body) - begin)
-    if end <= len(body):
-        rows = body[begin:end].view(record)
-        lengths = [rows[name] for name, *_ in fields if name not in first]
-        if all((length == length[0]).all() for length in lengths):
-            return {name: rows[name] for name in first}, end
-    values = {name: [array] for name, array in first.items()}
-    for _ in range(count - 1):
-        for name, types in element.properties.items():
-            values[name].append(take_property(*types))
-    return {
-        name: arrays if element.properties[name][1] else np.concatenate(arrays)
-        for name, arrays in values.items()
-    }, offset
+    values: dict[str, list[NDArray]] = {name: [] for name in types}
+    for _ in range(count):
+        for name, (kind, length) in types.items():
+            (number,) = take(length, 1) if length else (1,)
+            if not 0 <= number <= len(body):
+                raise FormatError(f"holds a list of {number:g} values, which can't be.")
+            values[name].append(take(kind, int(number)))
+    return values, offset
