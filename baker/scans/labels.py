@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.geometry.neighbors import nearest_neighbors
-from baker.geometry.parallel import MapLike
 from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
@@ -57,7 +56,7 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False, map: MapLike = map
+    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
@@ -68,8 +67,6 @@ def choose_labels(
         Whether the user named the field; it is used whatever its values look like.
     are_needed : bool
         Whether the user said that there are labels; a field with a known name is then not doubted.
-    map : map-like callable
-        Maps over the scans.
 
     Returns
     -------
@@ -95,7 +92,7 @@ def choose_labels(
             _require_whole(name, having)
             names.append(name)
         elif is_known or not (names or min(len(scan) for scan in having) < MIN_SAMPLE):
-            objection = _objection(name, having, map)
+            objection = _objection(name, having)
             if not objection or (objection.doubt and is_known and are_needed):
                 names.append(name)
                 if not is_known:
@@ -187,7 +184,7 @@ def _require_whole(name: str, scans: Sequence[Scan]) -> None:
             )
 
 
-def _objection(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
+def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
     """The reason why a field does not label organs; None if it seems to."""
     values = [scan.fields[name] for scan in scans]
     fraction = next((found for found in map(_fraction, values) if found is not None), None)
@@ -201,10 +198,8 @@ def _objection(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None
     if max(len(distinct) for distinct in distinct_of_scan) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
-    clouds, labels = [scans[k].points for k in sampled], [values[k] for k in sampled]
-    agreement, components, steps = np.mean(
-        list(map(_neighborhood_statistics, clouds, labels)), axis=0
-    )
+    statistics = [_neighborhood_statistics(scans[k].points, values[k]) for k in sampled]
+    agreement, components, steps = np.mean(statistics, axis=0)
     are_kinds = bool(CLASSES & {*texts}) and not re.search(r"\d", "".join(texts))
     max_components = MAX_COMPONENTS_OF_FEW if len(distinct) <= FEW_VALUES else MAX_COMPONENTS
     if agreement < MIN_AGREEMENT:
