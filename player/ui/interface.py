@@ -1,7 +1,6 @@
 """What lies over the plant: title, buttons, timeline, annotations, notices, panel and help."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import moderngl
 from imgui_bundle import imgui, imgui_ctx
@@ -13,18 +12,18 @@ from player.ui.curves import draw_curve, strip_height
 from player.ui.gui import Gui
 from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
+from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
 from player.ui.pen import Pen, fitted, one_line
 from player.ui.theme import faint, packed, theme_of
 from player.ui.timeline import TimelineView
 from player.ui.widgets import bare_window, button, card
 from player.view.choices import Compare
-from player.view.colors import ValueRange
+from player.view.colors import Colors
 from player.view.dates import date_at
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Scene
-from traits.curves import TraitCurve
 
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
@@ -58,27 +57,22 @@ AT_END = {AtEnd.LOOP: "\uf363", AtEnd.PING_PONG: "\uf07e", AtEnd.STOP: "\uf061"}
 SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What is to be told beside the scene itself."""
-
-    values: ValueRange | None = None  #: what the colours stand for
-    organ: tuple[tuple[str, str], ...] = ()  #: of the picked one, (what, value) pairs
-    panes: Sequence[Pane] = ()  #: what is seen, from left to right
-    curves: Sequence[TraitCurve] = ()  #: the picked organ's traits over time
-
-
 class Interface:
     """Belongs to one clip in one window, where the user calls it `name`.
 
-    popup: whether a list is open that Esc is to close.
+    organs: what is known of them.
+    popup:  whether a list is open that Esc is to close.
     """
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._name = gui, name
+        self._colors, self.organs = Colors(clip), OrganInfo(clip)
         self.timeline = TimelineView(clip)
         self.mouse = PlantMouse()
         self.popup = False
+
+    def release(self) -> None:
+        self.organs.release()
 
     def draw(
         self,
@@ -86,17 +80,18 @@ class Interface:
         scene: Scene,
         size: tuple[float, float],
         scale: float,
-        facts: Facts,
+        panes: Sequence[Pane] = (),
     ) -> Scene:
         """Draw over a framebuffer that holds the plant, and give the scene as the mouse changed it.
 
         size, scale: (width, height) of the window in units, and the pixels in a unit.
+        panes:       what is seen, from left to right.
         """
         shown = scene
         self._gui.begin(size, scale, theme_of(scene.style.ground))
         area = (size[0] - panel_width(scene, size[0]), size[1])
         margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])
-        below += CAPTION if len(facts.panes) > 1 else 0.0
+        below += CAPTION if len(panes) > 1 else 0.0
         insets = (margin, TOP - 8.0, margin, below)
         pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
         scene = self.mouse.move(scene, area)
@@ -104,9 +99,9 @@ class Interface:
             self._draw_kiosk(pen, shown)
         else:
             _draw_veils(pen)
-            _draw_annotations(pen, shown, facts)
+            self._draw_annotations(pen, shown, panes)
             scene = self._draw_title(pen, scene)
-            scene = self._draw_controls(pen, scene, facts)
+            scene = self._draw_controls(pen, scene)
             if shown.compare is Compare.WIPE:
                 scene = _draw_wipe(pen, scene)
             if shown.panel:
@@ -138,7 +133,7 @@ class Interface:
                 imgui.same_line(0.0, GAP)
         return scene
 
-    def _draw_controls(self, pen: Pen, scene: Scene, facts: Facts) -> Scene:
+    def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
         """The timeline, and the buttons at both of its ends."""
         (width, height), margin = pen.size, _margin(pen.size)
         roomy, middle = width >= ROOMY[0], CONTROLS - 50.0  # of the line, from the window's top
@@ -160,12 +155,26 @@ class Interface:
                     text, line = SPEEDS.get(speed, f"{speed:.0f}×"), height - 50.0
                     pen.write(right + SPEED / 2, line, text, 17.0, pen.theme.text, True, 0.5)
             ends = x - GAP + margin, right - margin
-            if facts.curves and strip_height(scene, height):
-                scene = draw_curve(pen, scene, facts.curves, ends, height - BOTTOM)
+            picked = scene.style.picked
+            if picked is not None and strip_height(scene, height):
+                curves = self.organs.curves(picked)
+                scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends, 8.0 if roomy else x)
         if roomy:
             self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
+
+    def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
+        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene, pen.size[1])
+        if len(panes) > 1:
+            draw_captions(pen, panes, bottom)
+        if pen.size[0] >= ROOMY[0] and pen.size[1] >= ROOMY[1]:
+            draw_guides(pen, scene, self._colors.color_scale(scene.style))
+            if picked is not None:
+                facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
+                draw_organ(pen, scene.clip.track_table[picked], facts)
+        if scene.exporting is not None:
+            draw_progress(pen, scene.exporting, bottom)
 
     def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
         """The date, and nothing that could be pressed."""
@@ -182,18 +191,6 @@ def _draw_veils(pen: Pen) -> None:
     draw = pen.sheet.add_rect_filled_multi_color
     draw((0.0, 0.0), (width, TOP), upper, upper, clear, clear)
     draw((0.0, height - BOTTOM), (width, height), clear, clear, lower, lower)
-
-
-def _draw_annotations(pen: Pen, scene: Scene, facts: Facts) -> None:
-    picked, bottom = scene.style.picked, BOTTOM + strip_height(scene, pen.size[1])
-    if len(facts.panes) > 1:
-        draw_captions(pen, facts.panes, bottom)
-    if pen.size[0] >= ROOMY[0] and pen.size[1] >= ROOMY[1]:
-        draw_guides(pen, scene, facts.values)
-        if picked is not None:
-            draw_organ(pen, scene.clip.track_table[picked], facts.organ)
-    if scene.exporting is not None:
-        draw_progress(pen, scene.exporting, bottom)
 
 
 def _draw_wipe(pen: Pen, scene: Scene) -> Scene:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from player.ui import actions
 from player.view.choices import Wish
+from player.view.playback import Timeline
 
 if TYPE_CHECKING:
     from player.view.state import Scene
@@ -21,11 +22,7 @@ if TYPE_CHECKING:
 NUDGE = 0.01  # share of the series that an arrow key goes on
 STEP = 1.15  # factor of point sizes
 WIPE_STEP = 0.05  # share of the width
-# Lines of help that actions share.
-NUDGED, FRAMED, STEPPED = "back, on a little", "one frame back, on", "previous, next scan"
 RANGE, SIDES = "play from, up to here", "front, side, back, top"
-KEYED, SIZED = "add, remove a camera key", "smaller, larger points"
-ORGANS, UNDONE = "next, previous organ", "undo, redo a correction"
 WIPED = "move the wipe"
 # What the mouse does (mouse.py), as the help tells it beside the keys.
 MOUSE = {
@@ -59,8 +56,6 @@ class Action:
     keys: str  #: any of them does it, with spaces between them
     help: str  #: what it does, in a few words
     do: Callable[[Scene], Scene]
-    #: the line of help that it shares with its neighbours, if it has no line of its own
-    row: str = ""
     repeats: bool = False  #: goes on while the key is held
     on: Callable[[Scene], bool] | None = None  #: whether it is on, if it turns something on and off
 
@@ -76,14 +71,22 @@ def label(key: str) -> str:
     return " ".join([m.capitalize() for m in modifiers] + [_SHOWN.get(last, last.capitalize())])
 
 
-def _time(move: str, *given: float, notice: str = "") -> Callable[[Scene], Scene]:
-    """A move of the timeline, by its name."""
+def _time(move: Callable[[Timeline], Timeline], notice: str = "") -> Callable[[Scene], Scene]:
+    return lambda s: replace(s, timeline=move(s.timeline), notice=notice or s.notice)
 
-    def do(scene: Scene) -> Scene:
-        scene = scene.with_timeline(lambda timeline: getattr(timeline, move)(*given))
-        return scene.with_notice(notice) if notice else scene
 
-    return do
+def _pair(
+    names: tuple[str, str],
+    keys: tuple[str, str],
+    help: str,
+    do: Callable[[Scene, int], Scene],
+    repeats: bool = False,
+) -> list[Action]:
+    """Two directions of one thing: `do` is given -1 for the first of them, and 1 for the other."""
+    return [
+        Action(name, key, help, lambda scene, sign=sign: do(scene, sign), repeats)  # type: ignore[misc]
+        for name, key, sign in zip(names, keys, (-1, 1), strict=True)
+    ]
 
 
 def _switch(name: str, keys: str, help: str, field: str) -> Action:
@@ -99,40 +102,41 @@ def _wish(name: str, key: str, help: str, wish: Wish) -> Action:
 
 TABLE: dict[str, tuple[Action, ...]] = {
     "Time": (
-        Action("play", "space", "play, pause", _time("toggled")),
-        Action("back", "left", "back a little", _time("nudged", -NUDGE), NUDGED, True),
-        Action("on", "right", "on a little", _time("nudged", NUDGE), NUDGED, True),
-        Action("frame back", ",", "one frame back", _time("framed", -1), FRAMED, True),
-        Action("frame on", ".", "one frame on", _time("framed", 1), FRAMED, True),
-        Action(
-            "previous", "page_up shift+left", "previous scan",
-            _time("stepped", -1), STEPPED, True,
+        Action("play", "space", "play, pause", _time(Timeline.toggled)),
+        *_pair(
+            ("back", "on"), ("left", "right"), "back, on a little",
+            lambda s, sign: s.with_timeline(lambda t: t.nudged(sign * NUDGE)), True,
         ),
-        Action("next", "page_down shift+right", "next scan", _time("stepped", 1), STEPPED, True),
-        Action("first", "home", "first scan", _time("at", -math.inf), "first, last scan"),
-        Action("last", "end", "last scan", _time("at", math.inf), "first, last scan"),
-        Action("slower", "[ down", "slower", _time("slower"), "slower, faster"),
-        Action("faster", "] up", "faster", _time("faster"), "slower, faster"),
+        *_pair(
+            ("frame back", "frame on"), (",", "."), "one frame back, on",
+            lambda s, sign: s.with_timeline(lambda t: t.framed(sign)), True,
+        ),
+        *_pair(
+            ("previous", "next"), ("page_up shift+left", "page_down shift+right"),
+            "previous, next scan", lambda s, sign: s.with_timeline(lambda t: t.stepped(sign)), True,
+        ),
+        *_pair(
+            ("first", "last"), ("home", "end"), "first, last scan",
+            lambda s, sign: s.with_timeline(lambda t: t.at(sign * math.inf)),
+        ),
+        *_pair(
+            ("slower", "faster"), ("[ down", "] up"), "slower, faster",
+            lambda s, sign: s.with_timeline(Timeline.slower if sign < 0 else Timeline.faster),
+        ),
         Action("at end", "l", "loop, back and forth, or stop", actions.AT_END.next),
-        Action(
-            "begin", "i", "play from here",
-            _time("begun_here", notice="Plays from here"), RANGE,
-        ),
-        Action(
-            "end", "o", "play up to here",
-            _time("ended_here", notice="Plays up to here"), RANGE,
-        ),
+        Action("begin", "i", RANGE, _time(Timeline.begun_here, "Plays from here")),
+        Action("end", "o", RANGE, _time(Timeline.ended_here, "Plays up to here")),
         Action(
             "whole", "u", "play the whole series",
-            _time("unbounded", notice="Plays the whole series"),
+            _time(Timeline.unbounded, "Plays the whole series"),
         ),
     ),
     "View": (
         Action("fit", "f", "whole plant", actions.go_home),
-        Action("front", "1", "from the front", lambda s: actions.look_from(s, 0), SIDES),
-        Action("side", "2", "from the side", lambda s: actions.look_from(s, 90), SIDES),
-        Action("behind", "3", "from behind", lambda s: actions.look_from(s, 180), SIDES),
-        Action("above", "4", "from above", lambda s: actions.look_from(s, 0, 90), SIDES),
+        Action("front", "1", SIDES, lambda s: actions.look_from(s, 0)),
+        Action("side", "2", SIDES, lambda s: actions.look_from(s, 90)),
+        Action("behind", "3", SIDES, lambda s: actions.look_from(s, 180)),
+        Action("above", "4", SIDES, lambda s: actions.look_from(s, 0, 90)),
         Action(
             "parallel", "5", "parallel projection", actions.switch_projection,
             on=lambda s: s.camera.orthographic,
@@ -141,8 +145,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
             "turn", "t", "go round the plant",
             lambda s: replace(s, turning=not s.turning, following=False), on=lambda s: s.turning,
         ),
-        Action("add key", "k", "add a camera key", actions.add_key, KEYED),
-        Action("drop key", "shift+k", "remove a camera key", actions.remove_key, KEYED),
+        Action("add key", "k", "add, remove a camera key", actions.add_key),
+        Action("drop key", "shift+k", "add, remove a camera key", actions.remove_key),
         Action(
             "follow", "j", "follow the camera's path", actions.follow_path,
             on=lambda s: s.following,
@@ -152,12 +156,9 @@ TABLE: dict[str, tuple[Action, ...]] = {
     "Look": (
         Action("color", "c", "colour by something else", actions.COLOR.next),
         Action("colormap", "shift+m", "other colours of values", actions.COLOR_MAP.next),
-        Action(
-            "smaller", "-", "smaller points",
-            lambda s: actions.resize_points(s, 1 / STEP), SIZED, True,
-        ),
-        Action(
-            "larger", "+ =", "larger points", lambda s: actions.resize_points(s, STEP), SIZED, True
+        *_pair(
+            ("smaller", "larger"), ("-", "+ ="), "smaller, larger points",
+            lambda s, sign: actions.resize_points(s, STEP**sign), True,
         ),
         Action(
             "pixels", "p", "points sized in pixels", actions.switch_pixels,
@@ -175,10 +176,9 @@ TABLE: dict[str, tuple[Action, ...]] = {
         _switch("legend", "y", "legend", "legend"),
     ),
     "Organs": (
-        Action("next organ", "n", "next organ", lambda s: actions.pick_next(s, 1), ORGANS),
-        Action(
-            "last organ", "shift+n", "previous organ",
-            lambda s: actions.pick_next(s, -1), ORGANS,
+        *_pair(
+            ("last organ", "next organ"), ("shift+n", "n"), "previous, next organ",
+            actions.pick_next,
         ),
         Action("hide", "x", "hide the organ", actions.hide_picked),
         Action("curve", "shift+l", "plot another trait", actions.CURVE.next),
@@ -196,24 +196,16 @@ TABLE: dict[str, tuple[Action, ...]] = {
             lambda s: actions.correct(s, "different"),
         ),
         Action("cut", "shift+c", "cut an organ where clicked", lambda s: actions.correct(s, "cut")),
-        Action(
-            "undo", "ctrl+z", "undo a correction",
-            lambda s: replace(s, edits=s.edits and s.edits.undone()), UNDONE,
-        ),
-        Action(
-            "redo", "shift+ctrl+z", "redo a correction",
-            lambda s: replace(s, edits=s.edits and s.edits.redone()), UNDONE,
+        *_pair(
+            ("undo", "redo"), ("ctrl+z", "shift+ctrl+z"), "undo, redo a correction",
+            lambda s, sign: replace(s, edits=s.edits and s.edits.moved(sign)),
         ),
     ),
     "Compare": (
         Action("compare", "v", "with the nearest scan", actions.COMPARE.next),
-        Action(
-            "wipe left", "<", "wipe to the left",
-            lambda s: actions.wipe_to(s, s.wipe - WIPE_STEP), WIPED, True,
-        ),
-        Action(
-            "wipe right", ">", "wipe to the right",
-            lambda s: actions.wipe_to(s, s.wipe + WIPE_STEP), WIPED, True,
+        *_pair(
+            ("wipe left", "wipe right"), ("<", ">"), WIPED,
+            lambda s, sign: actions.wipe_to(s, s.wipe + sign * WIPE_STEP), True,
         ),
     ),
     "Window": (
@@ -245,7 +237,7 @@ def sections() -> dict[str, dict[str, list[str]]]:
     for section, entries in TABLE.items():
         rows = {text: [*labels] for text, labels in MOUSE.get(section, {}).items()}
         for action in entries:
-            rows.setdefault(action.row or action.help, []).extend(action.labels)
+            rows.setdefault(action.help, []).extend(action.labels)
         table[section] = rows
     return table
 

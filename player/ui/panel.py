@@ -236,7 +236,7 @@ def _slider(
     with _row(label, action, VALUE):
         value = getattr(scene.style, name)
         changed, value = imgui.slider_float(f"##{label}", value, *limits, "", flags)
-        tip(action, row=True)
+        tip(action)
         imgui.same_line()
         imgui.text_unformatted(text)
     return scene.changed(f"style.{name}", value) if changed else scene

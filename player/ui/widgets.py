@@ -35,16 +35,12 @@ def key_labels(labels: Sequence[str]) -> list[str]:
     return [label.translate(ARROWS) for label in labels]
 
 
-def tip(name: str, row: bool = False) -> None:
-    """Over the control that was just drawn: what the action does, and the keys that do it too.
-
-    row: what it does together with its neighbour, as a slider.
-    """
+def tip(name: str) -> None:
+    """Over the control that was just drawn: what the action does, and the keys that do it too."""
     if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
         action = keys.ACTIONS[name]
-        text = action.row if row and action.row else action.help
         with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
-            imgui.set_tooltip(f"{text}  ({', '.join(key_labels(action.labels))})")
+            imgui.set_tooltip(f"{action.help}  ({', '.join(key_labels(action.labels))})")
 
 
 def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:

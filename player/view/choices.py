@@ -36,9 +36,8 @@ class Wish(StrEnum):
 class Output:
     """What the next picture or export is to be."""
 
-    example: str = (
-        "film.mp4"  #: the example of a format in player/export/formats.py, which names it
-    )
+    #: the example of a format in player/export/formats.py, which names it
+    example: str = "film.mp4"
     size: tuple[int, int] | None = None  #: (width, height) in pixels, None for the window's own
     transparent: bool = False  #: the plant alone, in PNG pictures
 
@@ -64,16 +63,14 @@ class Edits:
     def changed(self, now: tuple[Correction, ...]) -> Self:
         return replace(self, now=now, past=(*self.past, self.now), future=())
 
-    def undone(self) -> Self:
-        if not self.past:
-            return self
-        future = (*self.future, self.now)
-        return replace(self, now=self.past[-1], past=self.past[:-1], future=future)
-
-    def redone(self) -> Self:
-        if not self.future:
-            return self
-        return replace(self.changed(self.future[-1]), future=self.future[:-1])
+    def moved(self, direction: int) -> Self:
+        """Undo the last change (-1), or make it again (1), if there is one."""
+        past, future = self.past, self.future
+        if direction < 0 and past:
+            return replace(self, now=past[-1], past=past[:-1], future=(*future, self.now))
+        if direction > 0 and future:
+            return replace(self, now=future[-1], past=(*past, self.now), future=future[:-1])
+        return self
 
 
 def sentence(correction: Correction) -> str:

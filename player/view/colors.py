@@ -19,7 +19,7 @@ from gclip.evaluate import locate, palette_at, srgb_to_linear
 from gclip.file import check_not_truncated
 from player.errors import PlayerError
 from player.view.camera import axes, outline
-from player.view.holdout_error import Errors
+from player.view.holdout_error import held_out_as_clip, holdout_errors
 from player.view.style import ColorMap, ColorMode, Style
 from traits.growth_rate import growth_rates
 
@@ -113,7 +113,7 @@ class Colors:
             case ColorMode.FIELD:
                 found = (*self._field_range(style), "")
             case ColorMode.ERROR:
-                found = 0.0, nice_ceil(max(self._errors.high, 1e-9)), unit
+                found = 0.0, _high_end(self._errors), unit
             case _:
                 return None
         map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
@@ -148,12 +148,11 @@ class Colors:
         """For each interval its movers' values, at its start and its end where they differ."""
         if mode is ColorMode.FIELD:
             return [list(ends.T.astype(float)) for ends in self._field(style).values]
-        rates = self._growth if mode is ColorMode.GROWTH else self._errors.values
-        return [[rate] for rate in rates]
+        return [[ends] for ends in (self._growth if mode is ColorMode.GROWTH else self._errors)]
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
-        clip, missed = self._errors.scan_as_clip(number)
+        clip, missed = held_out_as_clip(self._clip, number)
         shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
         scale = self.color_scale(style) if shown else None
         if scale is None:
@@ -232,8 +231,8 @@ class Colors:
         return growth_rates(self._clip)
 
     @cached_property
-    def _errors(self) -> Errors:
-        return Errors(self._clip)
+    def _errors(self) -> list[NDArray[np.float64]]:
+        return holdout_errors(self._clip)
 
     @cached_property
     def _heights(self) -> tuple[float, float]:

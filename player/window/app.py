@@ -18,13 +18,11 @@ from player.gl.gl_errors import check_context
 from player.ui import actions, keys
 from player.ui.curves import strip_height
 from player.ui.gui import Gui
-from player.ui.interface import Facts, Interface
+from player.ui.interface import Interface
 from player.ui.panel import panel_width
 from player.view.camera_animation import load_path
 from player.view.choices import Compare
-from player.view.colors import Colors
 from player.view.dates import date_at
-from player.view.organ_place import organ_place
 from player.view.playback import Timeline
 from player.view.split_view import Pane, panes_of
 from player.view.state import Scene, reopened
@@ -33,7 +31,6 @@ from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
 from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
-from player.window.organ_info import OrganInfo
 from player.window.viewports import Viewports, fitted, home_camera
 
 NOTICE_SECONDS = 2.5  # that a notice stays at least
@@ -102,7 +99,7 @@ class Window:
 
     def release(self) -> None:
         self._exports.release()
-        self._organs.release()
+        self._interface.release()
         self._gui.release()
         self.viewports.release()
 
@@ -114,9 +111,8 @@ class Window:
         self._resolution = DynamicResolution(
             max(len(interval) for clip in bare for interval in clip.intervals)
         )
-        self._colors, self._organs = Colors(bare[0]), OrganInfo(bare[0])
         self._kept = KeptEdits(clips[0])
-        self._files = FileWatch([one.file for one in clips if one.file is not None])
+        self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
         self._drawn = None
         return bare
@@ -126,7 +122,12 @@ class Window:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
         plays = self.scene.timeline.playing and not self._interface.timeline.held
         settles = glfw.get_time() < self._changed_at + SETTLING
-        moves = plays or self.scene.turning or self.scene.notice != "" or self._organs.measuring
+        moves = (
+            plays
+            or self.scene.turning
+            or self.scene.notice != ""
+            or self._interface.organs.measuring
+        )
         return moves or settles or not self.viewports.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
@@ -167,7 +168,7 @@ class Window:
     def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""
         scene = self.scene
-        self._organs.release()
+        self._interface.release()
         self.viewports.release()
         bare = self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
@@ -231,9 +232,7 @@ class Window:
         if still:
             pixels = self.viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
-        self.scene = self._interface.draw(
-            screen, self.scene, measures.units, measures.scale, self._facts(panes)
-        )
+        self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, panes)
         check_context(self._context)
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
@@ -247,19 +246,8 @@ class Window:
         mouse = self._interface.mouse
         if mouse.clicked is None or self.scene.kiosk:
             return
-        if found := self.viewports.organ_under(panes, self.scene.style, mouse.clicked, area):
-            pane, track, aspect, spot = found
-            seen = pane.camera, aspect, spot
-            place = None if track is None else organ_place(self.scene.clip, track, pane.day, seen)
-            self.scene = actions.pick(self.scene, track, place, mouse.more)
-
-    def _facts(self, panes: tuple[Pane, ...]) -> Facts:
-        scene, picked = self.scene, self.scene.style.picked
-        facts = Facts(self._colors.color_scale(scene.style), panes=panes)
-        if picked is None:
-            return facts
-        organ = tuple(self._organs.lines(scene.clip, picked, scene.timeline.day))
-        return replace(facts, organ=organ, curves=self._organs.curves(picked))
+        if found := self.viewports.organ_under(self.scene, panes, mouse.clicked, area):
+            self.scene = actions.pick(self.scene, *found, mouse.more)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

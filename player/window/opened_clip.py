@@ -35,16 +35,13 @@ class OpenClip:
 class FileWatch:
     """Notices when files are replaced, as `bake` does by renaming."""
 
-    def __init__(self, files: list[Path]) -> None:
-        self._files = {file: _mark(file) for file in files}
+    def __init__(self, *files: Path) -> None:
+        self._seen = {file: _mark(file) for file in files}
 
     def changed(self) -> bool:
         """Whether any of them is another file than at the last look; a missing one is awaited."""
-        found = False
-        for file, before in self._files.items():
-            now = _mark(file)
-            if now is not None and now != before:
-                self._files[file], found = now, True
+        now = {file: _mark(file) or before for file, before in self._seen.items()}
+        found, self._seen = now != self._seen, now
         return found
 
 
@@ -60,11 +57,10 @@ class KeptEdits:
     """Of one clip: a file that people may edit while the window is open."""
 
     def __init__(self, opened: OpenClip) -> None:
+        self._opened, self._baked = opened.clip, baked_corrections(opened.clip)
         self._file = None if opened.file is None else corrections_file(opened.file)
-        self._baked = baked_corrections(opened.clip)
-        self._watch = FileWatch([] if self._file is None else [self._file])
+        self._watch = FileWatch(*[self._file] if self._file else [])
         self._saved: Edits | None = None
-        self._opened = opened.clip
 
     def written(self, scene: Scene) -> Scene:
         """Write what the scene changed, or take over what the file says now: the organs of the
@@ -77,7 +73,7 @@ class KeptEdits:
                 return self._read(scene, self._file)
         except UserError as error:
             self._saved = Edits()
-            return replace(scene, edits=None).with_notice(str(error))
+            return replace(scene, edits=None, notice=str(error))
         try:
             if scene.edits and scene.edits.now != self._saved.now:
                 named = self._named(scene, scene.edits.now)
@@ -85,7 +81,7 @@ class KeptEdits:
                 self._watch.changed()
                 scene = named
         except UserError as error:
-            return replace(scene, edits=self._saved).with_notice(str(error))
+            return replace(scene, edits=self._saved, notice=str(error))
         self._saved = scene.edits or self._saved
         return scene
 

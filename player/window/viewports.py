@@ -6,6 +6,7 @@ from dataclasses import replace
 import moderngl
 
 from gclip import Clip
+from gclip.corrections import Place
 from player.gl.framebuffer import texture
 from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
@@ -13,6 +14,7 @@ from player.gl.timers import PassTimers
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
+from player.view.organ_place import organ_place
 from player.view.split_view import Pane, paired_homes
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
@@ -119,14 +121,13 @@ class Viewports:
 
     def organ_under(
         self,
+        scene: Scene,
         panes: Sequence[Pane],
-        style: Style,
         at: tuple[float, float],
         size: tuple[float, float],
-    ) -> tuple[Pane, int | None, float, tuple[float, float]] | None:
-        """The pane of the first clip that a place is over; the track of the organ seen there; the
-        picture's width by its height, and the place in it: right and up from its middle, from -1
-        to 1. None over another clip.
+    ) -> tuple[int | None, Place | None] | None:
+        """The track of the first clip's organ that is seen at a place, and where it was clicked;
+        None over another clip.
 
         at: the place, from the top left corner; size: of the window, in the same unit.
         """
@@ -135,11 +136,14 @@ class Viewports:
             left, right = pane.left * width, pane.right * width
             if pane.clip == 0 and left <= at[0] < right:
                 whole = (right - left, height) if pane.own else size
-                inside = (at[0] - (left if pane.own else 0.0), at[1])
-                renderer = self._renderer(pane, style)
-                track = renderer.organ_at(pane.day, pane.camera, style, inside, whole)
-                spot = 2 * inside[0] / whole[0] - 1, 1 - 2 * inside[1] / whole[1]
-                return pane, track, whole[0] / whole[1], spot
+                x, y = at[0] - (left if pane.own else 0.0), at[1]
+                renderer = self._renderer(pane, scene.style)
+                track = renderer.organ_at(pane.day, pane.camera, scene.style, (x, y), whole)
+                if track is None:
+                    return None, None
+                spot = 2 * x / whole[0] - 1, 1 - 2 * y / height
+                seen = pane.camera, whole[0] / height, spot
+                return track, organ_place(scene.clip, track, pane.day, seen)
         return None
 
     @property

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gclip import Clip
 from player.ui import panel, widgets
 from player.ui.gui import NOWHERE, Gui
-from player.ui.interface import Facts, Interface
+from player.ui.interface import Interface
 from player.ui.timeline import Line
 from player.view.camera import Camera
 from player.view.playback import Timeline
@@ -42,9 +42,9 @@ class Places:
         self.found: dict[str, Place] = {}
         tip = widgets.tip
 
-        def placed(name: str, row: bool = False) -> None:
+        def placed(name: str) -> None:
             self.note(name)
-            tip(name, row)
+            tip(name)
 
         for module in (widgets, panel):
             patch.setattr(module, "tip", placed)
@@ -73,11 +73,9 @@ class Desk:
         scene: Scene | None = None,
         size: tuple[float, float] = SIZE,
         scale: float = 1.0,
-        facts: Facts | None = None,
         name: str = "a clip",
     ) -> None:
         self.context, self.clip, self.size, self.scale = context, clip, size, scale
-        self.facts = facts or Facts()
         self.scene = scene or scene_of(clip)
         self.framebuffer = context.simple_framebuffer(
             (round(size[0] * scale), round(size[1] * scale)), 3
@@ -94,9 +92,7 @@ class Desk:
         for _ in range(times):
             self.framebuffer.clear(*(value / 255 for value in GROUND))
             self.places.clear()
-            self.scene = self.interface.draw(
-                self.framebuffer, self.scene, self.size, self.scale, self.facts
-            )
+            self.scene = self.interface.draw(self.framebuffer, self.scene, self.size, self.scale)
             self.clicked = self.interface.mouse.clicked or self.clicked
             assert self.context.error == "GL_NO_ERROR"
         return self.scene
@@ -163,4 +159,5 @@ class Desk:
 
     def release(self) -> None:
         self.patch.undo()
+        self.interface.release()
         self.gui.release()

@@ -26,12 +26,11 @@ from player.gl.context import headless
 from player.rendering.headless import Offscreen
 from player.rendering.points import RasterBackend
 from player.ui.gui import Gui
-from player.ui.interface import Facts, Interface
+from player.ui.interface import Interface
 from player.view.annotations import Annotations
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare
-from player.view.colors import Colors
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
 from player.view.state import Scene
@@ -154,7 +153,6 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, (clip,))
         shown = replace(plain, **scene)
         panes = panes_of(shown, [plant])
-        facts = Facts(Colors(clip).color_scale(style), panes=panes)
         with _screen(size) as (context, screen):
             stage, gui = Viewports(context, [clip]), Gui()
             interface = Interface(gui, clip, plant)
@@ -162,7 +160,8 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
                 stage.paint(size, panes, style, Detail(), None)
                 screen.use()
                 stage.show(screen, size)
-                interface.draw(screen, shown, WINDOW, DENSITY, facts)
+                interface.draw(screen, shown, WINDOW, DENSITY, panes)
+            interface.release()
             gui.release()
             stage.release()
             return _read(screen)

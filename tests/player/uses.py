@@ -113,16 +113,14 @@ def drawn(clip: Clip, path: Path) -> None:
 def overlaid(clip: Clip, path: Path) -> None:
     """What lies over the plant in the window: names and dates as a clip has them."""
     from player.gl.context import headless
-    from player.ui.interface import Facts
     from tests.player.desk import Desk, scene_of
 
     context = headless()
     name = clip.track_table[0].name
-    facts = Facts(organ=((name, name),))
     for day, notice in ((clip.times[0], name), (clip.times[-1], "")):
         scene = scene_of(clip, day, color_by="track", picked=0).with_notice(notice)
         for shown in (scene, replace(scene, panel=True)):
-            desk = Desk(context, clip, shown, facts=facts, name=path.name)
+            desk = Desk(context, clip, shown, name=path.name)
             desk.point((450.0, 570.0))
             desk.release()
     context.release()

@@ -15,11 +15,9 @@ from hypothesis import strategies as st
 from imgui_bundle import imgui
 
 from gclip import Clip
-from player.ui.interface import Facts
 from player.ui.pen import Pen, fitted
 from player.ui.theme import DARK, LIGHT
 from player.ui.timeline import Line, labels_on
-from player.view.colors import Colors
 from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
 from tests.player.desk import SIZE, Desk, scene_of
@@ -234,28 +232,37 @@ def test_a_notice_stands_on_a_card_in_the_middle(context: moderngl.Context) -> N
             assert widths[1] > 1.3 * widths[0]
 
 
-def test_everything_at_once_is_drawn(context: moderngl.Context) -> None:
+def told(desk: Desk, monkeypatch: pytest.MonkeyPatch, *facts: tuple[str, str]) -> None:
+    """What the card of an organ says, measured or not."""
+    monkeypatch.setattr(desk.interface.organs, "lines", lambda clip, track, day: facts)
+    desk.draw(3)
+
+
+def test_everything_at_once_is_drawn(
+    context: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
     clip = small_clip()
     scene = scene_of(clip, 0.5, color_by=ColorMode.HEIGHT, picked=1)
-    scene = replace(scene, exporting=Exporting("a.mp4", 3, 10))
-    facts = Facts(Colors(clip).color_scale(scene.style), (("kind", "leaf"),))
-    with opened(context, clip, scene, facts=facts) as desk:
+    plain = replace(scene, curve="", legend=False)
+    scene = replace(scene, curve="", exporting=Exporting("a.mp4", 3, 10))
+    with opened(context, clip, scene) as desk:
+        told(desk, monkeypatch, ("kind", "leaf"))
         whole = desk.pixels().copy()
-        desk.facts = Facts()
-        assert (drawn(desk, scene) != whole).any()
-        desk.facts = facts
+        assert (drawn(desk, plain) != whole).any()
         assert (drawn(desk, scene) == whole).all()
         kiosk = drawn(desk, replace(scene, kiosk=True, panel=True))
         assert (kiosk[:300] == kiosk[0, 0]).all(), "nothing but the name and the date"
 
 
-def test_text_from_clips_is_only_text(context: moderngl.Context) -> None:
+def test_text_from_clips_is_only_text(
+    context: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
     hostile = "%s%n##id###x\x00\x1b[31m\n\t" + "🌱日" + "x" * 100_000
     clip = small_clip([hostile] * 3, leaf=hostile)
     scene = replace(scene_of(clip, 0.5, picked=1, color_by=ColorMode.TRACK), panel=True)
-    facts = Facts(None, ((hostile, hostile),))
     scene = replace(scene, notice=hostile, exporting=Exporting(hostile, 1, 2))
-    with opened(context, clip, scene, facts=facts, name=hostile) as desk:
+    with opened(context, clip, scene, name=hostile) as desk:
+        told(desk, monkeypatch, (hostile, hostile))
         desk.point((450.0, SIZE[1] - 50.0))
         desk.draw(5)
 
@@ -271,14 +278,17 @@ def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
         desk.gui.end(desk.framebuffer)
 
 
-def test_the_picked_organ_s_curve_rises_over_the_timeline(context: moderngl.Context) -> None:
+def test_the_picked_organ_s_curve_rises_over_the_timeline(
+    context: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
     clip, count = small_clip(), len(small_clip().times)
     values = tuple(10.0 * (i + 1) for i in range(count))
     curve = TraitCurve(
         1, "area", " mm²", tuple(clip.times), values, (0.5,) * count, (True,) * count
     )
     scene = replace(scene_of(clip).with_style(picked=1), guides=False)
-    with opened(context, clip, scene, facts=Facts(curves=(curve,))) as desk:
+    with opened(context, clip, scene) as desk:
+        monkeypatch.setattr(desk.interface.organs, "curves", lambda track: (curve,))
         plotted = replace(scene, curve="area")
         hidden, shown = drawn(desk, replace(scene, curve="")), drawn(desk, plotted)
         assert (drawn(desk, scene) == hidden).all(), "its length was not measured"

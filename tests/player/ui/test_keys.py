@@ -33,7 +33,7 @@ def test_the_help_lists_every_key_and_every_drag() -> None:
     }
     for action in keys.ACTIONS.values():
         assert set(action.labels) <= shown
-        assert (action.row or action.help) in text
+        assert action.help in text
     assert {"Drag", "Shift drag", "Right drag", "Middle drag", "Wheel", "Click"} <= shown
 
 

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from player.window.organ_info import OrganInfo
+from player.ui.organ_info import OrganInfo
 from tests.player.conftest import ClipMaker
 
 
