@@ -16,7 +16,7 @@ PROBE = 1 << 20  # bytes
 
 
 @contextmanager
-def whole_files(path: Path, force: bool = True) -> Iterator[Path]:
+def atomic_files(path: Path, force: bool = True) -> Iterator[Path]:
     """As `atomic_file`, for files numbered as the name says: all take their places in the end.
 
     The folder that they go to is made if only itself is missing. What else is in it stays.

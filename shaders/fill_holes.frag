@@ -1,15 +1,13 @@
 // Fills the holes between points of one sample each: every point is treated as a splat that covers
 // the samples around it, and each sample is the weighted mean of the splats on the nearest surface.
 // The result is that of splats (splat_sum.frag) whose centres are rounded to samples, at a cost
-// that does not depend on the number of points.
+// that does not depend on the number of points. REACH is the largest radius of a splat in samples.
 #include "nearest_point.glsl"
 #include "gbuffer.glsl"
 #include "color.glsl"
 
 uniform usampler2D nearest;
 uniform usampler2D picked;
-uniform sampler2D occupied;  // which tiles have points in or near them (point_tiles.frag)
-uniform int reach;           // largest radius of a splat in samples
 uniform sampler2D palette;
 uniform bool by_track;        // the ten bits name the colour
 
@@ -32,10 +30,9 @@ float radius_at(float view_depth) {
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    int around = texelFetch(occupied, texel / TILE, 0).r > 0.0 ? reach : -1;
     float surface = 1e30;  // what lies deeper is hidden
-    for (int y = -around; y <= around; ++y) {
-        for (int x = -around; x <= around; ++x) {
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
             uint number = number_at(texel + ivec2(x, y));
             float depth = depth_of(number), splat = radius_at(depth), core = CORE * splat;
             float behind = depth + THICKNESS * (splat - 0.5) * clip_w(depth) / focal_px;
@@ -45,8 +42,8 @@ void main() {
     }
     vec4 color_sum = vec4(0.0);
     float depth_sum = 0.0;
-    for (int y = -around; y <= around; ++y) {
-        for (int x = -around; x <= around; ++x) {
+    for (int y = -REACH; y <= REACH; ++y) {
+        for (int x = -REACH; x <= REACH; ++x) {
             uint number = number_at(texel + ivec2(x, y));
             float depth = depth_of(number), splat = radius_at(depth);
             float rise = max(1.0 - float(x * x + y * y) / (splat * splat), 0.0);

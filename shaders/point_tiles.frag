@@ -1,14 +1,13 @@
-// Marks the tiles of the picture that have points in them or near enough to be splats there.
+// Marks the tiles of the picture that have points in them or within REACH samples.
 
 uniform usampler2D nearest;
-uniform int reach;
 out float out_occupied;
 
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * TILE, last = textureSize(nearest, 0) - 1;
     uint closest = 0xFFFFFFFFu;
-    for (int y = -reach; y < TILE + reach; ++y) {
-        for (int x = -reach; x < TILE + reach; ++x) {
+    for (int y = -REACH; y < TILE + REACH; ++y) {
+        for (int x = -REACH; x < TILE + REACH; ++x) {
             ivec2 texel = clamp(corner + ivec2(x, y), ivec2(0), last);
             closest = min(closest, texelFetch(nearest, texel, 0).r);
         }

@@ -3,15 +3,16 @@
 #include "depth.glsl"
 
 const int RINGS = 3, DIRECTIONS = 8;  // of the samples of the surroundings
+const mat2 TURN = mat2(0.7071, 0.7071, -0.7071, 0.7071);  // to the next direction
+const mat2 OUTWARDS = 2.8 * mat2(0.9666, 0.2563, -0.2563, 0.9666);  // to the next ring
+const vec3 KEY_LIGHT = vec3(-0.75, 0.10, 0.65);  // from where `up_dir` points, where the lamp is
 
 uniform sampler2D colors;  // linear light, cover
 uniform sampler2D depths;  // relative
 uniform sampler2D normals;  // see gbuffer.glsl
-uniform ivec2 dome[RINGS * DIRECTIONS];  // offsets of these samples
 uniform float eye_dome;    // strength of the shading
 uniform float depth_cue;   // share of the fog on what is farthest
 uniform vec3 up_dir;       // in the eye's coordinates
-uniform vec3 key_light_dir;
 uniform vec3 ambient_top;  // linear light from above, from below, and of the lamp
 uniform vec3 ambient_bottom;
 uniform vec3 key_light;
@@ -52,13 +53,16 @@ vec3 normal_at(ivec2 texel, float depth) {
 // in front is another organ and darkens less, or every leaf would have a black outline.
 float occlusion(ivec2 texel, float depth) {
     float sum = 0.0, inv_depth = 1.0 / 0.012;  // of the depth that occludes most
+    vec2 aside = vec2(max(1.2 * float(textureSize(depths, 0).y) / 720.0, 1.0), 0.0);
     for (int ring = 0; ring < RINGS; ++ring) {
         for (int i = 0; i < DIRECTIONS; ++i) {
-            float other = depth_at(texel + dome[ring * DIRECTIONS + i]);
+            float other = depth_at(texel + ivec2(round(aside)));
             float front = max((depth - other) * inv_depth, 0.0);
             sum += front / (1.0 + front * front);
+            aside = TURN * aside;
         }
         inv_depth /= 2.2;
+        aside = OUTWARDS * aside;
     }
     return sum / float(RINGS * DIRECTIONS);
 }
@@ -73,11 +77,12 @@ vec3 lit(ivec2 texel, vec3 albedo) {
     to_eye = perspective > 0.0 ? to_eye : vec3(0.0, 0.0, 1.0);
 
     // Leaves are thin: light from behind shines through.
-    float facing = dot(normal, key_light_dir);
+    vec3 to_lamp = normalize(up_dir + KEY_LIGHT);
+    float facing = dot(normal, to_lamp);
     float direct = max(facing, 0.0) + 0.40 * max(-facing, 0.0);
     float open = exp(-2.2 * eye_dome * occlusion(texel, depth));
     vec3 ambient = mix(ambient_bottom, ambient_top, 0.5 + 0.5 * dot(normal, up_dir));
-    float mirrored = max(dot(normal, normalize(key_light_dir + to_eye)), 0.0);
+    float mirrored = max(dot(normal, normalize(to_lamp + to_eye)), 0.0);
     float gloss = 0.05 * pow(mirrored, 20.0);
     float grazing = 1.0 - max(dot(normal, to_eye), 0.0);
     float edge = 0.10 * grazing * grazing * grazing;

@@ -8,7 +8,7 @@ from typing import Any
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, check_output
-from player.atomic_write import check_sequence, is_numbered, whole_files
+from player.atomic_write import atomic_files, check_sequence, is_numbered
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
@@ -65,7 +65,7 @@ def export(
         check_annotations(film, clip)
     colors = Colors(clip)
     coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
-    with (whole_files if chosen.sequence else atomic_file)(path, force) as part:
+    with (atomic_files if chosen.sequence else atomic_file)(path, force) as part:
         chosen.write(coloring(film.style), film, part, progress)
 
 
@@ -114,7 +114,14 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
         )
     chosen = fitting[0]
     (check_sequence if chosen.sequence else check_output)(path, force)
-    _check_moments(chosen, film, path)
+    if len(film.at) > 1 and chosen.days == 1:
+        raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
+    if film.at and not chosen.days:
+        raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
+    if film.transparent and suffix != ".png":
+        raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
+    if film.at and film.every is not None:
+        raise PlayerError("--day and --every each say which moments to show; give one of them.")
     chosen.check(film)
     return chosen
 
@@ -127,17 +134,6 @@ def check_look(chosen: Format, film: Film, path: Path, has_camera: bool) -> None
         )
     if not chosen.look and (film.style != Style() or film.turning or has_camera):
         raise PlayerError(f"{path} holds numbers alone: it has no colours, no floor, no camera.")
-
-
-def _check_moments(chosen: Format, film: Film, path: Path) -> None:
-    if len(film.at) > 1 and chosen.days == 1:
-        raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
-    if film.at and not chosen.days:
-        raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
-    if film.transparent and path.suffix.lower() != ".png":
-        raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
-    if film.at and film.every is not None:
-        raise PlayerError("--day and --every each say which moments to show; give one of them.")
 
 
 FORMATS: tuple[Format, ...] = (

@@ -67,26 +67,18 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
-    comments = [
-        "made by plant-growth-clips",
-        f"time {day!r} {clip.time_unit}",
-        f"date {_plain(date_at(clip.scans, day))}",
-        f"unit {_plain(clip.unit)}",
-    ]
-    properties = [
-        f"property {TYPES[vertices.dtype[name].str]} {name}" for name in vertices.dtype.names or ()
-    ]
+    names = vertices.dtype.names or ()
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        *(f"comment {comment}" for comment in comments),
+        "comment made by plant-growth-clips",
+        f"comment time {day!r} {clip.time_unit}",
+        f"comment date {date_at(clip.scans, day)}",
+        f"comment unit {clip.unit}",
         f"element vertex {len(vertices)}",
-        *properties,
-        "end_header\n",
+        *(f"property {TYPES[vertices.dtype[name].str]} {name}" for name in names),
+        "end_header",
     ]
-    path.write_bytes("\n".join(header).encode("ascii") + vertices.tobytes())
-
-
-def _plain(text: str) -> str:
-    """A header is lines of ASCII: whatever a clip says must not become a line of its own."""
-    return "".join(c if c.isascii() and c.isprintable() else "?" for c in text)
+    # What a clip says must not become a line of its own.
+    lines = ("".join(c if c.isascii() and c.isprintable() else "?" for c in s) for s in header)
+    path.write_bytes("".join(f"{line}\n" for line in lines).encode() + vertices.tobytes())

@@ -86,9 +86,16 @@ class GBuffer:
         self._context.depth_func = "1"
         passes.fill(name, **uniforms)
 
+    def clear_surface(self) -> None:
+        """Remove colours, depths and normals, but not which samples are the plant's."""
+        self.framebuffer.depth_mask = False
+        self.framebuffer.clear(NOTHING, NOTHING, NOTHING, 0.0)
+        self.framebuffer.depth_mask = True
+
     def clear(self) -> None:
-        """Remove what `fill` does not write: light, and depths outside the plant."""
+        """Reset all to a picture without a plant."""
         self.lit.clear()
+        self.mask.clear(depth=0.0)
         self.filtered[1].clear(NOTHING)
 
 

@@ -73,14 +73,21 @@ class Passes:
         self._context = context
         self._timers = timers
         self._definitions = definitions
-        self._arrays: dict[str, moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
-    def fill(self, name: str, **uniforms: Any) -> None:
-        """Run `<name>.frag` for every pixel."""
-        if name not in self._arrays:
-            compiled = program(self._context, "fullscreen", name, **self._definitions)
-            self._arrays[name] = self._context.vertex_array(compiled, [])
-        array = self._arrays[name]
+    def fill(self, name: str, *, reach: int = 0, tiles: int = 0, **uniforms: Any) -> None:
+        """Run `<name>.frag` for every pixel, or for those of a number of tiles (tile.vert).
+
+        reach: how many pixels around its own the shader reads; a compile-time constant.
+        """
+        if (name, reach) not in self._arrays:
+            vertex, defined = (
+                "tile" if tiles else "fullscreen",
+                self._definitions | {"REACH": reach},
+            )
+            compiled = program(self._context, vertex, name, **defined)
+            self._arrays[name, reach] = self._context.vertex_array(compiled, [])
+        array = self._arrays[name, reach]
         give(array.program, **uniforms)
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.TRIANGLES, vertices=3)
+            array.render(moderngl.TRIANGLE_STRIP, 4 if tiles else 3, instances=max(tiles, 1))

@@ -1,7 +1,6 @@
 """Draws pictures of a clip without a screen."""
 
 from contextlib import ExitStack
-from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -60,7 +59,7 @@ class Offscreen:
         self.clip = clip
         self.size = size
         self._supersample = supersample
-        self._made = ExitStack()
+        self._home = Camera.home(clip, size[0] / size[1])
         self._begin()
 
     def _begin(self) -> None:
@@ -68,15 +67,10 @@ class Offscreen:
             self.context = headless()
             made.callback(self.context.release)
             self._supersample = samples_within(self.context, self.size, self._supersample)
+            self._framebuffer, _ = target(self.context, self.size, (4, "f1"))
             self._renderer = Renderer(self.context, self.clip, self._supersample)
             made.callback(self._renderer.release)
-            self._framebuffer, _ = target(self.context, self.size, (4, "f1"))
             self._made = made.pop_all()
-
-    @cached_property
-    def home(self) -> Camera:
-        """The camera that shows the whole series."""
-        return Camera.home(self.clip, self.size[0] / self.size[1])
 
     def picture(
         self,
@@ -87,13 +81,14 @@ class Offscreen:
     ) -> NDArray[np.uint8]:
         """Draw a day: (height, width, 4) uint8 sRGB, top row first.
 
+        camera:      shows the whole series by default.
         transparent: draw the plant without a background, with unassociated alpha.
         A driver reset is answered by one new attempt, full GPU memory by one sample a pixel. Raises
         PlayerError if that fails too, and ClipError for a file that was truncated after opening.
         """
-        camera, style = camera or self.home, style or Style()
+        view = day, camera or self._home, style or Style(), transparent
         try:
-            return self._picture(day, camera, style, transparent)
+            return self._picture(*view)
         except OutOfGpuMemory:
             if self._supersample == 1:
                 raise
@@ -102,18 +97,16 @@ class Offscreen:
             pass
         self.release()
         self._begin()
-        return self._picture(day, camera, style, transparent)
+        return self._picture(*view)
 
     def _picture(
         self, day: float, camera: Camera, style: Style, transparent: bool
     ) -> NDArray[np.uint8]:
-        width, height = self.size
-        self._renderer.draw(
-            self._framebuffer, day, camera, style, self.size, transparent=transparent
-        )
+        view = (self._framebuffer, day, camera, style, self.size)
+        self._renderer.draw(*view, transparent=transparent)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         check_context(self.context)
-        return pixels.reshape(height, width, 4)[::-1]
+        return pixels.reshape(*self.size[::-1], 4)[::-1]
 
     def release(self) -> None:
         """Release the context; later calls do nothing."""

@@ -60,13 +60,15 @@ class PointRaster:
             "occupied": 2,
             "palette": PALETTE_UNIT,
             "by_track": self._by_track(splats),
-            "reach": 1 if splats.typical_radius_px <= 1.5 else 2,
         }
+        reach = 1 if splats.typical_radius_px <= 1.5 else 2
         gbuffer.tiles.framebuffer.use()
         self._points.context.enable_only(moderngl.NOTHING)
-        self._passes.fill("point_tiles", **uniforms)
+        self._passes.fill("point_tiles", reach=reach, **uniforms)
         gbuffer.tiles.bind(2)
-        gbuffer.fill(self._passes, "fill_holes", **uniforms)
+        gbuffer.clear_surface()
+        across, up = gbuffer.tiles.framebuffer.size
+        gbuffer.fill(self._passes, "fill_holes", reach=reach, tiles=across * up, **uniforms)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""

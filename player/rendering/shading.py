@@ -1,10 +1,8 @@
 """Lights the nearest surface by its depths and, if the clip has normals, by these."""
 
-import math
 from typing import Any
 
 import moderngl
-import numpy as np
 
 from player.gl.framebuffer import GBuffer
 from player.gl.shader import Passes
@@ -12,7 +10,7 @@ from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
 
-DIRECTIONS, RINGS = 8, 3  # samples of the surroundings for eye-dome lighting (shade.frag)
+DEPTH_CUE = 0.45  # share of the fog on what is farthest
 
 
 def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None:
@@ -45,29 +43,14 @@ def _where_the_plant_is(gbuffer: GBuffer) -> moderngl.Context:
 
 
 def lights(splats: SplatParams, style: Style) -> dict[str, Any]:
-    """The uniforms of shade.frag: lights, fog and the samples of the surroundings."""
+    """The uniforms of shade.frag: lights and fog."""
     camera, colors = splats.camera, GROUNDS[style.ground]
-    up = camera.view()[:3, :3] @ axes(camera.up)[2]
-    key_light = up + np.array([-0.75, 0.10, 0.65])
     return {
-        "dome": dome_offsets(max(1.0, 1.2 * splats.samples[1] / 720)),
         "eye_dome": style.eye_dome,
-        "depth_cue": 0.45 if style.depth_cue else 0.0,
-        "up_dir": tuple(up),
-        "key_light_dir": tuple(key_light / np.linalg.norm(key_light)),
+        "depth_cue": DEPTH_CUE * style.depth_cue,
+        "up_dir": tuple(camera.view()[:3, :3] @ axes(camera.up)[2]),
         "ambient_top": colors.ambient_top,
         "ambient_bottom": colors.ambient_bottom,
         "key_light": colors.key_light,
         "fog_color": colors.fog_color,
     }
-
-
-def dome_offsets(radius_px: float) -> list[tuple[int, int]]:
-    """Offsets in samples for eye-dome lighting, ring by ring; radius_px: of the innermost ring."""
-    offsets = []
-    for ring in range(RINGS):
-        aside = radius_px * 2.8**ring
-        for i in range(DIRECTIONS):
-            angle = (i + 0.33 * ring) * 2.0 * math.pi / DIRECTIONS
-            offsets.append((round(aside * math.cos(angle)), round(aside * math.sin(angle))))
-    return offsets

@@ -145,9 +145,7 @@ class Splats:
         gbuffer.colors.use(1)
         gbuffer.fill(self._passes, "splat_covered", gbuffer.mask, **uniforms)
         target, context = gbuffer.framebuffer, self._points.context
-        target.depth_mask = False
-        target.clear(NOTHING, NOTHING, NOTHING, 0.0)
-        target.depth_mask = True
+        gbuffer.clear_surface()
         target.viewport = viewport
         target.use()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)

@@ -45,14 +45,10 @@ function start(about, shaders) {
         on: () => clock.nudge(0.01),
         first: () => clock.go(clock.first),
         last: () => clock.go(clock.last),
-        slower: () => clock.hasten(-1),
-        faster: () => clock.hasten(1),
         fit,
         turn: () => { state.turning = !state.turning; },
         color: () => { look.byTrack = clip.colored ? !look.byTrack : true; },
         ground: () => { look.light = !look.light; },
-        larger: () => { look.pointSize = Math.min(look.pointSize * 1.15, 20); },
-        smaller: () => { look.pointSize = Math.max(look.pointSize / 1.15, 0.05); },
         organs: () => byId("organs").toggleAttribute("hidden"),
         choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
         trait: () => {
@@ -62,10 +58,6 @@ function start(about, shaders) {
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
         help: () => byId("help").toggleAttribute("hidden"),
-        picture: () => {
-            draw(0);
-            savePicture(canvas, `${document.title} ${clip.namesOf(clock.day)[0]}`);
-        },
         leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
     };
     const act = (name, value) => {
@@ -80,7 +72,6 @@ function start(about, shaders) {
         document.querySelector('[data-do="turn"]').classList.toggle("on", state.turning);
         document.querySelector('[data-do="color"]')?.classList.toggle("on", look.byTrack);
         byId("scale")?.toggleAttribute("hidden", look.byTrack);
-        byId("speed").textContent = clock.speed === 1 ? "" : `${clock.speed}×`;
         document.querySelectorAll("#organs button").forEach((button) =>
             button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
         plot();
@@ -175,32 +166,19 @@ function start(about, shaders) {
     };
 }
 
-// The timeline goes to the scan where the pointer is near one's mark; where the marks' labels would
-// run into each other, only the first and the last are left.
+// The timeline goes to the scan where the pointer is near one's mark.
 function arrange({ times, first, last }, act) {
     const time = byId("time"), span = last - first;
     time.addEventListener("input", () => {
         const near = times.find((scan) => Math.abs(scan - time.value) < (SNAP * span) / time.clientWidth);
         act("go", near === undefined ? Number(time.value) : near);
     });
-    const labels = [...byId("marks").children].map((mark) => mark.textContent.length);
-    const closest = Math.min(...times.slice(1).map((scan, i) => scan - times[i])) / span;
-    new ResizeObserver(() => byId("marks").classList.toggle(
-        "crowded", closest * time.clientWidth < 7 * Math.max(...labels) + 16)).observe(time);
-}
-
-function savePicture(canvas, name) {
-    const link = document.createElement("a");
-    link.href = canvas.toDataURL();
-    link.download = `${name.replace(/[^\w. -]+/g, "-")}.png`;
-    link.click();
 }
 
 const KEYS = {
     " ": "play", ArrowLeft: "back", ArrowRight: "on", PageUp: "previous", PageDown: "next",
-    Home: "first", End: "last", ArrowDown: "slower", ArrowUp: "faster", "[": "slower", "]": "faster",
-    f: "fit", t: "turn", F11: null, c: "color", g: "ground", "+": "larger", "=": "larger",
-    "-": "smaller", o: "organs", l: "trait", s: "picture", h: "help", "?": "help", Escape: "leave",
+    Home: "first", End: "last", f: "fit", t: "turn", c: "color", g: "ground", o: "organs", l: "trait",
+    h: "help", "?": "help", Escape: "leave",
 };
 
 // One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.

@@ -22,6 +22,7 @@ from player.export.film import Film, Progress
 from player.export.web.encode import Packed, pack
 from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_square
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
+from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import Camera, axes
 from player.view.colors import Colors, format_number, resolved_color_mode
@@ -37,6 +38,7 @@ SHADERS = (
     *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
 )
 MOMENTS = 1000  # at which the page may change what it calls the day
+ROOM = 8.0  # per cent of the timeline that a scan's date needs
 MAX_ORGANS = 2000  # that are listed
 MAX_CURVES = 100  # organs whose traits are plotted
 FRAME_HEIGHT = 540  # pixels of a notebook's frame
@@ -111,6 +113,7 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
         first=first,
         last=last,
         marks=zip(places, dates, strict=True),
+        crowded=min(after - before for before, after in pairwise(places)) < ROOM,
         organs=_organs(clip),
         style=Markup(_read("page.css")),
         script=Markup("\n".join(_read(name) for name in SCRIPTS)),
@@ -146,7 +149,18 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             for interval, one in zip(clip.intervals, packed, strict=True)
         ],
         "coverage": [closing.at(k, share) for k, share in ends],
-        "splat": {"radii": radius, "smallest": MIN_POINT_PX, **asdict(shape)},
+        "splat": {"radii": radius, "smallest": MIN_POINT_PX},
+        "uniforms": {
+            **asdict(shape),
+            "span": shape.core,
+            "lift": 0.0,
+            "scene_radius": scene_radius(clip),
+            "perspective": 1.0,
+            "eye_dome": film.style.eye_dome,
+            "depth_cue": DEPTH_CUE * film.style.depth_cue,
+            "floor_share": float(film.style.show_ground),
+            "transparent": False,
+        },
         "shadow": {
             "side": SIDE,
             "points": SHADOW_POINTS,
@@ -154,7 +168,6 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             "texel": 2 * half_side / SIDE,
             "toSquare": to_square.T.ravel().tolist(),
         },
-        "sceneRadius": scene_radius(clip),
         "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
         "plotted": plotted(clip),
         "curves": _curves(clip),
@@ -164,9 +177,6 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             "byTrack": film.style.color_by == ColorMode.TRACK,
             "turning": film.turning,
             "pointSize": film.style.point_size,
-            "eyeDome": film.style.eye_dome,
-            "depthCue": 0.45 if film.style.depth_cue else 0.0,
-            "floor": 1.0 if film.style.show_ground else 0.0,
         },
         "grounds": {name: asdict(ground) for name, ground in GROUNDS.items()},
     }

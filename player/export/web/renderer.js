@@ -2,7 +2,6 @@
 // nearest surface, their depths filtered, the plant's shadow, and light over the ground.
 
 const BUDGET = 384 << 20;  // bytes of points kept on the graphics card
-const KEY_LIGHT = [-0.75, 0.10, 0.65];  // from where the plant's up axis points, as the eye sees it
 const NOTHING = 1e4;  // the relative depth where no point is (depth.glsl)
 const DIMMED = 0.12, LUMINANCE = [0.2126, 0.7152, 0.0722];  // beside a chosen organ; of linear sRGB
 const KINDS = { Uint8Array: "UNSIGNED_BYTE", Uint16Array: "UNSIGNED_SHORT", Uint32Array: "UNSIGNED_INT" };
@@ -92,24 +91,18 @@ class Renderer {
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
         const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose(), view = pose.inverse();
         const { x, y, z } = view.transformPoint(new DOMPoint(...camera.axes[2], 0));
-        const up = [x, y, z], key = up.map((side, i) => side + KEY_LIGHT[i]);
         const values = {
-            ...clip.grounds[look.light ? "light" : "dark"],
+            ...clip.uniforms, ...clip.grounds[look.light ? "light" : "dark"],
             view: view.toFloat32Array(), projection: camera.projection(width / height),
             radius: clip.splat.radii * look.pointSize * Math.sqrt(every)
                 * clip.between(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
             point_px_range: [samples * this.sizes[0], this.sizes[1]],
-            target_depth: camera.distance, scene_radius: clip.sceneRadius, perspective: 1,
+            target_depth: camera.distance,
             half_extent: [(slope * width) / height, slope],
             by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
             to_floor: new DOMMatrix(clip.shadow.toSquare).multiply(pose).toFloat32Array(),
-            up_dir: up, key_light_dir: key.map((side) => side / Math.hypot(...key)),
-            dome: domeOffsets(Math.max(1, (1.2 * samples * height) / 720)),
-            eye_dome: look.eyeDome, depth_cue: look.depthCue, floor_share: look.floor,
-            transparent: false,
-            core: clip.splat.core, thickness: clip.splat.thickness, edge: clip.splat.edge,
-            span: clip.splat.core, lift: 0,
+            up_dir: [x, y, z],
         };
         const targets = this.targetsOf(samples * width, samples * height);
         const { nearest, sums, surface, filtered, lit, mask } = targets;
@@ -129,7 +122,7 @@ class Renderer {
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, span: clip.splat.rim, lift: 1, front: [front, 1] }, every);
+        this.drawPoints("sum", layers, { ...values, span: values.rim, lift: 1, front: [front, 1] }, every);
         gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
         pass(surface, "splat_resolve", {
@@ -256,14 +249,6 @@ class Renderer {
         }
         return this.targets;
     }
-}
-
-// Where eye-dome shading looks, in samples, ring by ring; radius: of the innermost ring.
-function domeOffsets(radius) {
-    return [0, 1, 2].flatMap((ring) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
-        const aside = radius * 2.8 ** ring, angle = ((i + 0.33 * ring) * 2 * Math.PI) / 8;
-        return [Math.round(aside * Math.cos(angle)), Math.round(aside * Math.sin(angle))];
-    }));
 }
 
 // The Bernstein weights of a Bezier curve's points.

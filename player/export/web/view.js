@@ -73,7 +73,6 @@ class Clock {
         this.first = this.day = times[0];
         this.last = times[times.length - 1];
         this.playing = false;
-        this.speed = 1;
         this.rest = 0;
     }
 
@@ -84,8 +83,8 @@ class Clock {
             if (this.rest <= 0) this.day = this.first;
             return;
         }
-        const whole = clamped(2 * (this.times.length - 1), 4, 24);  // seconds at speed 1
-        const passed = (seconds * this.speed * (this.last - this.first)) / whole;
+        const whole = clamped(2 * (this.times.length - 1), 4, 24);  // seconds
+        const passed = (seconds * (this.last - this.first)) / whole;
         this.day = Math.min(this.day + passed, this.last);
         if (this.day === this.last) this.rest = REST;
     }
@@ -111,9 +110,5 @@ class Clock {
         this.playing = false;
         const ahead = this.times.filter((time) => direction * (time - this.day) > 0);
         if (ahead.length) this.go(direction > 0 ? ahead[0] : ahead[ahead.length - 1]);
-    }
-
-    hasten(direction) {
-        this.speed = clamped(this.speed * 2 ** direction, 1 / 8, 8);
     }
 }
