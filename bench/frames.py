@@ -38,7 +38,7 @@ import numpy as np
 import gclip
 from bench.synthetic import growing, static
 from gclip import Clip
-from gclip.evaluate import layers_at, locate
+from gclip.evaluate import layers_at
 from player.export import Film, export
 from player.export.video import BT709, X264, encode
 from player.gl.context import headless
@@ -116,10 +116,9 @@ def _draw_times(
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
     def rasterise(backend: RasterBackend) -> None:
-        ranges = renderer._ranges(layers_at(clip, 0.5), 1, None)
-        closing = renderer._closing.at(*locate(clip, 0.5))
+        view = (0.5, camera, Style(), size)
+        ranges, splats, _ = renderer._prepared(layers_at(clip, 0.5), *view, 1, None)
         renderer._raster.backend = backend
-        splats = renderer._splat_params(camera, Style(), size, ranges, closing)
         renderer._raster.rasterise(renderer._gbuffer_of(size), ranges, splats)
 
     works: list[Callable[[], object]] = [

@@ -151,8 +151,7 @@ def play_command(
 
     Example:  play plant.gclip --export film.mp4 --camera turntable --date
     """
-    _check_finite(seconds=seconds, every=every, point_size=point_size, shading=shading)
-    _check_every(every, seconds)
+    _check_numbers(every, seconds, point_size=point_size, shading=shading)
     files = [clip] if second is None else [clip, second]
     for file in files:
         _check_baked(file)
@@ -253,18 +252,15 @@ def _check_field(clip: "Clip", name: str) -> None:
         raise PlayerError(f"--field is {name}; the clip's fields: {names}.")
 
 
-def _check_every(every: float | None, seconds: float | None) -> None:
+def _check_numbers(every: float | None, seconds: float | None, **others: float) -> None:
+    options = {"every": every, "seconds": seconds, **others}
+    for name, value in options.items():
+        if value is not None and not math.isfinite(value):  # a range check lets "nan" pass
+            raise PlayerError(f"--{name.replace('_', '-')} is {value}; a finite number is needed.")
     if every is not None and every <= 0.0:
         raise PlayerError(f"--every is {every:g}; a time above 0 is needed.")
     if every is not None and seconds is not None:
         raise PlayerError("--every and --seconds each say how many frames; give one of them.")
-
-
-def _check_finite(**options: float | None) -> None:
-    """ "nan" and "inf" are numbers to a range check."""
-    for name, value in options.items():
-        if value is not None and not math.isfinite(value):
-            raise PlayerError(f"--{name.replace('_', '-')} is {value}; a finite number is needed.")
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -90,4 +90,4 @@ class Passes:
         array = self._arrays[name, reach]
         give(array.program, **uniforms)
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.TRIANGLE_STRIP, 4 if tiles else 3, instances=max(tiles, 1))
+            array.render(moderngl.TRIANGLES, vertices=6 * tiles or 3)

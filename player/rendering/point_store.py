@@ -15,7 +15,7 @@ from itertools import islice
 import moderngl
 import numpy as np
 
-from gclip import Clip, Interval
+from gclip import Clip, Group, Interval
 from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory
@@ -81,9 +81,8 @@ class ChunkStore:
         self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
         self._bytes: Counter[int] = Counter()  # by interval
         self._prefetch = Prefetch()
-        self._wanted: list[DrawRange] = []
-        self._plan: Iterator[tuple[Chunk, int]] = iter(())  # what remains to be uploaded
-        self._ahead: tuple[int, Iterator[tuple[Chunk, int]]] = (-1, iter(()))
+        self._wanted: list[tuple[int, Group, int]] = []
+        self._plan: list[tuple[Chunk, int]] = []  # what remains to be uploaded, the last one first
         self.size = 0
         self.loaded = 0
 
@@ -119,38 +118,31 @@ class ChunkStore:
         """
         ends = time.perf_counter() + seconds
         groups = [(drawn.layer.interval, drawn.layer.group, drawn.count) for drawn in wanted]
-        if groups != [(d.layer.interval, d.layer.group, d.count) for d in self._wanted]:
-            self._plan = self._slices(wanted)
+        shown = max((index for index, *_ in groups), default=0)
+        if groups != self._wanted:
+            following = [
+                DrawRange(Layer(shown + 1, group, 0, 0, 1), group.count)
+                for interval in self._clip.intervals[shown + 1 : shown + 2]
+                for group in interval.groups
+            ]
+            self._plan = [*self._slices(wanted), *self._slices(following)][::-1]
             for drawn in wanted:
                 for chunk, count in islice(self.chunks(drawn), 1):
                     self.fetch(chunk, min(count, SLICE))
-            self._wanted = wanted
-        if self._follow(self._plan, ends):
-            self._load_ahead(max((d.layer.interval for d in wanted), default=-1) + 1, ends)
-        return [self.resident(drawn) for drawn in wanted]
-
-    def _follow(self, plan: Iterator[tuple[Chunk, int]], ends: float, ahead: bool = False) -> bool:
-        """Upload slices until the time is over; returns whether the plan is done."""
-        while time.perf_counter() < ends:
-            chunk, count = next(plan, (None, 0))
-            if chunk is None:
-                return True
+            self._wanted = groups
+        while self._plan and time.perf_counter() < ends:
+            chunk, count = self._plan[-1]
+            ahead = chunk.interval > shown
+            if ahead and not self._prefetch.has_read(
+                chunk.interval, self._clip.intervals[chunk.interval]
+            ):
+                break
+            self._plan.pop()
             if chunk in self._kept or self._fits(chunk, ahead):
                 self.loaded += self._made(chunk).upload(count)
-        return False
+        return [self.resident(drawn) for drawn in wanted]
 
-    def _load_ahead(self, index: int, ends: float) -> None:
-        if index >= len(self._clip.intervals):
-            return
-        interval = self._clip.intervals[index]
-        if self._ahead[0] != index:
-            layers = [Layer(index, group, 0, 0, 1) for group in interval.groups]
-            ranges = [DrawRange(layer, layer.group.count) for layer in layers]
-            self._ahead = (index, self._slices(ranges))
-        if self._prefetch.has_read(index, interval):
-            self._follow(self._ahead[1], ends, ahead=True)
-
-    def _slices(self, ranges: list[DrawRange]) -> Iterator[tuple[Chunk, int]]:
+    def _slices(self, ranges: list[DrawRange]) -> list[tuple[Chunk, int]]:
         """Chunks and the number of points to fill each to, in an order of which every prefix holds
         about the same share of every range.
         """
@@ -160,7 +152,7 @@ class ChunkStore:
             for chunk, count in self.chunks(drawn)
             for upto in range(SLICE, count + SLICE, SLICE)
         ]
-        return iter([(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])])
+        return [(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])]
 
     def _fits(self, chunk: Chunk, ahead: bool) -> bool:
         """Whether a chunk fits: ahead of time without evicting any, else beside its interval's."""
@@ -204,7 +196,7 @@ class ChunkStore:
         buffers = self._kept.pop(chunk)
         self.size -= buffers.size
         self._bytes[chunk.interval] -= buffers.size
-        self._wanted, self._ahead = [], (-1, iter(()))  # the plans may need it again
+        self._wanted = []  # the plan may need it again
 
     def stop(self) -> None:
         """Stop reading ahead."""

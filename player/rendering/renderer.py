@@ -97,10 +97,8 @@ class Renderer:
         self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
         gbuffer = self._gbuffer_of(samples)
-        ranges = self._ranges(layers_at(self.clip, day), stride, upload_budget)
-        closing = self._closing.at(*locate(self.clip, day))
-        splats = self._splat_params(camera, style, samples, ranges, closing)
-        self._points.set_colors(self._colors, day, style)
+        layers, view = layers_at(self.clip, day), (day, camera, style, samples)
+        ranges, splats, closing = self._prepared(layers, *view, stride, upload_budget)
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._point_area(day, closing))
         gbuffer.clear()
@@ -141,11 +139,8 @@ class Renderer:
         size: width and height of the picture, in the same unit.
         """
         layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
-        ranges = self._ranges(layers, 1, 0.0)
-        closing = self._closing.at(*locate(self.clip, day))
         samples = (max(round(size[0]), 1), max(round(size[1]), 1))
-        splats = self._splat_params(camera, style, samples, ranges, closing)
-        self._points.set_colors(self._colors, day, style)
+        ranges, splats, _ = self._prepared(layers, day, camera, style, samples, 1, 0.0)
         return self._picking.track_at(ranges, splats, at)
 
     @property
@@ -158,16 +153,25 @@ class Renderer:
         self._closing.stop()
         self._points.store.stop()
 
-    def _splat_params(
+    def _prepared(
         self,
+        layers: list[Layer],
+        day: float,
         camera: Camera,
         style: Style,
         samples: tuple[int, int],
-        ranges: list[DrawRange],
-        closing: float,
-    ) -> SplatParams:
-        """Splats large enough to close the surface between the points that are drawn."""
-        stride = max((drawn.stride for drawn in ranges), default=1)
+        stride: int,
+        upload_budget: float | None,
+    ) -> tuple[list[DrawRange], SplatParams, float]:
+        """Set colours, and upload points: which of them to draw, the splats that close the surface
+        between these, and the closing distance.
+        """
+        ranges = [DrawRange(layer, layer.group.count, stride) for layer in layers]
+        if upload_budget is not None:
+            resident = self._points.store.load(ranges, upload_budget)
+            ranges = [replace(one, count=n) for one, n in zip(ranges, resident, strict=True)]
+        self._points.set_colors(self._colors, day, style)
+        closing = self._closing.at(*locate(self.clip, day))
         natural, shape = splat_shape(self.clip)
         splats = SplatParams(
             camera=camera,
@@ -182,26 +186,16 @@ class Renderer:
         if style.pixels is not None:
             smallest = max(style.pixels * samples[1] / 720, splats.point_px_range[0])
             fixed = (smallest, self._max_point_px)
-            smallest_radius = 1e-6 * splats.radius
-            return replace(splats, radius=smallest_radius, point_px_range=fixed, shape=FACING)
-        missing, drawn = _missing(ranges), sum(drawn.count for drawn in ranges)
-        if missing:
+            radius = 1e-6 * splats.radius
+            splats = replace(splats, radius=radius, point_px_range=fixed, shape=FACING)
+        elif missing := _missing(ranges):
             # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
             # the gaps, as long as they are drawn fast.
-            gaps = math.sqrt(BLOCK * (drawn + missing) / max(drawn, 1))
+            drawn = max(sum(one.count for one in ranges), 1)
             fast = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
-            radius = max(splats.radius, min(gaps * splats.radius, fast))
-            return replace(splats, radius=radius)
-        return splats
-
-    def _ranges(
-        self, layers: list[Layer], stride: int, upload_budget: float | None
-    ) -> list[DrawRange]:
-        wanted = [DrawRange(layer, layer.group.count, stride) for layer in layers]
-        if upload_budget is None:
-            return wanted
-        resident = self._points.store.load(wanted, upload_budget)
-        return [replace(drawn, count=n) for drawn, n in zip(wanted, resident, strict=True)]
+            filling = math.sqrt(BLOCK * (drawn + missing) / drawn) * splats.radius
+            splats = replace(splats, radius=max(splats.radius, min(filling, fast)))
+        return ranges, splats, closing
 
     def _gbuffer_of(self, samples: tuple[int, int]) -> GBuffer:
         if self._gbuffer is None or self._gbuffer.size != samples:
