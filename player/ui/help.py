@@ -7,7 +7,7 @@ from imgui_bundle import imgui, imgui_ctx
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.theme import faint, packed
-from player.ui.widgets import BARE, key_labels
+from player.ui.widgets import BARE
 from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
@@ -55,7 +55,7 @@ def _draw_section(gui: Gui, name: str, rows: dict[str, list[str]]) -> None:
     if imgui.begin_table(name, 2, flags):
         for text, labels in rows.items():
             imgui.table_next_column()
-            imgui.text_unformatted("   ".join(key_labels(labels)))
+            imgui.text_unformatted("   ".join(labels))
             imgui.table_next_column()
             imgui.text_disabled(text)
         imgui.end_table()

@@ -13,7 +13,7 @@ from player.ui.actions import Choice
 from player.ui.gui import Gui
 from player.ui.pen import fitted
 from player.ui.theme import CLEAR, PADDING, rgb
-from player.ui.widgets import button, key_labels, tip
+from player.ui.widgets import button, tip
 from player.view.choices import sentence
 from player.view.organ_place import organ_place
 from player.view.state import Scene
@@ -206,7 +206,8 @@ def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
     imgui.align_text_to_frame_padding()
     imgui.text_disabled(label)
     imgui.same_line(PADDING + LABEL)
-    imgui.set_next_item_width(-kept - 12.0 - max(imgui.calc_text_size(_key_label(action)).x, 14.0))
+    key = imgui.calc_text_size(keys.ACTIONS[action].labels[0]).x
+    imgui.set_next_item_width(-kept - 12.0 - max(key, 14.0))
     yield
     _key(action)
 
@@ -265,15 +266,11 @@ def _buttons(scene: Scene, labels: dict[str, str]) -> Scene:
     return scene
 
 
-def _key_label(action: str) -> str:
-    return key_labels(keys.ACTIONS[action].labels)[0]
-
-
 def _key(action: str) -> None:
     """The key that does the same, at the end of the row."""
     imgui.same_line()
     with imgui_ctx.push_font(None, SMALL):
-        label = _key_label(action)
+        label = keys.ACTIONS[action].labels[0]
         left = imgui.get_content_region_avail().x - imgui.calc_text_size(label).x
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + left)
         imgui.text_disabled(label)

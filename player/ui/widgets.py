@@ -3,7 +3,7 @@
 What clips name is never a label to ImGui: a name can't change what a control is.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from imgui_bundle import imgui, imgui_ctx
@@ -12,7 +12,6 @@ from player.ui import keys
 from player.ui.theme import CLEAR
 from player.view.state import Scene
 
-ARROWS = str.maketrans({"←": "\uf060", "→": "\uf061", "↑": "\uf062", "↓": "\uf063"})
 BARE = (
     imgui.WindowFlags_.no_decoration
     | imgui.WindowFlags_.no_background
@@ -30,17 +29,12 @@ CARD = (
 EDGE = 8.0  # what cards keep from the window's
 
 
-def key_labels(labels: Sequence[str]) -> list[str]:
-    """As the fonts can write them: they have arrows among their icons only."""
-    return [label.translate(ARROWS) for label in labels]
-
-
 def tip(name: str) -> None:
     """Over the control that was just drawn: what the action does, and the keys that do it too."""
     if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
         action = keys.ACTIONS[name]
         with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
-            imgui.set_tooltip(f"{action.help}  ({', '.join(key_labels(action.labels))})")
+            imgui.set_tooltip(f"{action.help}  ({', '.join(action.labels)})")
 
 
 def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:

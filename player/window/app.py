@@ -4,7 +4,7 @@ The scene is a frozen value (player/view/state.py). Events turn it into a new on
 it, and a picture is drawn only where it would differ from the last one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ class Window:
         handle: Any,
         clips: tuple[OpenClip, ...],
         style: Style,
-        prepare: Callable[[Scene], Scene],
+        changes: Mapping[str, Any],
         watch: Callable[[Scene], None],
     ) -> None:
         self._handle, self._watch = handle, watch
@@ -65,7 +65,7 @@ class Window:
         bare = self._show(clips)
         camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
         scene = Scene(timeline, camera, camera, style, bare[:1])
-        self.scene = prepare(reopened(scene, bare, fresh=True))
+        self.scene = replace(reopened(scene, bare, fresh=True), **changes)
         self._fit()
         self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._press, self._draw_again, self._dropped.extend)

@@ -1,9 +1,10 @@
 """Opens the window as the command line and the last time left it, and remembers how it ends."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes imgui-bundle's
     import imgui_bundle  # noqa: F401
@@ -47,24 +48,20 @@ def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
         raise PlayerError(lacking)
     last = load_settings()
     path = load_path(options.path, clips[0].clip) if options.path else CameraPath()
-    style = replace(style, ground=options.ground or last.ground)
     size = options.size or last.size
     beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
-
-    def prepare(scene: Scene) -> Scene:
-        return replace(
-            scene,
-            turning=options.turning,
-            path=path,
-            following=bool(path),
-            panel=last.panel and beside,
-            guides=last.guides,
-            legend=last.legend,
-            kiosk=options.kiosk,
-            fullscreen=options.kiosk,
-        )
-
-    scene, size = show(clips, style, size=size, prepare=prepare, profile=options.profile)
+    changes = {
+        "turning": options.turning,
+        "path": path,
+        "following": bool(path),
+        "panel": last.panel and beside,
+        "guides": last.guides,
+        "legend": last.legend,
+        "kiosk": options.kiosk,
+        "fullscreen": options.kiosk,
+    }
+    style = replace(style, ground=options.ground or last.ground)
+    scene, size = show(clips, style, size=size, changes=changes, profile=options.profile)
     if not options.kiosk:
         kept = last.size if options.size or scene.fullscreen else size
         panel = scene.panel if beside else last.panel
@@ -78,7 +75,7 @@ def show(
     *,
     name: str = "plant",
     size: tuple[int, int] = Settings().size,
-    prepare: Callable[[Scene], Scene] = lambda scene: scene,
+    changes: Mapping[str, Any] | None = None,
     watch: Callable[[Scene], None] = lambda scene: None,
     profile: bool = False,
 ) -> tuple[Scene, tuple[int, int]]:
@@ -95,8 +92,10 @@ def show(
         What to call a bare clip in the titles.
     size : tuple of int
         (width, height) of the window in units of 1/96 inch.
-    prepare, watch : callable
-        Makes the first scene from the usual one; is called with the scene after each picture.
+    changes : mapping
+        Fields of the first scene that are not as usual.
+    watch : callable
+        Is called with the scene after each picture.
     profile : bool
         Whether to print at the end what each pass of a frame took on the GPU.
 
@@ -111,23 +110,19 @@ def show(
         Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
     """
     shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
-    resets = 0
+    lost: list[Scene] = []
     while True:
         with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, style or Style(), prepare, watch)
+            window = Window(handle, shown, style or Style(), changes or {}, watch)
+            window.scene = lost[-1] if lost else window.scene
             try:
                 scene = window.run()
                 if profile:
                     print(profile_table(window.viewports.timers), file=sys.stderr)
                 return scene, window.size
             except ContextLost:
-                resets += 1
-                if resets > RESETS:
+                shown, lost = window.clips, [*lost, window.scene]
+                if len(lost) > RESETS:
                     raise
-                shown, lost = window.clips, window.scene
-
-                def prepare(fresh: Scene, lost: Scene = lost) -> Scene:
-                    return lost
-
             finally:
                 window.release()

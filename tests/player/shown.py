@@ -24,7 +24,6 @@ DATES = ("2020-03-08", "2020-03-10", "2020-03-11")
 # Shows clips and tells after each picture what is seen, and where the controls are.
 SHOW = """
 import json, sys, time
-from dataclasses import replace
 from pathlib import Path
 import pytest
 from player.window.launch import show
@@ -55,7 +54,7 @@ if __name__ == "__main__":
     width, height = map(int, sys.argv[1:3])
     changes, files = json.loads(sys.argv[3]), sys.argv[4:]
     clips = [OpenClip.of(Path(file)) for file in files]
-    show(clips, size=(width, height), watch=tell, prepare=lambda scene: replace(scene, **changes))
+    show(clips, size=(width, height), watch=tell, changes=changes)
 """
 
 # Tells every program on the display that it is twice as dense, while a client keeps it alive.

@@ -63,11 +63,11 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
     seen: list[bool] = []
 
     def shown(
-        clips: object, style: Style, size: tuple[int, int], prepare: Any, **rest: Any
+        clips: object, style: Style, size: tuple[int, int], changes: Any, **rest: Any
     ) -> tuple:
         timeline = Timeline.of((0.0, 1.0))
         camera = Camera.fit((np.zeros(3), np.ones(3)))
-        scene = prepare(Scene(timeline, camera, camera, style, ()))
+        scene = Scene(timeline, camera, camera, style, (), **changes)
         seen.append(scene.panel)
         return scene, size
 
