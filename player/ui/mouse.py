@@ -4,7 +4,8 @@ import math
 
 from imgui_bundle import imgui
 
-from player.ui.gui import BUTTONS, STILL
+from player.ui.gui import STILL
+from player.ui.widgets import bare_window
 from player.view.choices import Compare
 from player.view.state import Scene
 
@@ -13,38 +14,33 @@ TURN = math.radians(180.0)  # orbit of a drag over the window's height
 
 
 class PlantMouse:
-    """What it holds. clicked: where the plant was clicked in the last picture; more: with Shift."""
+    """What the mouse did in the last picture.
+
+    drags:   whether it turns or shifts the plant.
+    clicked: where the plant was clicked; more: with Shift.
+    """
 
     def __init__(self) -> None:
-        self._held: tuple[int, bool] | None = None  # a button, and whether it shifts the plant
+        self.drags = self.more = False
         self.clicked: tuple[float, float] | None = None
-        self.more = False
-
-    @property
-    def drags(self) -> bool:
-        """Whether it turns or shifts the plant."""
-        return self._held is not None
 
     def move(self, scene: Scene, size: tuple[float, float]) -> Scene:
         """The scene as drags and the wheel change it, in a view of `size` units."""
-        io, self.clicked = imgui.get_io(), None
-        x, y = io.mouse_pos
-        if self._held is not None:
-            button, shifts = self._held
+        io, flags = imgui.get_io(), imgui.ButtonFlags_
+        with bare_window("plant", (0.0, 0.0), size, imgui.WindowFlags_.no_bring_to_front_on_focus):
+            every = flags.mouse_button_left | flags.mouse_button_right | flags.mouse_button_middle
+            imgui.invisible_button("plant", size, every)
+            self.drags, hovered = imgui.is_item_active(), imgui.is_item_hovered()
+            released = imgui.is_item_deactivated() and imgui.is_mouse_released(0)
+        (x, y), still = io.mouse_pos, io.mouse_drag_max_distance_sqr[0] <= STILL**2
+        self.clicked, self.more = (x, y) if released and still else None, io.key_shift
+        if self.drags:
             right, down = io.mouse_delta.x / size[1], io.mouse_delta.y / size[1]
+            turns = imgui.is_mouse_down(0) and not io.key_shift
             scene = scene.with_camera(
-                lambda c: c.pan(right, -down) if shifts else c.orbit(-TURN * right, TURN * down)
+                lambda c: c.orbit(-TURN * right, TURN * down) if turns else c.pan(right, -down)
             )
-            if not imgui.is_mouse_down(button):
-                self._held = None
-                if button == 0 and io.mouse_drag_max_distance_sqr[0] <= STILL**2:
-                    self.clicked, self.more = (x, y), shifts
-        if io.want_capture_mouse or scene.help or not imgui.is_mouse_pos_valid():
-            return scene
-        for button in range(BUTTONS):
-            if imgui.is_mouse_clicked(button) and self._held is None:
-                self._held = button, button > 0 or io.key_shift
-        if io.mouse_wheel:
+        elif io.mouse_wheel and hovered:
             middle = size[0] / 2
             if scene.compare is Compare.BESIDE:
                 middle *= 0.5 if x < middle else 1.5

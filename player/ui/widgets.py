@@ -52,7 +52,9 @@ def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0
 
 
 @contextmanager
-def bare_window(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
+def bare_window(
+    name: str, place: tuple[float, float], size: tuple[float, float], flags: int = 0
+) -> Iterator[None]:
     """An ImGui window that is only its controls, whose buttons have no ground of their own."""
     imgui.set_next_window_pos(place)
     imgui.set_next_window_size(size)
@@ -60,7 +62,7 @@ def bare_window(name: str, place: tuple[float, float], size: tuple[float, float]
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0)),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0)),
         imgui_ctx.push_style_color(imgui.Col_.button, imgui.ImVec4(*CLEAR)),
-        imgui_ctx.begin(name, None, BARE),
+        imgui_ctx.begin(name, None, BARE | flags),
     ):
         yield
 

@@ -43,17 +43,11 @@ class ScalarField(IntEnum):
 class ValueRange:
     """What the ends of a ramp stand for."""
 
-    mode: ColorMode
+    title: str  #: what the values are
     low: float  #: value at the ramp's first end, in `unit`
     high: float
     unit: str
     color_map: str  #: the colours, by a name in `cmap`
-    name: str = ""  #: of the value, where the colouring's own doesn't tell it
-
-    @property
-    def title(self) -> str:
-        against = " against a scan left out" if self.mode is ColorMode.ERROR else ""
-        return self.name or self.mode.label + against
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -101,6 +95,7 @@ class Colors:
         if lacking := mode.lacking(clip):
             raise PlayerError(lacking)
         unit, time = clip.unit or "units", clip.time_unit.removesuffix("s")
+        title = mode.label
         match mode:
             case ColorMode.AGE:
                 found = 0.0, clip.times[-1] - clip.times[0], clip.time_unit
@@ -111,25 +106,29 @@ class Colors:
             case ColorMode.GROWTH:
                 found = 0.0, _high_end(self._growth), f"% a {time}"
             case ColorMode.FIELD:
-                found = (*self._field_range(style), "")
+                title, found = self._field(style).name, (*self._field_range(style), "")
             case ColorMode.ERROR:
+                title += " against a scan left out"
                 found = 0.0, _high_end(self._errors), unit
             case _:
                 return None
         map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
-        name = self._field(style).name if mode is ColorMode.FIELD else ""
-        return ValueRange(mode, *found, str(map), name)
+        return ValueRange(title, *found, str(map))
 
     def clip_with_colors(self, style: Style) -> Clip:
         """The clip to draw: a copy with values as colours where a style shows such.
 
         Raises PlayerError as `color_scale` does.
         """
-        shown = resolved_color_mode(self._clip, style).painted
-        scale = self.color_scale(style) if shown else None
+        mode = resolved_color_mode(self._clip, style)
+        scale = self.color_scale(style) if mode.painted else None
         if scale is None:
             return self._clip
-        values = self._painted_values(style, scale.mode)
+        if mode is ColorMode.FIELD:
+            values = [list(ends.T.astype(float)) for ends in self._field(style).values]
+        else:
+            rates = self._growth if mode is ColorMode.GROWTH else self._errors
+            values = [[rate] for rate in rates]  # one for both ends of an interval
         pairs = zip(self._clip.intervals, values, strict=True)
         return replace(self._clip, intervals=tuple(scale.painted(i, *ends) for i, ends in pairs))
 
@@ -143,12 +142,6 @@ class Colors:
         known = values[np.isfinite(values)]
         low, high = np.quantile(known, [1.0 - FAST, FAST]) if len(known) else (0.0, 1.0)
         return float(low), float(max(high, low + 1e-9))
-
-    def _painted_values(self, style: Style, mode: ColorMode) -> list[list[NDArray[np.float64]]]:
-        """For each interval its movers' values, at its start and its end where they differ."""
-        if mode is ColorMode.FIELD:
-            return [list(ends.T.astype(float)) for ends in self._field(style).values]
-        return [[ends] for ends in (self._growth if mode is ColorMode.GROWTH else self._errors)]
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
@@ -200,9 +193,8 @@ class Colors:
 
     def ramp(self, style: Style) -> NDArray[np.float32]:
         """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
-        valued = self.scalar_field(style) is not ScalarField.NONE
         texels = np.zeros((STEPS, 4), np.float32)
-        scale = self.color_scale(style) if valued else None
+        scale = self.color_scale(style) if self.scalar_field(style) else None
         if scale is not None:
             texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
         return texels

@@ -27,14 +27,11 @@ def organ_place(
         frame = clip.at(scan.time)
         points = frame.local[frame.tracks == track].astype(np.float64)
         if len(points):
-            point = points[_clicked(points, *seen) if seen else _middle(points)]
+            middle = np.linalg.norm(points - points.mean(axis=0), axis=1).argmin()
+            point = points[_clicked(points, *seen) if seen else middle]
             x, y, z = to_file_coordinates(clip, scan.name, point).tolist()
             return Place(scan.name, (x, y, z), clip.track_table[track].name)
     return None
-
-
-def _middle(points: NDArray[np.float64]) -> int:
-    return int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmin())
 
 
 def _clicked(

@@ -81,14 +81,11 @@ def panes_of(scene: Scene, names: Sequence[str]) -> tuple[Pane, ...]:
 
 def _nearest_scan(clip: Clip, day: float, camera: Camera) -> Pane:
     """The scan nearest in time, be it one that was left out."""
-    scan = min(clip.scans, key=lambda scan: abs(scan.time - day))
-    number, held = min(
-        enumerate(clip.held_out), key=lambda entry: abs(entry[1].time - day), default=(0, None)
-    )
-    if held is not None and abs(held.time - day) < abs(scan.time - day):
+    scans = [Pane(0, scan.time, camera, caption=f"Scan of {scan.date}") for scan in clip.scans]
+    for number, held in enumerate(clip.held_out):
         caption = f"Left out: scan of {held.date}"
-        return Pane(0, held.time, camera, caption=caption, left_out=number)
-    return Pane(0, scan.time, camera, caption=f"Scan of {scan.date}")
+        scans.append(Pane(0, held.time, camera, caption=caption, left_out=number))
+    return min(scans, key=lambda pane: abs(pane.day - day))
 
 
 def matched_day(first: Clip, second: Clip, day: float) -> float:

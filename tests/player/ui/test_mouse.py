@@ -126,7 +126,8 @@ def opened(desk: Desk) -> None:
     path = CameraPath(((0.0, desk.scene.camera), (2.0, desk.scene.camera)))
     style = replace(desk.scene.style, picked=1)
     output = replace(desk.scene.output, example="still.png")
-    desk.scene = replace(desk.scene, panel=True, path=path, style=style, output=output)
+    changes = {"panel": True, "path": path, "style": style, "output": output, "curve": ""}
+    desk.scene = replace(desk.scene, **changes)  # type: ignore[arg-type]
     desk.draw(3)
     for title in ("View", "Compare", "Corrections"):
         desk.click(title)
