@@ -14,15 +14,15 @@ from baker.geometry.sampling import voxel_size_for
 from baker.scans.scan import Scan
 from gclip.morton import extent
 
+MAX_SAMPLE = 20_000  # points of a scan from which its bounding box is estimated
 MAX_DISTANCE_RATIO = 16  # distance from zero : size of a series, above which its origin is moved
-MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
-MAX_SAMPLES = 20_000  # points of a scan from which its bounding box is estimated
 MAX_STEP_RATIO = 1e-5  # float32 step : size of a scan, above which it gets an origin of its own
+MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
+MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
+MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
+HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 OUTLIER_NEIGHBORS = 16
 MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel : largest coordinate; smaller voxels have no numbers
-MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
-HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
 
 
 def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -48,7 +48,7 @@ def own_origin(points: NDArray[np.float64], shared: NDArray[np.float64]) -> NDAr
     It is the origin of the series, unless the scan is so far from it, in another coordinate system,
     that float32 coordinates would not resolve its points.
     """
-    sample = points[:: -(-len(points) // MAX_SAMPLES)] - shared
+    sample = points[:: -(-len(points) // MAX_SAMPLE)] - shared
     low, high = np.percentile(sample, [1, 99], axis=0)
     step = 2.0**-23 * max(np.abs(low).max(), np.abs(high).max())
     return shared_origin(points) if step > MAX_STEP_RATIO * (high - low).max() > 0 else shared

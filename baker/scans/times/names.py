@@ -140,8 +140,7 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
     """
     with input_errors(path):
         text = read_text(path, MAX_FILE_BYTES)
-    times: dict[str, str] = {}
-    places: list[str] = []
+    rows: dict[str, tuple[str, str]] = {}  # name of the scan -> place in the file, time
     for number, line in enumerate(map(str.strip, text.splitlines()), 1):
         if not line or line.startswith(("#", "//")):
             continue
@@ -151,12 +150,11 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
         place = f"'{path}', line {number}"
         if not time or not name:
             raise InputError(f"{place}: expected a scan's name and a time, found '{line[:60]}'.")
-        if name in times:
+        if name in rows:
             raise InputError(f"{place}: '{name}' has a time already.")
-        if times or re.search(r"\d", time):  # the first line may be a header
-            times[name] = time
-            places.append(place)
-    listed = dict(zip(times, _parse([*times.values()], places, f"'{path}'"), strict=True))
+        if rows or re.search(r"\d", time):  # the first line may be a header
+            rows[name] = place, time
+    listed = dict(zip(rows, _parse([*rows.values()], f"'{path}'"), strict=True))
     moments = []
     for name in names:
         plain = name.rpartition("/")[2]
@@ -172,24 +170,23 @@ def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Mom
     """Convert the time of each scan: a number of days, a `datetime` date, or text as in a file."""
     if len(times) != len(names):
         raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
-    return _parse([str(time) for time in times], ["times"] * len(times), "times")
+    return _parse([("times", str(time)) for time in times], "times")
 
 
-def _parse(texts: Sequence[str], places: Sequence[str], source: str) -> list[Moment]:
+def _parse(rows: Sequence[tuple[str, str]], source: str) -> list[Moment]:
     """Parse days and ISO dates or, where a text is neither, all times as those in names.
 
-    Raises InputError, with its place, for a text that is not a time, or where dates and days are
-    mixed.
+    rows: the place of each time, for messages, and its text. Raises InputError for a text that is
+    not a time, or where dates and days are mixed.
     """
-    found = [_parse_time(text) for text in texts]
-    if None in found and (reading := read_times([text[:MAX_TIME_CHARACTERS] for text in texts])):
+    found = [_parse_time(text) for _, text in rows]
+    if None in found and (reading := read_times([text[:MAX_TIME_CHARACTERS] for _, text in rows])):
         return list(reading.moments)
-    moments = []
-    for text, place, moment in zip(texts, places, found, strict=True):
+    for (place, text), moment in zip(rows, found, strict=True):
         if moment is None:
             needed = "a number of days, or a date such as 2020-03-08, is needed"
             raise InputError(f"{place}: '{text[:60]}' is no time; {needed}.")
-        moments.append(moment)
+    moments = [moment for moment in found if moment]
     if len({moment.dated for moment in moments}) > 1:
         raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")
     return moments

@@ -137,6 +137,8 @@ def test_more_columns_without_a_header(tmp_path, row, names):
 
 def test_decimal_commas_between_semicolons(load):
     assert load("X;Y;Z\n1;2;3\n1,5;-2,25;3\n").points.tolist() == [[1, 2, 3], [1.5, -2.25, 3]]
+    assert load("1;2;3,5\n").points.tolist() == [[1, 2, 3.5]]
+    assert load("1;2;3\n" * 2000 + "4;5;6,5\n").points[-1].tolist() == [4, 5, 6.5]
 
 
 def test_quoted_values(load):
