@@ -95,12 +95,13 @@ def _by_height(points: Points, frame: Points) -> Points:
 
 def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -> Ground | None:
     """Fit a ground to the points between two shares of the height, if they are one."""
-    from scipy.spatial import ConvexHull, QhullError
-
+    sign, passes, min_cells, min_score = 1, 2, float(CELLS), MIN_SCORE
+    if is_pot:
+        sign, passes, min_cells, min_score = -1, 1, MIN_FILLED * CELLS**2, MIN_POT_SCORE
     frame, rotated = np.eye(3), sample
-    for _ in range(1 if is_pot else 2):  # the second time in a frame in which the ground is level
-        cells, width = _extreme_points(rotated, low, high, -1 if is_pot else 1)
-        if len(cells) < (MIN_FILLED * CELLS**2 if is_pot else CELLS):
+    for _ in range(passes):  # the second time in a frame in which the ground is level
+        cells, width = _extreme_points(rotated, low, high, sign)
+        if len(cells) < min_cells:
             return None
         level, normal = _fit_plane(cells, width)
         if level.sum() < CELLS:
@@ -108,29 +109,39 @@ def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -
         rotation = _rotation_to_z(normal)
         frame, cells = rotation @ frame, cells[level] @ rotation.T
         rotated = _by_height(sample, frame)
-    try:
-        hull = ConvexHull(cells[:, :2])
-    except QhullError:
+    outline, score = _outline(cells[:, :2], width)
+    if score < min_score:
         return None
-    # In 2D, `volume` is the area of the hull and `area` its perimeter; half a cell is added around.
-    area = hull.volume + hull.area * width / 2 + width**2
-    narrow, wide = np.linalg.eigvalsh(np.cov(cells[:, :2].T))
-    score = float(min(len(cells) * width**2 / area, 1.0) * np.sqrt(narrow / wide))
-    if score < (MIN_POT_SCORE if is_pot else MIN_SCORE):
-        return None
-    outline = hull.equations - [0.0, 0.0, width]
-    rough = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
-    rotated, heights, inside = rough.coordinates(sample)
-    near = (np.abs(heights) <= rough.thickness) & (inside >= 0)
+    ground = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
+    rotated, heights, inside = ground.coordinates(sample)
+    near = (np.abs(heights) <= ground.thickness) & (inside >= 0)
     columns = np.floor(rotated[:, :2] / width) @ [1e6, 1.0]
     middle = _median_of_medians(columns[near], heights[near])
     deviation = 1.4826 * _median_of_medians(columns[near], np.abs(heights[near] - middle))
-    thickness = max(THICKNESS * deviation, MIN_THICKNESS * width)
-    margin = RIM_WIDTH * float(inside.max()) if is_pot else 0.0
-    ground = Ground(frame, rough.height + middle, thickness, outline, score, margin)
+    ground = replace(
+        ground,
+        height=ground.height + middle,
+        thickness=max(THICKNESS * deviation, MIN_THICKNESS * width),
+        margin=RIM_WIDTH * float(inside.max()) if is_pot else 0.0,
+    )
     if not _carries_plant(ground, sample, columns, width):
         return None
     return replace(ground, rim=_rim_height(ground, sample, width)) if is_pot else ground
+
+
+def _outline(cells: Points, width: float) -> tuple[Points, float]:
+    """The lines around (C, 2) cells, and how round and free of gaps these are, from 0 to 1."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(cells)
+    except QhullError:  # the cells are on one line
+        return np.empty((0, 3)), 0.0
+    # In 2D, `volume` is the area of the hull and `area` its perimeter; half a cell is added around.
+    area = hull.volume + hull.area * width / 2 + width**2
+    narrow, wide = np.linalg.eigvalsh(np.cov(cells.T))
+    score = min(len(cells) * width**2 / area, 1.0) * np.sqrt(narrow / wide)
+    return hull.equations - [0.0, 0.0, width], float(score)
 
 
 def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float) -> bool:
