@@ -87,11 +87,10 @@ class Graphics {
         this.gl.viewport(0, 0, width, height);
     }
 
-    // Textures of some formats to draw into, and with `deep` a depth buffer, or that of another target.
-    target(width, height, formats, { deep = null, linear = false } = {}) {
+    // Textures of some formats to draw into, and a depth buffer: a new one, or that of another target.
+    target(width, height, formats, { linear = false, depth = this.gl.createRenderbuffer() } = {}) {
         const gl = this.gl, framebuffer = gl.createFramebuffer();
         const textures = formats.map((format) => this.texture(width, height, format, linear));
-        const depth = deep === true ? gl.createRenderbuffer() : deep;
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
         const places = textures.map((texture, i) => {
             const place = gl.COLOR_ATTACHMENT0 + i;
@@ -99,11 +98,9 @@ class Graphics {
             return place;
         });
         gl.drawBuffers(places);
-        if (depth) {
-            gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
-            if (deep === true) gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
-            gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
-        }
+        gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+        gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
         return { width, height, framebuffer, textures, depth };
     }
 

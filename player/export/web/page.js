@@ -4,7 +4,6 @@
 // as long as FEWEST are left.
 const LEVELS = [[1, 1], [0.8, 2], [0.62, 4], [0.5, 8], [0.4, 16]];
 const FEWEST = 60000;
-const HEAVY = 150000, FIRST = 2;  // points from which a page begins at that level, not at the best
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
 const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
@@ -18,10 +17,8 @@ function start(about, shaders) {
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
     const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: clip.plotted[0] };
-    const heaviest = Math.max(...clip.intervals.map(({ count }) => count));
     const state = {
-        dirty: true, moved: 0, turning: clip.look.turning, fitted: true,
-        level: heaviest > HEAVY ? FIRST : 0, pace: 0,
+        dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, pace: 0,
     };
     const move = () => { state.fitted = false; state.moved = performance.now(); };
 
@@ -142,7 +139,10 @@ function start(about, shaders) {
         lively = moving;
     }
 
-    arrange(clip, act);
+    byId("time").addEventListener("input", ({ target: time }) => {
+        const close = (SNAP * (clip.last - clip.first)) / time.clientWidth;
+        act("go", clip.times.find((scan) => Math.abs(scan - time.value) < close) ?? Number(time.value));
+    });
     listen(canvas, camera, act, move);
     new ResizeObserver(() => (state.fitted ? fit() : act("go", clock.day))).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => location.reload());
@@ -164,15 +164,6 @@ function start(about, shaders) {
             tell();
         },
     };
-}
-
-// The timeline goes to the scan where the pointer is near one's mark.
-function arrange({ times, first, last }, act) {
-    const time = byId("time"), span = last - first;
-    time.addEventListener("input", () => {
-        const near = times.find((scan) => Math.abs(scan - time.value) < (SNAP * span) / time.clientWidth);
-        act("go", near === undefined ? Number(time.value) : near);
-    });
 }
 
 const KEYS = {

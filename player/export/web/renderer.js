@@ -84,7 +84,7 @@ class Renderer {
         return 2 ** clamped(Math.floor(Math.log2(count / wanted)), 0, 5);
     }
 
-    // look: { light, byTrack, chosen, pointSize, eyeDome, depthCue, floor }; every: of so many
+    // look: { light, byTrack, chosen, pointSize }; every: of so many
     // points one is drawn, and larger; samples: along each side of a pixel.
     draw(day, camera, look, { every = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
@@ -111,7 +111,7 @@ class Renderer {
         const clear = (target, ...color) => {
             graphics.into(target);
             target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, color));
-            if (target.depth) gl.clearBufferfv(gl.DEPTH, 0, [1]);
+            gl.clearBufferfv(gl.DEPTH, 0, [1]);
         };
         const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
         gl.depthMask(true);
@@ -236,15 +236,12 @@ class Renderer {
         const { gl, graphics } = this;
         if (this.targets?.sums.width !== width || this.targets.sums.height !== height) {
             Object.values(this.targets || {}).flat().forEach((target) => graphics.release(target));
-            const nearest = graphics.target(width, height, [graphics.depth], { deep: true });
-            const deep = nearest.depth, formats = [gl.RGBA16F, graphics.depth, gl.RG16F];
+            const depth = gl.createRenderbuffer(), far = graphics.depth;
+            const target = (...formats) => graphics.target(width, height, formats, { depth });
             this.targets = {
-                nearest,
-                sums: graphics.target(width, height, [gl.RGBA16F, gl.RGBA16F, gl.RG16F], { deep }),
-                surface: graphics.target(width, height, formats, { deep }),
-                filtered: [0, 1].map(() => graphics.target(width, height, [graphics.depth])),
-                lit: graphics.target(width, height, [gl.RGBA16F], { deep }),
-                mask: graphics.target(width, height, [], { deep }),
+                nearest: target(far), sums: target(gl.RGBA16F, gl.RGBA16F, gl.RG16F),
+                surface: target(gl.RGBA16F, far, gl.RG16F), filtered: [target(far), target(far)],
+                lit: target(gl.RGBA16F), mask: target(),
             };
         }
         return this.targets;
