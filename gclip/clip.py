@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -25,7 +25,7 @@ from gclip.evaluate import Frame, frame_at
 from gclip.file import Container, open_container, write_container
 from gclip.interval import Interval, read_interval, read_positions
 from gclip.places import rename_organs
-from gclip.schema import Document, IntervalEntry, ScanMark, Series, TrackEntry
+from gclip.schema import ClipHeader, Document, IntervalEntry, ScanMark, TrackEntry, attributes
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -76,7 +76,7 @@ class Tracks(dict[str, Track]):
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Clip(Series):
+class Clip(ClipHeader):
     """The animated growth of a plant."""
 
     intervals: tuple[Interval, ...]  #: between successive scans
@@ -270,7 +270,7 @@ def clip_in(container: Container, document: Document) -> Clip:
         track_table=tuple(Track(i, **vars(track)) for i, track in enumerate(document.tracks)),
         fields=fields,
         held_out=held_out,
-        **_attributes(document, Series),
+        **attributes(document, ClipHeader),
     )
 
 
@@ -278,14 +278,9 @@ def _content(clip: Clip) -> dict[str, Any]:
     """The fields of the document that describes a clip."""
     held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
     return {
-        **_attributes(clip, Series),
-        "tracks": [_attributes(track, TrackEntry) for track in clip.track_table],
-        "intervals": [_attributes(i, IntervalEntry) for i in clip.intervals],
+        **attributes(clip, ClipHeader),
+        "tracks": [attributes(track, TrackEntry) for track in clip.track_table],
+        "intervals": [attributes(i, IntervalEntry) for i in clip.intervals],
         **({"held_out": held_out} if held_out else {}),
         **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
     }
-
-
-def _attributes(holder: object, kind: type) -> dict[str, Any]:
-    """The attributes that are fields of a dataclass."""
-    return {field.name: getattr(holder, field.name) for field in fields(kind)}

@@ -1,6 +1,6 @@
 """The movers of one interval, and their buffers in a file."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from gclip.errors import ClipError
 from gclip.file import Container
 from gclip.morton import extent
-from gclip.schema import MAX_NUMBER, IntervalEntry, Span
+from gclip.schema import MAX_NUMBER, IntervalEntry, IntervalHeader, attributes
 
 OPTIONAL = {"start_colors": "start_color", "end_colors": "end_color", "normals": "normals"}
 """Optional fields of an interval, (N, 4) uint8 -> name of the buffer in a file."""
@@ -17,7 +17,7 @@ COLORS = {"start_colors", "end_colors"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Interval(Span):
+class Interval(IntervalHeader):
     """The movers between two successive scans, as buffers that a GPU can use."""
 
     start_positions: NDArray[Any]  #: (N, 3) uint16, or float32 relative to the clip's origin
@@ -82,7 +82,7 @@ def read_interval(
         control_positions=tuple(curve[1:-1]),
         tracks=ids,
         **optional,
-        **{field.name: getattr(entry, field.name) for field in fields(Span)},
+        **attributes(entry, IntervalHeader),
     )
 
 

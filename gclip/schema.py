@@ -4,7 +4,7 @@ Rules that types can't express, such as fields that contradict each other, are c
 `__post_init__`; msgspec adds the location to the ValueError.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from itertools import pairwise
 from typing import Annotated, Any
@@ -103,7 +103,7 @@ class TrackEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Span:
+class IntervalHeader:
     """What an interval and its entry in the document have in common."""
 
     start: Number  #: time of the first scan
@@ -120,14 +120,14 @@ class Span:
 
 
 @dataclass(frozen=True, kw_only=True)
-class IntervalEntry(Span):
+class IntervalEntry(IntervalHeader):
     """The entry of an interval in the document, without its buffers."""
 
     degree: Annotated[int, Meta(ge=1, le=3)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Series:
+class ClipHeader:
     """What a clip and its document have in common."""
 
     scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
@@ -145,7 +145,7 @@ class Series:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Document(Series):
+class Document(ClipHeader):
     """The whole document: a clip without its buffers."""
 
     version: Text
@@ -177,6 +177,11 @@ class Document(Series):
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
         is_shallow = _depth(self.provenance) <= MAX_DEPTH
         _require(is_shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
+
+
+def attributes(holder: object, kind: type) -> dict[str, Any]:
+    """The attributes of an object that are fields of a dataclass."""
+    return {field.name: getattr(holder, field.name) for field in fields(kind)}
 
 
 def _require(condition: bool, message: str) -> None:
