@@ -192,9 +192,8 @@ class Clip(ClipHeader):
         Raises
         ------
         ClipError
-            If `path` can't be written, or `gclip.open` would refuse the clip.
-        UserError
-            If `path` exists, and is not to be replaced.
+            If `path` can't be written, or exists and is not to be replaced, or `gclip.open` would
+            refuse the clip.
         """
         arrays: dict[str, NDArray[Any]] = {
             HELD_OUT % i: np.asarray(s.positions, np.float32) for i, s in enumerate(self.held_out)
