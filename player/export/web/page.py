@@ -1,7 +1,6 @@
 """One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
 
 import base64
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from html import escape
@@ -84,19 +83,12 @@ def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
 def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
     """The page's text, piece by piece."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup
-
-    def script(value: Any) -> Markup:
-        """JSON that can stand inside <script>: no character in it can end the element or begin a
-        tag. Names come from files that anyone may have written.
-        """
-        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-        return Markup("".join(f"\\u{ord(c):04x}" if c in "<>&" else c for c in text))
 
     environment = Environment(
         loader=PackageLoader("player.export", "web"), autoescape=True, undefined=StrictUndefined
     )
     environment.trim_blocks = environment.lstrip_blocks = True
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
     dates = short_dates([scan.date for scan in clip.scans])
     places = [100.0 * (time - first) / (last - first) for time in clip.times]
@@ -115,10 +107,10 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
         marks=zip(places, dates, strict=True),
         crowded=min(after - before for before, after in pairwise(places)) < ROOM,
         organs=_organs(clip),
-        style=Markup(_read("page.css")),
-        script=Markup("\n".join(_read(name) for name in SCRIPTS)),
-        clip=script(_about(clip, film, packed)),
-        shaders=script({name: shaders.resolved(name) for name in SHADERS}),
+        style=_read("page.css"),
+        script="\n".join(_read(name) for name in SCRIPTS),
+        clip=_about(clip, film, packed),
+        shaders={name: shaders.resolved(name) for name in SHADERS},
         intervals=(base64.b64encode(one.data).decode("ascii") for one in packed),
     )
 
