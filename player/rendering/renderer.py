@@ -17,7 +17,7 @@ from gclip.morton import BLOCK
 from player.gl.framebuffer import TILE, GBuffer
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
-from player.rendering.picking import Picking
+from player.rendering.picking import track_at
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
@@ -62,7 +62,6 @@ class Renderer:
         self._raster = PointRaster(self._points, self._passes, backend)
         self._splats = Splats(self._points, self._passes)
         self._ground = Ground(self._points, self._passes)
-        self._picking = Picking(self._points, self._passes)
         self._closing = ClosingDistances(clip)
         self._colors = Colors(clip)
         self._gbuffer: GBuffer | None = None
@@ -141,7 +140,7 @@ class Renderer:
         layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
         samples = (max(round(size[0]), 1), max(round(size[1]), 1))
         ranges, splats, _ = self._prepared(layers, day, camera, style, samples, 1, 0.0)
-        return self._picking.track_at(ranges, splats, at)
+        return track_at(self._points, self._passes, ranges, splats, at)
 
     @property
     def loaded(self) -> int:
