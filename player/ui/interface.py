@@ -30,7 +30,7 @@ CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
 BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
 # In smaller windows buttons are left out that keys do as well, and annotations.
-ROOMY = (600.0, 420.0)
+ROOMY = (520.0, 420.0)
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
 NOTICE_SIZE = 15.0
 
@@ -146,14 +146,9 @@ class Interface:
                 x += side + GAP
             right = width - margin
             for name in ("at end", "faster", "slower") if roomy else ("at end",):
-                right -= BUTTON
+                right -= BUTTON + (SPEED if name == "slower" else 0.0)
                 imgui.set_cursor_pos((right, middle - BUTTON / 2))
                 scene = _icon_button(scene, name)
-                if name == "faster":
-                    right -= SPEED
-                    speed = scene.timeline.speed
-                    text, line = SPEEDS.get(speed, f"{speed:.0f}×"), height - 50.0
-                    pen.write(right + SPEED / 2, line, text, 17.0, pen.theme.text, True, 0.5)
             ends = x - GAP + margin, right - margin
             picked = scene.style.picked
             if picked is not None and strip_height(scene, height):
@@ -161,6 +156,9 @@ class Interface:
                 scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends, 8.0 if roomy else x)
         if roomy:
+            speed, x = scene.timeline.speed, right + BUTTON + SPEED / 2
+            text = SPEEDS.get(speed, f"{speed:.0f}×")
+            pen.write(x, height - 50.0, text, 17.0, pen.theme.text, True, 0.5)
             self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
 
