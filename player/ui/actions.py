@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 SMALLEST, LARGEST = 0.05, 20.0  # point sizes; the command line allows the same
-PIXELS, FEWEST, MOST = 3.0, 1.0, 40.0  # diameter of points sized in pixels
-SHADINGS = (0.0, 1.0, 2.0)
+FEWEST, MOST = 1.0, 40.0  # diameter of points sized in pixels
 FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
@@ -64,6 +63,9 @@ FIELD = Choice("Field", "style.field", lambda scene: [one.name for one in scene.
 COLOR_MAP = Choice("Colours", "style.color_map", lambda scene: list(ColorMap))
 CURVE = Choice("Plot", "curve", lambda scene: [*scene.curves, ""], lambda name: name or "nothing")
 COMPARE = Choice("Compare", "compare", lambda scene: list(Compare))
+SHADING = Choice(
+    "Shading", "style.eye_dome", lambda scene: (0.0, 1.0, 2.0), lambda share: f"{share:.0%}"
+)
 AT_END = Choice("At the end", "timeline.at_end", lambda scene: list(AtEnd))
 FORMAT = Choice(
     "Export", "output.example", lambda scene: [one.example for one in player.export.FORMATS]
@@ -89,11 +91,6 @@ def look_from(scene: Scene, yaw: float, pitch: float = 0.0) -> Scene:
     if any(math.isclose(camera.distance, whole) for whole in (near, far)):
         camera = replace(camera, distance=far if pitch else near)
     return replace(scene, camera=camera, turning=False, following=False)
-
-
-def switch_projection(scene: Scene) -> Scene:
-    scene = scene.with_camera(lambda c: c.with_orthographic(not c.orthographic))
-    return scene.with_notice("Parallel projection" if scene.camera.orthographic else "Perspective")
 
 
 def add_key(scene: Scene) -> Scene:
@@ -127,17 +124,6 @@ def resize_points(scene: Scene, factor: float) -> Scene:
     size = min(max(style.point_size * factor, SMALLEST), LARGEST)
     size = 1.0 if abs(size - 1.0) < 0.01 else size
     return scene.with_style(f"Point size {size:.0%}", point_size=size)
-
-
-def switch_pixels(scene: Scene) -> Scene:
-    if scene.style.pixels is None:
-        return scene.with_style("Points sized in pixels", pixels=PIXELS)
-    return scene.with_style("Points sized in the world", pixels=None)
-
-
-def next_shading(scene: Scene) -> Scene:
-    stronger = [shading for shading in SHADINGS if shading > scene.style.eye_dome]
-    return scene.with_style(eye_dome=stronger[0] if stronger else SHADINGS[0])
 
 
 def pick(scene: Scene, track: int | None, place: Place | None = None, more: bool = False) -> Scene:

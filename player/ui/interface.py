@@ -71,9 +71,6 @@ class Interface:
         self.mouse = PlantMouse()
         self.popup = False
 
-    def release(self) -> None:
-        self.organs.release()
-
     def draw(
         self,
         framebuffer: moderngl.Framebuffer,

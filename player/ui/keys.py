@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
 STEP = 1.15  # factor of point sizes
+PIXELS = 3.0  # diameter of points that begin to be sized so
 WIPE_STEP = 0.05  # share of the width
 RANGE, SIDES = "play from, up to here", "front, side, back, top"
 WIPED = "move the wipe"
@@ -138,7 +139,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
         Action("behind", "3", SIDES, lambda s: actions.look_from(s, 180)),
         Action("above", "4", SIDES, lambda s: actions.look_from(s, 0, 90)),
         Action(
-            "parallel", "5", "parallel projection", actions.switch_projection,
+            "parallel", "5", "parallel projection",
+            lambda s: s.with_camera(lambda c: c.with_orthographic(not c.orthographic)),
             on=lambda s: s.camera.orthographic,
         ),
         Action(
@@ -161,7 +163,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
             lambda s, sign: actions.resize_points(s, STEP**sign), True,
         ),
         Action(
-            "pixels", "p", "points sized in pixels", actions.switch_pixels,
+            "pixels", "p", "points sized in pixels",
+            lambda s: s.with_style(pixels=PIXELS if s.style.pixels is None else None),
             on=lambda s: s.style.pixels is not None,
         ),
         Action(
@@ -171,7 +174,7 @@ TABLE: dict[str, tuple[Action, ...]] = {
         ),
         _switch("floor", "b", "floor and shadow", "style.show_ground"),
         _switch("depth", "d", "depth cue", "style.depth_cue"),
-        Action("shading", "m", "shading: none, soft, strong", actions.next_shading),
+        Action("shading", "m", "shading: none, soft, strong", actions.SHADING.next),
         _switch("guides", "a", "scale bar and axes", "guides"),
         _switch("legend", "y", "legend", "legend"),
     ),

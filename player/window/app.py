@@ -99,7 +99,7 @@ class Window:
 
     def release(self) -> None:
         self._exports.release()
-        self._interface.release()
+        self._interface.organs.release()
         self._gui.release()
         self.viewports.release()
 
@@ -168,7 +168,7 @@ class Window:
     def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""
         scene = self.scene
-        self._interface.release()
+        self._interface.organs.release()
         self.viewports.release()
         bare = self._show(tuple(clips))
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"

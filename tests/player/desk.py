@@ -159,5 +159,5 @@ class Desk:
 
     def release(self) -> None:
         self.patch.undo()
-        self.interface.release()
+        self.interface.organs.release()
         self.gui.release()

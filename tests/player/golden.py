@@ -161,7 +161,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
                 screen.use()
                 stage.show(screen, size)
                 interface.draw(screen, shown, WINDOW, DENSITY, panes)
-            interface.release()
+            interface.organs.release()
             gui.release()
             stage.release()
             return _read(screen)
