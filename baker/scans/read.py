@@ -179,16 +179,16 @@ def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
 
     Raises InputError where a file can't be read, or changes while it is read.
     """
-    before = _file_states(paths)
+
+    def states() -> list[tuple[int, ...]]:
+        with input_errors(paths[0]):
+            return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]
+
+    before = states()
     try:
         with input_errors(paths[0]):
             return replace(read(), sha256=digest(paths))
     finally:  # also after an error, of which the change may be the cause
-        if _file_states(paths) != before:
+        if states() != before:
             changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
             raise InputError(changed) from None
-
-
-def _file_states(paths: Sequence[Path]) -> list[tuple[int, ...]]:
-    with input_errors(paths[0]):
-        return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]

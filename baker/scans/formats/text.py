@@ -31,7 +31,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     rows, first_line = lines[start:], start + 1
     values = _split(rows[0], delimiter)
     width = len(values)
-    names = _column_names(header, width, first_line, bool(asked))
+    names = _column_names(header, width, first_line)
     used = [i for i, name in enumerate(names) if name not in SKIPPED]
     numbers = [i for i in used if _is_number(values[i])]
     words = [i for i in used if _is_word(values[i]) and label_rank(names[i]) is not None]
@@ -89,7 +89,7 @@ def _read_lines(path: Path) -> list[str]:
     return [line.replace(",", ".") if ";" in line else line for line in lines]
 
 
-def _column_names(header: Sequence[str] | None, width: int, line: int, is_asked: bool) -> list[str]:
+def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[str]:
     """The names of the columns of a table, whose first row, in this line, has `width` values."""
     if header is None:
         if width in USUAL_WIDTHS:
@@ -100,13 +100,10 @@ def _column_names(header: Sequence[str] | None, width: int, line: int, is_asked:
             f"for others say what they are, as in --columns {example} (- is not used).",
             line,
         )
-    names = [*map(_axis, header)]
-    if is_asked and width >= 3:
-        names = names[:width]  # some scans of a series may have no column of labels
-    if len(names) != width:
-        reason = f"{width} columns, but {len(names)} names of columns"
-        raise FormatError(f"{reason} ({excerpt(' '.join(names))}).", line)
-    return names
+    if len(header) != width:
+        reason = f"{width} columns, but {len(header)} names of columns"
+        raise FormatError(f"{reason} ({excerpt(' '.join(header))}).", line)
+    return [*map(_axis, header)]
 
 
 def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
@@ -189,7 +186,10 @@ def _read_head(
         if len(values) == 1 and values[0].isdecimal() and count is None:
             count = int(values[0][:18])
         elif sum(is_number) >= min(3, len(values)):
-            header = [*asked] or header or _names_in(comments, delimiter, len(values))
+            # Some scans of a series may have no column of labels.
+            header = (
+                [*asked[: len(values)]] or header or _names_in(comments, delimiter, len(values))
+            )
             name, times = Counter(header).most_common(1)[0] if header else ("", 1)
             if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
@@ -224,10 +224,11 @@ def _delimiter(line: str) -> str | None:
     """The delimiter of a table with this line; None for any white space."""
     if ";" in line:
         return ";"
-    cells = [cell.strip() for cell in line.split("\t")]
+    cells = [cell.split() for cell in line.split("\t")]
     if len(cells) > 1 and all(cells):
-        # Tabs mixed with spaces align columns.
-        return None if "," in line or any(" " in cell for cell in cells) else "\t"
+        # Where spaces stand between numbers, too, tabs only align the columns.
+        are_mixed = any(len(words) > 1 and _is_number(words[0]) for words in cells)
+        return None if are_mixed or "," in line else "\t"
     return "," if "," in line else None
 
 

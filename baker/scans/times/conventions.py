@@ -45,12 +45,6 @@ class Convention:
         return self.rank < WEAK_RANK
 
 
-def parse_date(text: str) -> Moment | None:
-    """Parse an ISO date or date-time; None where the text is something else."""
-    match = CONVENTIONS[0].pattern.fullmatch(text)
-    return read_moment(match) if match else None
-
-
 def read_moment(match: re.Match[str]) -> Moment | None:
     """The moment of a match of a convention's pattern; None where there is no such date."""
     found = {name: text for name, text in match.groupdict().items() if text and name != "sep"}

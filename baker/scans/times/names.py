@@ -21,7 +21,6 @@ from baker.scans.times.conventions import (
     NO_YEAR,
     Convention,
     Moment,
-    parse_date,
     read_moment,
 )
 from gclip.config_file import read_text
@@ -193,8 +192,11 @@ def _parse(rows: Sequence[tuple[str, str]], source: str) -> list[Moment]:
 
 
 def _parse_time(text: str) -> Moment | None:
+    """A number of days, or an ISO date or date-time; None where a text is something else."""
     if len(text) > MAX_TIME_CHARACTERS:  # on which the patterns would take long
         return None
-    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text) and not parse_date(text):
-        return Moment(float(text), f"day {float(text):.10g}")
-    return parse_date(text)
+    date = CONVENTIONS[0].pattern.fullmatch(text)
+    if moment := date and read_moment(date):
+        return moment
+    is_number = re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text)
+    return Moment(float(text), f"day {float(text):.10g}") if is_number else None

@@ -169,8 +169,14 @@ def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) ->
     # The * of a shell lists scan10 before scan9, an order that nobody wants.
     if from_folder or (list(names) == sorted(names) and natural != order):
         order, rule = natural, "the natural order of their names"
+        numbers = [[int(number) for number in re.findall(r"\d+", stem)] for stem in stems]
         for i, j in pairwise(order):
-            _require_increase(names[i], names[j])
+            if any(a > b for a, b in zip(numbers[i], numbers[j], strict=False)):
+                raise InputError(
+                    f"The order of '{names[i]}' and '{names[j]}' can't be told from their names; "
+                    "give it by --times FILE, with dates such as 2020-03-08 in the names, or by "
+                    "naming the files in order."
+                )
     moments = [Moment(float(k), str(k)) for k in range(len(names))]
     series = schedule_in_time([paths[i] for i in order], [names[i] for i in order], moments, rule)
     untimed = [name for name, stem in zip(names, stems, strict=True) if find_time(stem) is None]
@@ -180,16 +186,3 @@ def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) ->
     listed = [scan.name for scan in series.scans[:MAX_LISTED_NAMES]] + ["..."]
     found = f"{rule}: {', '.join(listed[: len(names)])}"
     return replace(series, unit="scans", findings=(Finding("order", found, doubt, "--times FILE"),))
-
-
-def _require_increase(*pair: str) -> None:
-    """Raise InputError where a number in the second of two names is smaller: which is the time?"""
-    before, after = (
-        [int(number) for number in re.findall(r"\d+", name.rpartition(".")[0])] for name in pair
-    )
-    if any(a > b for a, b in zip(before, after, strict=False)):
-        raise InputError(
-            "The order of '{}' and '{}' can't be told from their names; give it by --times FILE, "
-            "with dates such as 2020-03-08 in the names, or by naming the files in order."
-            "".format(*pair)
-        )

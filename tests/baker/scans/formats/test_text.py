@@ -199,6 +199,13 @@ def test_axes_by_other_names(load, header):
     assert load(f"{header},label\n1,2,3,4\n").points.tolist() == [[1, 2, 3]]
 
 
+def test_cells_between_tabs_may_hold_spaces(load):
+    cloud = load("X (mm)\tY (mm)\tZ (mm)\torgan\n1\t2\t3\tleaf 2\n4\t5\t6\tstem\n")
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.labels.tolist() == [0, 1]
+    assert load("1 2\t3\n4 5\t6\n").points.tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
 def test_scans_without_labels_have_fewer_columns_than_are_named(load):
     names = ("x", "y", "z", "r", "label")
     assert load("1 2 3 4\n", names=names).labels is None
