@@ -42,21 +42,17 @@ def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.round(np.floor(low / step) * step, max(digits, 0))
 
 
-def own_origin(points: NDArray[np.float64], shared: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Choose the (3,) origin of one scan from its (N, 3) world positions.
+def relative_to(shared: NDArray[np.float64], scan: Scan) -> Scan:
+    """Convert the points of a scan to float32 relative to the (3,) origin of the series.
 
-    It is the origin of the series, unless the scan is so far from it, in another coordinate system,
-    that float32 coordinates would not resolve its points.
+    The scan gets an origin of its own if it is so far from that of the series, in another
+    coordinate system, that float32 coordinates would not resolve its points.
     """
-    sample = points[:: -(-len(points) // MAX_SAMPLE)] - shared
+    sample = scan.points[:: -(-len(scan) // MAX_SAMPLE)] - shared
     low, high = np.percentile(sample, [1, 99], axis=0)
     step = 2.0**-23 * max(np.abs(low).max(), np.abs(high).max())
-    return shared_origin(points) if step > MAX_STEP_RATIO * (high - low).max() > 0 else shared
-
-
-def relative_to(shared: NDArray[np.float64], scan: Scan) -> Scan:
-    """Convert the points of a scan to float32 relative to the series' origin (or `own_origin`)."""
-    origin = own_origin(scan.points, shared)
+    is_far = step > MAX_STEP_RATIO * (high - low).max() > 0
+    origin = shared_origin(scan.points) if is_far else shared
     # Adding zero turns -0.0 into 0.0, so that equal points have equal bytes.
     exact = scan.points - origin + 0.0
     local = np.where(np.abs(exact) < MIN_COORDINATE, 0.0, exact).astype(np.float32)

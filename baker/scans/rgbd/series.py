@@ -51,9 +51,7 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
             missing = getattr(patterns, kind).replace("*", name)
             raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
     depths, labels, masks = found["depth"], found["label"], found["mask"]
-    return tuple(
-        Frame(name, colors[name], depths[name], labels.get(name), masks.get(name)) for name in names
-    )
+    return tuple(Frame(n, colors[n], depths[n], labels.get(n), masks.get(n)) for n in names)
 
 
 def schedule_frames(

@@ -15,7 +15,6 @@ from baker.scans.cleaning import (
     drop_duplicates,
     drop_non_finite,
     drop_outliers,
-    own_origin,
     relative_to,
     resampled,
     shared_origin,
@@ -145,8 +144,8 @@ def test_stray_points_do_not_move_the_origin():
 
 def test_a_scan_far_from_the_first_has_its_own_origin():
     points = np.random.default_rng(0).random((100, 3))
-    assert own_origin(points + 1, np.zeros(3)).tolist() == [0, 0, 0]
-    assert own_origin(points + 1e6, np.zeros(3)).tolist() == [1e6, 1e6, 1e6]
+    assert relative_to(np.zeros(3), Scan(points + 1)).origin.tolist() == [0, 0, 0]
+    assert relative_to(np.zeros(3), Scan(points + 1e6)).origin.tolist() == [1e6, 1e6, 1e6]
 
 
 def test_resampling_comes_near_the_number_and_evens_the_density():
