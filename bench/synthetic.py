@@ -7,23 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, Interval, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 LEAVES = 14
 COLORS = ((120, 170, 60), (70, 140, 50), (160, 190, 80), (90, 160, 90))
-
-
-class Still(Interval):
-    """An interval whose movers have no paths."""
-
-    @property
-    def degree(self) -> int:
-        return 0
-
-    @property
-    def curve(self) -> tuple[NDArray, ...]:
-        return (self.start_positions,)
 
 
 def growing(count: int, degree: int = 2) -> Clip:
@@ -57,8 +45,8 @@ def static(count: int, degree: int = 0) -> Clip:
     (interval,) = clip.intervals
     points = sum(w * p for w, p in zip((0.25, 0.5, 0.25), interval.curve, strict=True))
     half = np.round(points).astype(np.uint16)
-    rest = replace(interval, start_positions=half, end_positions=half, control_positions=())
-    return replace(clip, intervals=(rest if degree else Still(**vars(rest)),))
+    rest = replace(interval, curve=(half, half) if degree else (half,))
+    return replace(clip, intervals=(rest,))
 
 
 def _shape(organ: NDArray, along: NDArray, across: NDArray, age: float) -> NDArray:

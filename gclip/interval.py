@@ -1,9 +1,10 @@
 """The movers of one interval, and their buffers in a file."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
@@ -20,9 +21,9 @@ COLORS = {"start_colors", "end_colors"}
 class Interval(IntervalHeader):
     """The movers between two successive scans, as buffers that a GPU can use."""
 
-    start_positions: NDArray[Any]  #: (N, 3) uint16, or float32 relative to the clip's origin
-    end_positions: NDArray[Any]
-    control_positions: tuple[NDArray[Any], ...]  #: degree - 1 arrays of the same kind
+    curve: Annotated[tuple[NDArray[Any], ...], Meta(min_length=2, max_length=4)]
+    """The Bézier points from start to end: degree + 1 arrays (N, 3), uint16 or, relative to the
+    clip's origin, float32."""
     tracks: NDArray[Any]  #: (N,) uint16 or uint32 track ids
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha; None: the tracks'
     end_colors: NDArray[np.uint8] | None = None
@@ -30,12 +31,7 @@ class Interval(IntervalHeader):
 
     @property
     def degree(self) -> int:
-        return 1 + len(self.control_positions)
-
-    @property
-    def curve(self) -> tuple[NDArray[Any], ...]:
-        """The Bézier points from start to end: degree + 1 arrays of (N, 3)."""
-        return (self.start_positions, *self.control_positions, self.end_positions)
+        return len(self.curve) - 1
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -77,9 +73,7 @@ def read_interval(
         for field in sorted(present)
     }
     return Interval(
-        start_positions=curve[0],
-        end_positions=curve[-1],
-        control_positions=tuple(curve[1:-1]),
+        curve=tuple(curve),
         tracks=ids,
         **optional,
         **attributes(entry, IntervalHeader),

@@ -71,15 +71,12 @@ def pack_interval(
     low, high = extent(*curve)
     is_float = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
     box = None if is_float else Box(tuple(low.tolist()), tuple(high.tolist()))
-    first, *control, last = (_packed(curve.pop(0), box, order) for _ in range(degree + 1))
     return Interval(
         start=start,
         end=end,
         box=box,
         groups=tuple(groups),
-        start_positions=first,
-        end_positions=last,
-        control_positions=tuple(control),
+        curve=tuple(_packed(curve.pop(0), box, order) for _ in range(degree + 1)),
         tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
         **{name: None if a is None else np.take(a, order, axis=0) for name, a in optional.items()},
         segments=segments,

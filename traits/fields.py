@@ -41,7 +41,7 @@ def field_means(clip: Clip, day: float, track: int | None = None) -> dict[str, f
         is_visible &= np.asarray(interval.tracks) == track
     movers = np.flatnonzero(is_visible)
     # Several movers may share a point of a scan, which counts once.
-    ends = (np.asarray(p[movers]) for p in (interval.start_positions, interval.end_positions))
+    ends = (np.asarray(p[movers]) for p in (interval.curve[0], interval.curve[-1]))
     first, last = (np.unique(points, axis=0, return_index=True)[1] for points in ends)
     result = {}
     for field in clip.fields:

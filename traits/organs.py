@@ -85,9 +85,9 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         )
         positions = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
         tracks = np.asarray(interval.tracks[movers])
-        ends = np.asarray(interval.end_positions[movers])
+        ends = np.asarray(interval.curve[-1][movers])
         newborn = born[tracks] > begin
-        starts = np.where(newborn[:, None], ends, interval.start_positions[movers])
+        starts = np.where(newborn[:, None], ends, interval.curve[0][movers])
         moved |= {track for track in np.unique(tracks[~newborn]).tolist() if lost[track] != begin}
         for part, weight, side in zip(parts, weights, (starts, ends), strict=True):
             if weight:

@@ -244,7 +244,7 @@ class Colors:
             check_not_truncated(interval.tracks)
             start, end = (
                 np.asarray(points[some], float)
-                for points in (interval.start_positions, interval.end_positions)
+                for points in (interval.curve[0], interval.curve[-1])
             )
             step = np.ones(3) if interval.box is None else interval.box.step
             way = np.linalg.norm((end - start) * step, axis=1)

@@ -51,9 +51,7 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
         end=clip.times[-1],
         box=None,
         groups=(Group(0, len(scan.positions), Motion.MOVE),),
-        start_positions=scan.positions,
-        end_positions=scan.positions,
-        control_positions=(),
+        curve=(scan.positions, scan.positions),
         tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
     )
     if clip.has_colors:

@@ -199,7 +199,7 @@ def test_lies_are_refused_in_one_sentence(make_clip, tmp_path, name):
 
 def test_nan_positions_are_refused(make_clip, tmp_path):
     clip = make_clip(precision="float32")
-    clip.intervals[0].start_positions[5, 1] = np.nan
+    clip.intervals[0].curve[0][5, 1] = np.nan
     clip.save(tmp_path / "c.gclip")
     with pytest.raises(gclip.ClipError, match="not finite"):
         gclip.open(tmp_path / "c.gclip")

@@ -128,12 +128,10 @@ def test_float32_positions_are_within_bounds(make_clip, tmp_path: Path) -> None:
     path = tmp_path / "x.gclip"
     for value in (1e18, -1e18):
         clip = make_clip(precision="float32")
-        clip.intervals[1].end_positions[3, 2] = value
+        clip.intervals[1].curve[-1][3, 2] = value
         clip.save(path)
         assert not refusal(path)
-        clip.intervals[1].end_positions[3, 2] = np.nextafter(
-            np.float32(value), np.float32(9 * value)
-        )
+        clip.intervals[1].curve[-1][3, 2] = np.nextafter(np.float32(value), np.float32(9 * value))
         clip.save(path)
         assert '"0001/end" holds a position that is not finite, or beyond' in refusal(path)
 

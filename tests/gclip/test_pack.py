@@ -17,7 +17,7 @@ def test_quantisation_is_finer_than_a_hundredth_of_the_spacing():
     points = np.random.default_rng(0).random((1000, 3)) * 50
     assert pack(points, spacing=1.0).box is not None
     assert pack(points, spacing=0.01).box is None
-    assert pack(points, spacing=1.0, precision="float32").start_positions.dtype == np.float32
+    assert pack(points, spacing=1.0, precision="float32").curve[0].dtype == np.float32
 
 
 def test_flat_and_single_point_clouds_pack():
@@ -30,13 +30,13 @@ def test_flat_and_single_point_clouds_pack():
 
 def test_all_movers_are_kept():
     points = np.random.default_rng(0).random((1000, 3))
-    kept = pack(points, spacing=1.0, precision="float32").start_positions
+    kept = pack(points, spacing=1.0, precision="float32").curve[0]
     assert np.array_equal(np.sort(kept, axis=0), np.sort(points.astype(np.float32), axis=0))
 
 
 def test_a_prefix_is_a_fair_sample():
     points = np.random.default_rng(0).random((400 * BLOCK, 3))
-    prefix = pack(points, spacing=1.0, precision="float32").start_positions[: 100 * BLOCK]
+    prefix = pack(points, spacing=1.0, precision="float32").curve[0][: 100 * BLOCK]
     for axis in range(3):
         quarters = np.histogram(prefix[:, axis], bins=4, range=(0, 1))[0] / len(prefix)
         assert np.all(quarters > 0.2)
@@ -44,7 +44,7 @@ def test_a_prefix_is_a_fair_sample():
 
 def test_neighbours_in_a_block_are_neighbours_in_space():
     points = np.random.default_rng(0).random((40 * BLOCK, 3))
-    block = pack(points, spacing=1.0, precision="float32").start_positions[:BLOCK]
+    block = pack(points, spacing=1.0, precision="float32").curve[0][:BLOCK]
     assert np.prod(np.ptp(block, axis=0)) < 0.2
 
 
@@ -80,5 +80,5 @@ def test_movers_of_lower_degree_are_raised_to_the_highest():
         (0, 2, Motion.MOVE),
         (2, 1, Motion.FALL),
     ]
-    middle = interval.box.low + interval.box.step * interval.control_positions[0][:2]
+    middle = interval.box.low + interval.box.step * interval.curve[1][:2]
     assert np.allclose(middle, 0.5, atol=1e-4)

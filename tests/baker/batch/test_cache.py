@@ -131,10 +131,10 @@ OTHER_TRACKS = "tracks that no organ has"
             {"start": 7.0},
             {"start": -7.0},
             {"tracks": ["<u2", [3], b"\0" * 6]},
-            {"start_positions": ["<f8", [1], b"\0" * 8]},
+            {"curve": [["<f8", [1], b"\0" * 8]] * 2},
         ],
         [
-            {"end_positions": ["|O", [1], b"\0" * 8]},
+            {"curve": [["|O", [1], b"\0" * 8]] * 2},
             {"tracks": OTHER_TRACKS},
             {"groups": []},
             {"box": {"low": [1, 1, 1], "high": [0, 0, 0]}},

@@ -68,9 +68,7 @@ def clip_of(count: int) -> Clip:
         end=1.0,
         box=Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
         groups=(Group(first=0, count=count, motion=Motion.MOVE),),
-        start_positions=repeated(3),
-        end_positions=repeated(3),
-        control_positions=(repeated(3),),
+        curve=(repeated(3),) * 3,
         tracks=repeated(),
     )
     scans = tuple(ScanMark(name, time, name, count) for name, time in (("a", 0.0), ("b", 1.0)))

@@ -170,8 +170,8 @@ def test_a_prefix_is_a_fair_sample() -> None:
     for count in (20_000, 50_000, 100_000):
         for values, bins in (
             (interval.tracks, 3),
-            (interval.start_positions[:, 2] > 30_000, 2),
-            (interval.start_positions[:, 1] // 8192, 8),
+            (interval.curve[0][:, 2] > 30_000, 2),
+            (interval.curve[0][:, 1] // 8192, 8),
         ):
             full = np.bincount(values.astype(int), minlength=bins) / len(interval)
             some = np.bincount(values[:count].astype(int), minlength=bins) / count
