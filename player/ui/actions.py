@@ -50,8 +50,8 @@ class Choice:
         return scene.changed(self.field, value, f"{self.label}: {self.name(value)}")
 
     def next(self, scene: Scene) -> Scene:
-        """Choose the next value, after the last one the first."""
-        values = self.values(scene)
+        """Choose the next value that can be chosen, after the last one the first."""
+        values = [value for value in self.values(scene) if not self.lacking(scene, value)]
         return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
 
 

@@ -1,9 +1,8 @@
 """The panel at the window's right: every choice in sight, and each of them has a key as well."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 from imgui_bundle import imgui, imgui_ctx
 
@@ -67,8 +66,7 @@ def draw_panel(
 
 
 def _look(scene: Scene) -> Scene:
-    absent = () if scene.clip.held_out else (ColorMode.ERROR,)  # the answer tells how to get it
-    scene = _choice(scene, actions.COLOR, "color", absent)
+    scene = _choice(scene, actions.COLOR, "color")
     if scene.color_mode is ColorMode.FIELD and len(scene.clip.fields) > 1:
         scene = _choice(scene, actions.FIELD, "color")
     if scene.color_mode.colormap:
@@ -212,12 +210,12 @@ def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
     _key(action)
 
 
-def _choice(scene: Scene, choice: Choice, action: str, more: Sequence[Any] = ()) -> Scene:
-    """A list to choose from, with `more` than the values that the key goes through."""
+def _choice(scene: Scene, choice: Choice, action: str) -> Scene:
+    """A list to choose from."""
     now = choice.now(scene)
     with _row(choice.label, action):
         if imgui.begin_combo(f"##{choice.label}", choice.name(now)):
-            for value in (*choice.values(scene), *more):
+            for value in choice.values(scene):
                 if imgui.selectable(choice.name(value), value == now)[0]:
                     scene = choice.choose(scene, value)
             if imgui.is_key_pressed(imgui.Key.escape):

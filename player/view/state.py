@@ -72,10 +72,8 @@ class Scene:
 
     @property
     def color_modes(self) -> list[ColorMode]:
-        """What can be chosen."""
-        colored = self.clip.has_colors
-        modes = [mode for mode in ColorMode if not mode.lacking(self.clip)]
-        return [mode for mode in modes if mode is mode.resolved(colored)]
+        """What can be chosen, also where the clip lacks it: the answer tells how to get it."""
+        return [mode for mode in ColorMode if mode is mode.resolved(self.clip.has_colors)]
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
