@@ -302,9 +302,10 @@ def test_page_and_film_show_the_same_picture(
     tab = opened_sharp(clip, Film(size=size, style=style))
     tab.add_style_tag(content="header, footer { visibility: hidden }")
     for day in (1.3, 3.0):
-        tab.evaluate(f"viewer.seek({day})")
-        tab.evaluate("Object.assign(viewer.camera, viewer.camera.home)")
-        tab.evaluate("viewer.act('go', viewer.clock.day)")
+        tab.evaluate(f"""
+            viewer.seek({day});
+            Object.assign(viewer.camera, viewer.camera.home);
+            viewer.act('go', viewer.clock.day);""")
         tab.wait_for_timeout(500)
         drawn = render(clip, day, size, style=style)[..., :3].astype(int)
         difference = np.abs(screenshot(tab) - drawn)
