@@ -90,18 +90,25 @@ def _find_grounds(
 
     If only some do along the usual direction, those grounds count of which the score is certain.
     """
+
+    def search(scans: Sequence[Scan], up: str) -> tuple[list[Ground | None], float]:
+        found = list(map(partial(find_ground, up=up), [scan.points for scan in scans]))
+        return found, float(np.median([ground.score if ground else 0.0 for ground in found]))
+
+    usual, *unusual = directions
+    found, score = search(scans, usual)
+    if score >= MIN_SCORE:
+        return found
+    certain = [ground if ground and ground.score >= CERTAIN_SCORE else None for ground in found]
+    if any(certain):
+        return certain
     sampled = np.linspace(0, len(scans) - 1, min(len(scans), SAMPLED_SCANS)).astype(int)
-    for up in directions:
-        is_usual = up == directions[0]
-        for searched in (scans,) if is_usual else ([scans[k] for k in sampled], scans):
-            found = list(map(partial(find_ground, up=up), [scan.points for scan in searched]))
-            scores = np.array([ground.score if ground else 0.0 for ground in found])
-            if np.median(scores) < (MIN_SCORE if is_usual else MIN_UNUSUAL_SCORE):
-                break
-        else:
-            return found
-        if is_usual and scores.max() >= CERTAIN_SCORE:
-            return [g if g and g.score >= CERTAIN_SCORE else None for g in found]
+    sample = [scans[k] for k in sampled]
+    for up in unusual:
+        if search(sample, up)[1] >= MIN_UNUSUAL_SCORE:
+            found, score = search(scans, up)
+            if score >= MIN_UNUSUAL_SCORE:
+                return found
     return [None] * len(scans)
 
 
