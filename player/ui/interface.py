@@ -84,7 +84,7 @@ class Interface:
         size, scale: (width, height) of the window in units, and the pixels in a unit.
         panes:       what is seen, from left to right.
         """
-        shown = scene
+        shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, theme_of(scene.style.ground))
         area = (size[0] - panel_width(scene, size[0]), size[1])
         margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])

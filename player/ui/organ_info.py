@@ -12,27 +12,27 @@ TOLD = ("length", "area")
 
 
 class OrganInfo:
-    """Measures organs of one clip in a thread; the window never waits for it."""
+    """Measures organs of one clip in a thread; the window never waits for it.
+
+    measuring: whether the last curves that were asked for are not known yet.
+    """
 
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
         self._pool = ThreadPoolExecutor(1)
         self._curves: dict[int, Future[list[TraitCurve]]] = {}
+        self.measuring = False
 
     def release(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
-
-    @property
-    def measuring(self) -> bool:
-        """Whether more is known soon."""
-        return not all(found.done() for found in self._curves.values())
 
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; none until they are measured."""
         if track not in self._curves:
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         found = self._curves[track]
-        failed = not found.done() or found.cancelled() or found.exception() is not None
+        self.measuring = not found.done()
+        failed = self.measuring or found.cancelled() or found.exception() is not None
         return () if failed else tuple(found.result())
 
     def lines(self, clip: Clip, track: int, day: float) -> list[tuple[str, str]]:

@@ -17,6 +17,19 @@ from tests.player.shown import DATES, TIMES, Shown, small_clip
 SIZE = (900, 600)
 LATER = (1.0, *TIMES[1:])
 
+# Organs are measured long after the last event.
+SLOW = """
+import time
+from player.ui import organ_info
+measured = organ_info.trait_curves
+
+def trait_curves(*given):
+    time.sleep(2.0)
+    return measured(*given)
+
+organ_info.trait_curves = trait_curves
+"""
+
 
 @pytest.fixture(scope="module")
 def opened(display: dict[str, str], clip_file: Path) -> Iterator[Shown]:
@@ -72,6 +85,19 @@ def test_organs_are_picked_hidden_and_shown(shown: Shown) -> None:
     shown.until(lambda state: state["picked"] == 1)
     shown.click(20, 150)
     shown.until(lambda state: state["picked"] is None)
+
+
+def test_a_curve_appears_as_soon_as_it_is_measured(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    shown = Shown(display, clip_file, SIZE, before=SLOW)
+    try:
+        shown.point(20, 200)
+        shown.key("space", "n")
+        shown.until(lambda state: state["picked"] == 0)
+        shown.until(lambda state: "curve" in state["places"], 30.0)
+    finally:
+        shown.end()
 
 
 def test_the_wheel_goes_to_the_cursor(shown: Shown) -> None:
