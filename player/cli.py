@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,7 +23,6 @@ from traits.dates import day_of
 
 if TYPE_CHECKING:
     from gclip import Clip
-    from player.export import Film
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
@@ -171,16 +169,27 @@ def play_command(
     if export is not None and info:
         raise PlayerError("--info and --export are two different jobs; give one of them.")
     if export is not None:
-        days = day or []
-        unread = (math.nan,) * len(days)  # what they say is known once the clip is open
+        output, opened = Path(export), gclip.open(clip)
+        _check_field(opened, field)
         film = player.export.Film(
-            *(_size(size or SIZE), fps, seconds, turning, style, unread, every),
+            size=_size(size or SIZE),
+            fps=fps,
+            seconds=seconds,
+            turning=turning,
+            style=style,
+            at=tuple(_day(opened, text) for text in day or []),
+            every=every,
             title=printable(title),
             annotations=player.view.Annotations(date, scale_bar, legend),
             transparent=transparent,
             name=printable(clip.stem),
+            path=None if path is None else player.view.load_path(path, opened),
         )
-        _export(clip, film, days, Path(export), force, quiet, path)
+        player.export.check_look(film, output, force)
+        with StageProgress(quiet) as progress:
+            player.export.export(opened, film, output, partial(progress, "exporting"), force)
+        if not quiet:
+            typer.echo(f"wrote {output}", err=True)
     elif info:
         for line in info_lines(gclip.open(clip), clip):
             typer.echo(printable(line, MAX_LETTERS))
@@ -188,30 +197,6 @@ def play_command(
         chosen = None if size is None else _size(size)
         options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)
         player.window.start(files, style, options)
-
-
-def _export(
-    file: Path,
-    film: "Film",
-    days: list[str],
-    output: Path,
-    force: bool,
-    quiet: bool,
-    camera: Path | None,
-) -> None:
-    """Refuses an output that can't come out well before the clip is opened."""
-    chosen = player.export.format_of(output, film, force)
-    player.export.check_look(chosen, film, output, camera is not None)
-    clip = gclip.open(file)
-    _check_field(clip, film.style.field)
-    film = replace(film, at=tuple(_day(clip, text) for text in days))
-    if camera is not None:
-        film = replace(film, path=player.view.load_path(camera, clip))
-    with StageProgress(quiet) as progress:
-        report = partial(progress, "drawing" if chosen.picture else "writing")
-        player.export.export(clip, film, output, report, force)
-    if not quiet:
-        typer.echo(f"wrote {output}", err=True)
 
 
 def _check_baked(file: Path) -> None:

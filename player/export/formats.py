@@ -126,13 +126,14 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     return chosen
 
 
-def check_look(chosen: Format, film: Film, path: Path, has_camera: bool) -> None:
-    """Refuse a look that was asked for and that the format has no room for."""
+def check_look(film: Film, path: Path, force: bool) -> None:
+    """Refuse what `format_of` refuses, and a look that the format has no room for."""
+    chosen = format_of(path, film, force)
     if film.annotations != Annotations() and not chosen.picture:
         raise PlayerError(
             f"--date, --scale-bar and --legend write into pictures and films; {path} is neither."
         )
-    if not chosen.look and (film.style != Style() or film.turning or has_camera):
+    if not chosen.look and (film.style != Style() or film.turning or film.path):
         raise PlayerError(f"{path} holds numbers alone: it has no colours, no floor, no camera.")
 
 

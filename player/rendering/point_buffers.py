@@ -82,8 +82,7 @@ def chunk_length(interval: Interval) -> int:
 
 def bytes_per_point(interval: Interval) -> int:
     """Bytes of one point in all buffers of an interval."""
-    buffers = buffers_of(interval)
-    return sum(buffer.itemsize * (buffer.size // max(len(buffer), 1)) for buffer in buffers)
+    return sum(buffer[:1].nbytes for buffer in buffers_of(interval))
 
 
 class ChunkBuffers:

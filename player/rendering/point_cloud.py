@@ -41,6 +41,8 @@ class PointCloud:
         self._longest_chunk = max(
             (min(chunk_length(i), g.count) for i in clip.intervals for g in i.groups), default=0
         )
+        # A newborn organ takes on its own colour from that of the organ it grows from.
+        self._has_births = any(track.born > clip.times[0] for track in clip.track_table)
         self._indices: dict[int, moderngl.Buffer] = {}
         self._colored: object = None
         self._definitions: dict[str, int] = {"SCALAR_FIELD": 0, "HAS_FLAGS": 0}
@@ -49,7 +51,8 @@ class PointCloud:
 
     def set_colors(self, colors: Colors, day: float, style: Style) -> None:
         """Set the colours of a day, as a style has them, for all draw calls that follow."""
-        wanted = (day if style.color_by == "age" else None, style)
+        changing = self._has_births or style.color_by == "age"
+        wanted = (day if changing else None, style)
         if wanted == self._colored:
             return
         texels = np.zeros((self.palette.height * PALETTE_WIDTH, 4), np.float32)

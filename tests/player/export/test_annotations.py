@@ -165,12 +165,13 @@ def test_times_that_make_no_film_are_refused(
     assert [path.name for path in tmp_path.iterdir()] == ["p.gclip"]
 
 
-def test_the_list_of_exports_names_every_suffix(capsys: Any) -> None:
+def test_the_list_of_exports_names_every_suffix(clip: Clip, tmp_path: Path, capsys: Any) -> None:
     from player.export.formats import FORMATS
 
     assert play(["--list-exports"]) == 0
     listed = capsys.readouterr().out
     assert all(one.example in listed for one in FORMATS)
-    assert play(["x.gclip", "--export", "x.docx"]) == 2
+    clip.save(tmp_path / "x.gclip")
+    assert play([str(tmp_path / "x.gclip"), "--export", "x.docx"]) == 2
     refused = capsys.readouterr().err
     assert all(name in refused for one in FORMATS for name in one.suffixes)

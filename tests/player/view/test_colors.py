@@ -147,3 +147,22 @@ def test_pixel_sized_points_do_not_grow_with_nearness(
         .mean()
     )
     assert covered > 0.05
+
+
+def test_a_newborn_organ_s_colour_changes_from_day_to_day(
+    context: moderngl.Context, make_clip: ClipMaker
+) -> None:
+    """Whatever the renderer has drawn before."""
+    clip = make_clip()
+    stem, leaf = clip.track_table
+    clip = replace(clip, track_table=(stem, replace(leaf, parent=0, born=clip.times[1])))
+    renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(SIZE)
+    camera, style = Camera.home(clip, 4 / 3), replace(PLAIN, color_by="track")
+    for day in (0.2, 1.8):
+        renderer.draw(framebuffer, day, camera, style, SIZE)
+    again = np.frombuffer(framebuffer.read(components=3), np.uint8)
+    fresh = Renderer(context, clip)
+    fresh.draw(framebuffer, 1.8, camera, style, SIZE)
+    assert (again == np.frombuffer(framebuffer.read(components=3), np.uint8)).all()
+    for one in (renderer, fresh):
+        one.release()
