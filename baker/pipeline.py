@@ -177,7 +177,9 @@ def survey_series(
     raw = read_series(files, options, partial(progress, "reading"), map, times)
     options = options.for_series(raw.fixed, raw.length, raw.root)
     choices = options.resolved()
-    root = _local_root(raw, options)
+    root = None
+    if options.root not in (None, "virtual"):  # the plant base that the user named
+        root = np.asarray(options.root, float) - raw.scans[0].origin
     alignment = align(raw, choices.align, choices.up, root, progress, map)
     keyframes = aligned_keyframes(raw, alignment)
     series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
@@ -265,10 +267,3 @@ def _segment(
         virtual_root=options.root == "virtual",
         map=map,
     )
-
-
-def _local_root(series: Series, options: Options) -> NDArray[np.float64] | None:
-    """The plant base that the user named, relative to the series' origin."""
-    if options.root is None or options.root == "virtual":
-        return None
-    return np.asarray(options.root, float) - series.scans[0].origin

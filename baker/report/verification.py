@@ -34,13 +34,9 @@ class HoldoutError:
     time: float
     points: int  #: number of points of the scan
     spacing: float  #: median distance between neighbouring points of the scan
-    reconstruction_to_scan: Distances  #: large where the clip has points that the scan has not
-    scan_to_reconstruction: Distances  #: large where the clip lacks points of the scan
-
-    @property
-    def both(self) -> tuple[Distances, Distances]:
-        """Reconstruction to scan, then scan to reconstruction."""
-        return self.reconstruction_to_scan, self.scan_to_reconstruction
+    both: tuple[Distances, Distances]
+    """Reconstruction to scan, large where the clip has points that the scan has not; and scan to
+    reconstruction, large where the clip lacks points of the scan."""
 
 
 def verify(
@@ -58,9 +54,9 @@ def verify(
         scan, reconstruction = held.positions, clip.at(held.time).local
         pairs = ((scan, reconstruction), (reconstruction, scan))
         nearest = [KDTree(target).query(source)[0] for target, source in pairs]
-        both = [Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest]
-        sizes = len(scan), point_spacing(scan)
-        errors.append(HoldoutError(held.name, held.date, held.time, *sizes, *both))
+        first, second = (Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest)
+        named = held.name, held.date, held.time, len(scan), point_spacing(scan)
+        errors.append(HoldoutError(*named, (first, second)))
         report_progress("verification", number, len(clip.held_out))
     return errors
 

@@ -60,10 +60,10 @@ def test_distances_are_those_to_the_nearest_point(shifted):
     np.savetxt(shifted / "day1.xyz", np.vstack([far, [[30.0, 1.0, 1.5]]]), fmt="%.6f")
     clip, _ = bake_recorded([shifted], WHOLE)
     (error,) = verify(clip)
-    assert error.reconstruction_to_scan.maximum < 1e-3, "nothing was made up"
+    assert error.both[0].maximum < 1e-3, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0]
-    distances = error.scan_to_reconstruction
+    distances = error.both[1]
     assert distances.maximum == pytest.approx(missed.max(), rel=1e-4)
     assert distances.mean == pytest.approx(missed.mean(), rel=1e-3)
     assert distances.deviation == pytest.approx(missed.std(), rel=1e-3)
@@ -76,7 +76,7 @@ def test_figures_are_in_the_unit_of_the_scans(write_scans):
     for path in folder.iterdir():
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
     errors = [verify(bake_recorded([f], replace(PLAIN, holdout=2))[0])[0] for f in (folder, large)]
-    small, big = (error.reconstruction_to_scan for error in errors)
+    small, big = (error.both[0] for error in errors)
     assert small.mean > 1e-2
     assert big.mean == pytest.approx(1000 * small.mean, rel=1e-2)
 
@@ -108,8 +108,8 @@ def test_all_together(write_scans):
     clip, _ = bake_recorded([write_scans(days=range(5))], replace(PLAIN, holdout=2))
     errors = verify(clip)
     made, missed = overall(errors)
-    assert made.mean == pytest.approx(np.mean([e.reconstruction_to_scan.mean for e in errors]))
-    assert missed.maximum == max(e.scan_to_reconstruction.maximum for e in errors)
+    assert made.mean == pytest.approx(np.mean([e.both[0].mean for e in errors]))
+    assert missed.maximum == max(e.both[1].maximum for e in errors)
 
 
 @pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "at least 2")])
