@@ -95,7 +95,8 @@ def _created(size: tuple[int, int], title: str) -> Any:
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
     glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     glfw.window_hint(glfw.SCALE_TO_MONITOR, True)
-    glfw.window_hint_string(glfw.X11_CLASS_NAME, "play")
+    for name in (glfw.X11_CLASS_NAME, glfw.X11_INSTANCE_NAME):  # one without the other is ignored
+        glfw.window_hint_string(name, "play")
     for version in VERSIONS:
         glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, version // 100)
         glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, version // 10 % 10)

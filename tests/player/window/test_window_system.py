@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -79,10 +80,11 @@ def test_the_time_of_each_pass_is_told_at_the_end(
     display: dict[str, str], clip_file: Path, tmp_path: Path
 ) -> None:
     environment = {**os.environ, **display, "XDG_CONFIG_HOME": str(tmp_path)}
-    command = [sys.executable, "-m", "player", clip_file, "--profile", "--size", "320x240"]
+    clip = shutil.copy(clip_file, tmp_path / "timed.gclip")
+    command = [sys.executable, "-m", "player", clip, "--profile", "--size", "320x240"]
     played = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
-    seen = ["xdotool", "search", "--sync", "--onlyvisible", "--name", "plant", "sleep", "2"]
-    subprocess.run(seen, env=environment, check=True, timeout=120)  # some pictures are timed
+    search = ["xdotool", "search", "--sync", "--onlyvisible", "--name", "timed"]
+    subprocess.run([*search, "sleep", "2"], env=environment, check=True, timeout=120)
     ends = time.monotonic() + 120.0
     while played.poll() is None and time.monotonic() < ends:
         quits = ["xdotool", "mousemove", "160", "100", "sleep", "2", "key", "q"]
