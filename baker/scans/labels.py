@@ -88,10 +88,11 @@ def choose_labels(
     for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
         having = [scan for scan in scans if name in scan.fields]
         is_known = label_rank(name) is not None
+        may_be_taken = is_known or (not names and min(len(scan) for scan in having) >= MIN_SAMPLE)
         if is_asked:
             _require_whole(name, having)
             names.append(name)
-        elif is_known or not (names or min(len(scan) for scan in having) < MIN_SAMPLE):
+        elif may_be_taken:
             objection = _objection(name, having)
             if not objection or (objection.doubt and is_known and are_needed):
                 names.append(name)
