@@ -5,7 +5,6 @@ Byte by byte, all of one buffer's low bytes together, they deflate well.
 """
 
 import zlib
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,19 +17,11 @@ FINE = 1 / 32  # largest step of the positions, as a share of the point spacing,
 LEVELS = 65535
 
 
-@dataclass(frozen=True)
-class Packed:
-    """The bytes, deflated, and how `web/clip.js` reads them: position = low + step × number, the
-    bytes of a track's number, and whether there are colours and normals.
-    """
-
-    data: bytes
-    layout: dict[str, Any]
-
-
-def pack(interval: Interval, spacing: float) -> Packed:
+def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
     """Quantise and compress one interval's movers; they keep their order.
 
+    Returns the bytes, deflated, and how `web/clip.js` reads them: position = low + step × number,
+    the bytes of a track's number, and whether there are colours and normals.
     Positions move by 1/64 of the clip's point spacing at most along each axis, or by 1/131070 of
     the interval's side where that is more. Raises ClipError where the clip's file was cut short
     after it was opened.
@@ -56,7 +47,7 @@ def pack(interval: Interval, spacing: float) -> Packed:
         "colored": interval.start_colors is not None,
         "aligned": interval.normals is not None,
     }
-    return Packed(zlib.compress(b"".join(parts), 9), layout)
+    return zlib.compress(b"".join(parts), 9), layout
 
 
 def _quantised(

@@ -18,7 +18,7 @@ from gclip import Clip
 from gclip.evaluate import newborn, srgb_to_linear
 from player.errors import PlayerError
 from player.export.film import Film, Progress
-from player.export.web.encode import Packed, pack
+from player.export.web.encode import pack
 from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_square
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
@@ -28,6 +28,8 @@ from player.view.colors import Colors, format_number, resolved_color_mode
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
+
+Packed = tuple[bytes, dict[str, Any]]  # as `pack` returns them
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -51,7 +53,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     packed = []
     for done, interval in enumerate(clip.intervals, start=1):
         packed.append(pack(interval, clip.spacing))
-        if 4 * len(packed[-1].data) > 3 * LARGEST:
+        if 4 * len(packed[-1][0]) > 3 * LARGEST:
             raise PlayerError(
                 f"{path.name}: interval {done} is too large for a page; bake with --voxel SIZE."
             )
@@ -111,7 +113,7 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
         script="\n".join(_read(name) for name in SCRIPTS),
         clip=_about(clip, film, packed),
         shaders={name: shaders.resolved(name) for name in SHADERS},
-        intervals=(base64.b64encode(one.data).decode("ascii") for one in packed),
+        intervals=(base64.b64encode(data).decode("ascii") for data, _ in packed),
     )
 
 
@@ -136,9 +138,9 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
                 "count": len(interval),
                 "degree": interval.degree,
                 "groups": to_builtins(interval.groups),
-                **one.layout,
+                **layout,
             }
-            for interval, one in zip(clip.intervals, packed, strict=True)
+            for interval, (_, layout) in zip(clip.intervals, packed, strict=True)
         ],
         "coverage": [closing.at(k, share) for k, share in ends],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},

@@ -365,9 +365,9 @@ def test_the_page_is_the_same_every_time_and_needs_nothing(make_clip: Any, tmp_p
 def test_packing_is_finer_than_the_eye_and_small(make_clip: Any) -> None:
     clip = make_clip(degree=2)
     interval = clip.intervals[0]
-    packed = pack(interval, clip.spacing)
-    assert max(packed.layout["step"]) <= clip.spacing / 32
-    assert len(packed.data) < 0.8 * 20 * len(interval)
+    data, layout = pack(interval, clip.spacing)
+    assert max(layout["step"]) <= clip.spacing / 32
+    assert len(data) < 0.8 * 20 * len(interval)
 
 
 def test_more_tracks_than_16_bits_hold(opened: Any, make_clip: Any) -> None:
