@@ -9,7 +9,7 @@ from gclip import Track
 from player.ui.pen import Pen, fitted
 from player.ui.theme import packed, rgb
 from player.ui.widgets import card
-from player.view.annotations import draw_organs, draw_ramp, draw_scale_bar
+from player.view.annotations import LINE, draw_organs, draw_ramp, draw_scale_bar
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.split_view import Pane
@@ -30,7 +30,8 @@ def draw_guides(pen: Pen, scene: Scene, values: ValueRange | None) -> None:
     if scene.legend and values is not None:
         draw_ramp(pen, values)
     elif scene.legend and scene.color_mode == "track":
-        draw_organs(pen, scene.clip.track_table)
+        above_bar = pen.size[1] - pen.insets[1] - pen.insets[3] - 2 * LINE
+        draw_organs(pen, scene.clip.track_table, above_bar)
 
 
 def draw_axes(pen: Pen, camera: Camera) -> None:

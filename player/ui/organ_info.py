@@ -14,7 +14,7 @@ TOLD = ("length", "area")
 class OrganInfo:
     """Measures organs of one clip in a thread; the window never waits for it.
 
-    measuring: whether the last curves that were asked for are not known yet.
+    measuring: set once curves are asked for that are not known yet.
     """
 
     def __init__(self, clip: Clip) -> None:
@@ -31,8 +31,10 @@ class OrganInfo:
         if track not in self._curves:
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         found = self._curves[track]
-        self.measuring = not found.done()
-        failed = self.measuring or found.cancelled() or found.exception() is not None
+        if not found.done():
+            self.measuring = True
+            return ()
+        failed = found.cancelled() or found.exception() is not None
         return () if failed else tuple(found.result())
 
     def lines(self, clip: Clip, track: int, day: float) -> list[tuple[str, str]]:

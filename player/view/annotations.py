@@ -76,9 +76,9 @@ def draw_scale_bar(pen: Pen, camera: Camera, unit: str) -> None:
     pen.text(-1, -16, f"{format_number(length)} {unit or 'units'}", SMALL)
 
 
-def draw_organs(pen: Pen, tracks: Sequence[Track]) -> None:
-    """Above on the right: each organ's colour and name, as many as there is room for."""
-    rows = max(int(LEGEND_HEIGHT * pen.size[1] / LINE), 1)
+def draw_organs(pen: Pen, tracks: Sequence[Track], room: float = math.inf) -> None:
+    """Above on the right: each organ's colour and name, as many as there is room for, in units."""
+    rows = max(int(min(LEGEND_HEIGHT * pen.size[1], room) / LINE), 1)
     shown = tracks if len(tracks) <= rows else tracks[: rows - 1]
     for row, track in enumerate(shown):
         y = row * LINE
