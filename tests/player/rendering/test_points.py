@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 import pytest
@@ -61,17 +63,14 @@ def compute_context(context: moderngl.Context) -> moderngl.Context:
 
 
 @pytest.mark.parametrize(
-    "clip",
-    [
-        dense_clip(),
-        dense_clip(precision="float32"),
-        dense_clip(colors=True),
-        dense_clip(tracks=1500),
-        dense_clip(tracks=70_000),
-    ],
+    "kind",
+    [{}, {"precision": "float32"}, {"colors": True}, {"tracks": 1500}, {"tracks": 70_000}],
     ids=["quantised", "float32", "scan colours", "many tracks", "wide tracks"],
 )
-def test_both_ways_make_the_same_picture(compute_context: moderngl.Context, clip: Clip) -> None:
+def test_both_ways_make_the_same_picture(
+    compute_context: moderngl.Context, kind: dict[str, Any]
+) -> None:
+    clip = dense_clip(**kind)
     by_points = picture(compute_context, clip, RasterBackend.POINTS)
     computed = picture(compute_context, clip, RasterBackend.COMPUTE)
     assert (by_points.max(axis=2) > 60).sum() > 2000
