@@ -1,5 +1,6 @@
 """Films as MP4 or QuickTime (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
 
+import logging
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -90,6 +91,8 @@ def encode(
     """
     from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, write_frames
 
+    # It would warn of a film that is stopped before its first picture.
+    logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)
     file = str(path.absolute())
     frames = write_frames(
         file,

@@ -10,6 +10,7 @@ import pytest
 from gclip.errors import UserError
 from player.export import Film, export
 from player.export.formats import FORMATS
+from player.rendering.headless import Offscreen
 
 SMALL = Film(size=(64, 48), fps=5, seconds=0.8)
 
@@ -37,6 +38,18 @@ def test_stopping_leaves_nothing_and_spares_what_was_there(
         return  # done in one step, before anything is told
     assert left == before
     assert not before or path.read_text() == "an earlier one"
+
+
+def test_a_film_that_is_stopped_before_its_first_picture_needs_no_warning(
+    make_clip: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
+) -> None:
+    def stop(*given: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Offscreen, "picture", stop)
+    with pytest.raises(KeyboardInterrupt):
+        export(make_clip(), SMALL, tmp_path / "film.mp4")
+    assert not caplog.records
 
 
 @pytest.mark.parametrize("example", [one.example for one in FORMATS])
