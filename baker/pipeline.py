@@ -210,8 +210,8 @@ def _measure(
 ) -> tuple[Series, AlignedSeries]:
     """Find each scan's nearest neighbours, normals and point areas, clean labels, and its base."""
     clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
-    workers = worker_count(options.workers)  # on one scan at a time, since scans differ in size
-    neighbors = [nearest_neighbors(cloud, workers=workers) for cloud in clouds]
+    # One scan at a time, since scans differ in size.
+    neighbors = [nearest_neighbors(cloud, map=map) for cloud in clouds]
     surfaces = map(normals_and_areas, clouds, neighbors)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.parallel import MapLike
 from gclip.morton import morton_order
-from gclip.terminal.interrupts import uninterrupted
 
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
 OUTLIER_RATIO = 10.0  # reach of an outlier : median reach
-BLOCK_SIZE = 10_000  # points that are processed together
+BLOCK_SIZE = 4_000  # points that are processed together
 MAX_GAP = 3.0  # between adjacent segments, in point spacings
 
 Gaps = Mapping[tuple[int, int], float]
@@ -55,7 +55,7 @@ class Neighbors:
 
 
 def nearest_neighbors(
-    points: NDArray[np.floating], k: int = NEIGHBORS, workers: int = 1
+    points: NDArray[np.floating], k: int = NEIGHBORS, map: MapLike = map
 ) -> Neighbors:
     """Query the k nearest other points of each point.
 
@@ -67,8 +67,8 @@ def nearest_neighbors(
     points : (N, 3) float, N > 0
     k : int
         Number of neighbours, reduced to N - 1.
-    workers : int
-        Number of threads.
+    map : map-like callable
+        Maps over blocks of points, in threads.
     """
     from scipy.spatial import KDTree
 
@@ -78,9 +78,9 @@ def nearest_neighbors(
     tree, ranks = KDTree(ordered, balanced_tree=False), np.arange(1, k + 2)
     shape = len(points), k
     found = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
-    for part in blocks(len(points)):
-        # After Ctrl-C, its threads would still write into arrays that have been freed.
-        distances, nearest = uninterrupted(tree.query, ordered[part], ranks, workers=workers)
+
+    def query(part: slice) -> None:
+        distances, nearest = tree.query(ordered[part], ranks)
         # Among duplicates, a point may not be its own first neighbour: move it to the first column.
         own = np.arange(part.start, part.start + len(nearest))
         duplicates = np.flatnonzero(nearest[:, 0] != own)
@@ -88,6 +88,9 @@ def nearest_neighbors(
         nearest[duplicates, column] = nearest[duplicates, 0]
         found.indices[order[part]] = numbers.take(nearest[:, 1:])
         found.distances[order[part]] = distances[:, 1:]
+
+    for _ in map(query, blocks(len(points))):
+        pass
     return found
 
 

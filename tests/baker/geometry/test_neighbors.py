@@ -3,25 +3,22 @@ segments touch that come within three spacings of each other, and only they."""
 
 from __future__ import annotations
 
-import signal
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from scipy.spatial import KDTree
 from scipy.spatial.distance import cdist
 
 from baker.geometry.neighbors import (
+    BLOCK_SIZE,
     MAX_GAP,
     nearest_neighbors,
     point_spacing,
     segment_adjacency,
 )
+from baker.geometry.parallel import thread_map
 from baker.geometry.surface import covariances, point_area
-from gclip.terminal.command import run
 
 RNG = np.random.default_rng(3)
 SHEET = RNG.random((900, 3)) * [10.0, 10.0, 0.01]
@@ -53,12 +50,11 @@ def area(points):
     return point_area(covariances(points, neighbors), neighbors)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("name", CLOUDS)
-def test_the_nearest_others_are_found(name, dtype, workers):
+def test_the_nearest_others_are_found(name, dtype):
     points = CLOUDS[name].astype(dtype)
-    found = nearest_neighbors(points, 8, workers)
+    found = nearest_neighbors(points, 8)
     between = cdist(points, points)
     np.fill_diagonal(between, np.inf)
     k = min(8, len(points) - 1)
@@ -183,25 +179,11 @@ def test_one_segment_touches_nothing(count):
     assert segment_adjacency(np.ones(count, int), nearest_neighbors(points)) == {}
 
 
-def test_a_stop_waits_for_the_threads_of_a_query(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They would go on to write into arrays that are no more, and crash."""
-    query, finished = KDTree.query, []
-
-    def stop_and_query(*arguments: Any, **named: Any) -> Any:
-        if not finished:
-            signal.raise_signal(signal.SIGINT)
-        found = query(*arguments, **named)
-        finished.append(True)
-        return found
-
-    def work() -> None:
-        while True:
-            nearest_neighbors(SHEET, workers=2)
-
-    monkeypatch.setattr(KDTree, "query", stop_and_query)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        assert run("bake", work) == 130
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert finished
+def test_threads_find_the_same_neighbors() -> None:
+    points = np.random.default_rng(2).random((3 * BLOCK_SIZE + 7, 3))
+    points[::50] = points[3]
+    serial = nearest_neighbors(points)
+    with thread_map(3) as threads:
+        parallel = nearest_neighbors(points, map=threads)
+    np.testing.assert_array_equal(parallel.indices, serial.indices)
+    np.testing.assert_array_equal(parallel.distances, serial.distances)
