@@ -23,6 +23,7 @@ class OrganDescriptors:
     directions: NDArray[np.float64]  # (n, 3) unit vectors from there to the centroids
     order: NDArray[np.float64]  # (n,) number of organs attached below; 0 without a stem
     height: NDArray[np.float64]  # (n,) relative distance from the plant base; 0 without a stem
+    base: NDArray[np.float64]  # (3,) plant base
 
     def __len__(self) -> int:
         return len(self.samples)
@@ -31,6 +32,27 @@ class OrganDescriptors:
         """Move each organ by its (n, 3) displacement."""
         samples = [s + shift for s, shift in zip(self.samples, displacements, strict=True)]
         return replace(self, samples=samples, attachments=self.attachments + displacements)
+
+    def transformed(self, motion: NDArray[np.float64]) -> "OrganDescriptors":
+        """Move all organs by a (4, 4) rigid motion."""
+        rotation, shift = motion[:3, :3].T, motion[:3, 3]
+        return replace(
+            self,
+            samples=[sample @ rotation + shift for sample in self.samples],
+            attachments=self.attachments @ rotation + shift,
+            directions=self.directions @ rotation,
+            base=self.base @ rotation + shift,
+        )
+
+    def largest(self, count: int) -> "OrganDescriptors":
+        """The `count` largest organs, in their order."""
+        kept = np.sort(np.argsort(-self.sizes, kind="stable")[:count])
+        arrays = ("attachments", "sizes", "directions", "order", "height")
+        return replace(
+            self,
+            samples=[self.samples[k] for k in kept],
+            **{name: getattr(self, name)[kept] for name in arrays},
+        )
 
 
 def describe_organs(
@@ -75,6 +97,7 @@ def describe_organs(
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
         order=_order_along_stem(distance, root, softness) if is_stem else np.zeros(count),
         height=distance / max(distance.max(), np.finfo(float).tiny) if is_stem else np.zeros(count),
+        base=base,
     )
 
 

@@ -62,21 +62,50 @@ def match_scores(
 def _scores(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    plant = float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
-    young = young.moved(neighbor_displacements(young, old, pairs, plant))
-    young_size, old_size = young.sizes[:, None] / plant, old.sizes / plant
-    distance = _covering_distances(young, old) / plant
-    turn = np.arccos(np.clip(young.directions @ old.directions.T, -1.0, 1.0))
+    young = young.moved(neighbor_displacements(young, old, pairs, _organ_size(young, old)))
+    cosines = young.directions @ old.directions.T
     order_change = np.abs(young.order[:, None] - old.order)
     order_change = MAX_ORDER_CHANGE * np.tanh(order_change / MAX_ORDER_CHANGE)
-    shrinkage = np.maximum(young_size - old_size, 0.0)
+    penalty = ORDER_PENALTY * order_change - BASE_BONUS * (1.0 - old.height)
+    return shape_scores(young, old, _covering_distances(young, old), cosines, penalty)
+
+
+def shape_scores(
+    young: OrganDescriptors,
+    old: OrganDescriptors,
+    distance: NDArray[np.float64],
+    cosines: NDArray[np.float64],
+    penalty: NDArray[np.float64] | float = 0.0,
+) -> NDArray[np.float64]:
+    """Score pairs of organs by their distances, directions and sizes.
+
+    Parameters
+    ----------
+    young, old : OrganDescriptors
+        Of n and m organs.
+    distance, cosines : (..., n, m) float64
+        Distances between organs, in length units, and cosines between their directions.
+    penalty : (n, m) float64, optional
+        For other differences.
+
+    Returns
+    -------
+    (..., n, m) float64
+        As in `match_scores`.
+    """
+    size = _organ_size(young, old)
+    young_size, old_size, distance = young.sizes[:, None] / size, old.sizes / size, distance / size
     # By its square root, one large distance is more likely than two of half its size.
-    penalty = np.sqrt(distance) + TURN_PENALTY * turn
-    penalty += ORDER_PENALTY * order_change + SHRINKING_PENALTY * shrinkage
-    penalty -= BASE_BONUS * (1.0 - old.height)
+    penalty = np.sqrt(distance) + TURN_PENALTY * np.arccos(np.clip(cosines, -1.0, 1.0)) + penalty
+    penalty = penalty + SHRINKING_PENALTY * np.maximum(young_size - old_size, 0.0)
     reward = LOSS_WEIGHT * young_size + BIRTH_WEIGHT * old_size + MATCH_BONUS
     is_possible = (penalty < MAX_PENALTY) & (distance < MAX_DISTANCE * old_size + MAX_SWAY)
     return np.where(is_possible, reward - penalty, -np.inf)
+
+
+def _organ_size(young: OrganDescriptors, old: OrganDescriptors) -> float:
+    """The size of the plant's organs, by which lengths are divided."""
+    return float(np.sqrt((np.concatenate([young.sizes, old.sizes]) ** 2).mean())) or 1.0
 
 
 def neighbor_displacements(

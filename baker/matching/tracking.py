@@ -2,8 +2,9 @@
 
 Each organ has at most one successor, in the next scan or, if it is hidden there, in one of the two
 following ones, and at most one predecessor. The links of largest total score over the series are a
-minimum weight path cover, which is solved as one sparse assignment. Since neighbouring organs move
-together, the tracks predict where each organ has moved; then scores and tracks are computed again.
+minimum weight path cover, which is solved as one sparse assignment. The plant is first rotated as a
+whole where it leans to another side. Since neighbouring organs move together, the tracks then
+predict where each organ has moved, and scores and tracks are computed again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from baker.geometry.graph import chain_ends
 from baker.matching.corrections import PointCorrection
 from baker.matching.descriptors import describe_organs
+from baker.matching.plant_motion import plant_motions
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 
@@ -51,18 +53,15 @@ def track_organs(
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
-    bases = [cloud[base] for cloud, base in zip(clouds, root_points, strict=True)]
-    distances = [
-        np.linalg.norm(each.attachments - base, axis=1)
-        for each, base in zip(organs, bases, strict=True)
-    ]
-    gaps = enumerate(GAP_FACTORS, start=1)
-    factors = {(k, k + gap): f for gap, f in gaps for k in range(len(organs) - gap)}
+    distances = [np.linalg.norm(each.attachments - each.base, axis=1) for each in organs]
+    motions = plant_motions(organs, len(GAP_FACTORS))
+    moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
     numbers = [np.arange(0)] * len(organs)
     for _ in range(ROUNDS):
         scores = {
-            (k, later): factor * match_scores(organs[k], organs[later], _linked(numbers, k, later))
-            for (k, later), factor in factors.items()
+            (k, later): GAP_FACTORS[later - k - 1]
+            * match_scores(first, organs[later], _linked(numbers, k, later))
+            for (k, later), first in moved.items()
         }
         for each in corrections:
             same, (k, later) = each.kind == "same", each.scans

@@ -1,0 +1,136 @@
+"""Estimate how a plant as a whole has moved from one scan to another: rotated about its base.
+
+A soft stem may lean to another side in every scan, with all that grows on it. Organs are then far
+from where they were, and often near to where another one was. But they move together, so few of
+them determine the rotation of all.
+"""
+
+from collections.abc import Iterable, Sequence
+from itertools import accumulate, combinations, pairwise, permutations, starmap
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.matching.descriptors import OrganDescriptors
+from baker.matching.score import match_scores, shape_scores
+
+Floats = NDArray[np.float64]
+
+# docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
+ROTATION_PENALTY, ANGLE_PENALTY = 0.1, 0.3  # of any rotation, and per radian
+MAX_ORGANS = 16  # the largest ones of each scan, whose scores decide
+ORGANS_IN_PAIRS = 7  # the largest ones, pairs of which determine a rotation
+MIN_SINE = 0.25  # of the angle between the directions of such a pair
+MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
+MAX_CANDIDATES = 8  # rotations whose organs are matched
+MIN_DIFFERENCE = 0.2  # of these, in radians
+
+
+def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[int, int], Floats]:
+    """The (4, 4) motions from each scan to the `span` following ones, from one to the next."""
+    steps = list(starmap(plant_motion, pairwise(organs)))
+    return {
+        (k, later): motion
+        for k in range(len(organs))
+        for later, motion in enumerate(
+            accumulate(steps[k : k + span], lambda total, step: step @ total), start=k + 1
+        )
+    }
+
+
+def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
+    """Estimate the rigid motion of a plant between two scans.
+
+    Candidates are no motion, and motions that register the plant bases and the directions of two
+    organs from there. The one with the largest total score of matched organs is chosen. Rotations
+    are penalised, since a plant may look alike from several sides.
+
+    Parameters
+    ----------
+    first, second : OrganDescriptors
+
+    Returns
+    -------
+    (4, 4) float64
+        From the coordinates of the first scan to those of the second; the identity if the organs
+        are not matched better by any rotation.
+    """
+    first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
+    best, best_score = np.eye(4), _total_score(first, second)
+    for rotation in _candidates(first, second):
+        motion = np.eye(4)
+        motion[:3, :3], motion[:3, 3] = rotation, second.base - rotation @ first.base
+        penalty = float(_penalty(rotation)) * min(len(first), len(second))
+        score = _total_score(first.transformed(motion), second) - penalty
+        if score > best_score:
+            best, best_score = motion, score
+    return best
+
+
+def _penalty(rotations: Floats) -> Floats:
+    """(...,) penalty for each organ, of (..., 3, 3) rotations."""
+    cosine = (np.trace(rotations, axis1=-2, axis2=-1) - 1.0) / 2.0
+    return np.asarray(ROTATION_PENALTY + ANGLE_PENALTY * np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
+    """The largest total score of a matching, also if organs are moved like their neighbours."""
+    from scipy.optimize import linear_sum_assignment
+
+    totals, pairs = list[float](), list[tuple[int, int]]()
+    for _ in range(2):
+        scores = np.maximum(match_scores(first, second, pairs), 0.0)
+        rows, columns = linear_sum_assignment(scores, maximize=True)
+        pairs = [pair for pair in zip(rows, columns, strict=True) if scores[pair] > 0.0]
+        totals.append(float(scores[rows, columns].sum()))
+    return max(totals)
+
+
+def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
+    """(3, 3) rotations by which the organs come nearest to those of the second scan."""
+    sides = first, second
+    offsets = [np.array([s.mean(axis=0) for s in each.samples]) - each.base for each in sides]
+    source, angle = _frames(offsets[0], combinations(_largest(first), 2))
+    target, target_angle = _frames(offsets[1], permutations(_largest(second), 2))
+    i, j = np.nonzero(np.abs(angle[:, None] - target_angle) < MAX_ANGLE_CHANGE)
+    rotations = target[j] @ source[i].transpose(0, 2, 1)
+    # Both plants are compared in the geometric mean of their sizes.
+    sizes = [float(np.sqrt((offset**2).sum(axis=1).mean())) for offset in offsets]
+    growth = np.sqrt(sizes[1] / sizes[0]) if min(sizes) > 0.0 else 1.0
+    moved = np.einsum("hxy,ky->hkx", rotations, offsets[0] * growth)
+    distance = np.linalg.norm(moved[:, :, None] - offsets[1] / growth, axis=-1)
+    cosines = np.einsum("hxy,ky,lx->hkl", rotations, first.directions, second.directions)
+    scores = np.maximum(shape_scores(first, second, distance, cosines), 0.0)
+    # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
+    bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))
+    bound = bound / min(map(len, sides)) - _penalty(rotations)
+    chosen: list[Floats] = []
+    for rotation in rotations[np.argsort(-bound, kind="stable")]:
+        cosine = [(np.sum(rotation * other) - 1.0) / 2.0 for other in chosen]
+        if max(cosine, default=-1.0) < np.cos(MIN_DIFFERENCE):
+            chosen.append(rotation)
+        if len(chosen) == MAX_CANDIDATES:
+            break
+    return chosen
+
+
+def _largest(organs: OrganDescriptors) -> NDArray[np.intp]:
+    return np.argsort(-organs.sizes, kind="stable")[:ORGANS_IN_PAIRS]
+
+
+def _frames(offsets: Floats, pairs: Iterable[tuple[int, int]]) -> tuple[Floats, Floats]:
+    """(p, 3, 3) frames of the directions of pairs of (n, 3) offsets, as columns, and (p,) angles.
+
+    The first axis bisects the angle, the second one points to the second offset. Pairs in nearly
+    the same or in opposite directions are left out.
+    """
+    length = np.linalg.norm(offsets, axis=1, keepdims=True)
+    directions = offsets / np.maximum(length, np.finfo(float).tiny)
+    one, other = directions[np.array([*pairs], np.intp).reshape(-1, 2)].transpose(1, 0, 2)
+    middle, normal = one + other, np.cross(one, other)
+    sine = np.linalg.norm(normal, axis=1)
+    angle = np.arctan2(sine, (one * other).sum(axis=1))
+    kept = sine > MIN_SINE
+    middle, normal = middle[kept], normal[kept] / sine[kept, None]
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    return np.stack([middle, np.cross(normal, middle), normal], axis=2), angle[kept]

@@ -1,0 +1,105 @@
+"""A plant that leans to another side in every scan is rotated before its organs are compared."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from baker.matching.descriptors import OrganDescriptors, describe_organs
+from baker.matching.plant_motion import plant_motion, plant_motions
+from baker.matching.tracking import track_organs
+from baker.segmentation.from_labels import hierarchy_from_labels
+
+GOLDEN_ANGLE = 2.4  # radians between successive leaves, as of a tobacco
+LEAN = Rotation.from_euler("xyz", [55, -25, 40], degrees=True)
+
+
+def spiral(leaves: int, growth: float = 1.0, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """A stem with leaves in a spiral, and the number of the organ of each point; 0 is the stem."""
+    rng = np.random.default_rng(seed)
+    height = 20.0 * growth
+    organs = [np.linspace([0, 0, 0], [0, 0, height], 300)]
+    for leaf in range(leaves):
+        azimuth, along = GOLDEN_ANGLE * leaf, np.linspace(0, 1, 150)[:, None]
+        outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.6])
+        start = np.array([0.0, 0.0, height * (leaf + 1) / (leaves + 1)])
+        length = growth * (11.0 - leaf)
+        organs.append(start + along * length * outward - along**2 * [0, 0, 3.0])
+    points = np.concatenate(organs)
+    labels = np.repeat(np.arange(len(organs)), [len(organ) for organ in organs])
+    return points + rng.normal(0, 0.05, points.shape), labels
+
+
+def described(points: np.ndarray, labels: np.ndarray) -> OrganDescriptors:
+    root = int(np.argmin(np.linalg.norm(points, axis=1)))
+    return describe_organs(points, hierarchy_from_labels(points, labels, 0), root)
+
+
+@pytest.mark.parametrize("leaves", [3, 6])
+@pytest.mark.parametrize("growth", [1.0, 1.4])
+def test_a_plant_that_leans_is_rotated(leaves: int, growth: float) -> None:
+    first, labels = spiral(leaves)
+    second, later = spiral(leaves, growth, seed=1)
+    base = np.array([3.0, -2.0, 1.0])
+    motion = plant_motion(described(first, labels), described(LEAN.apply(second) + base, later))
+    rest = Rotation.from_matrix(motion[:3, :3]) * LEAN.inv()
+    assert np.degrees(rest.magnitude()) < 20.0
+    np.testing.assert_allclose(motion[:3, :3] @ motion[:3, :3].T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(motion[:3, :3]) == pytest.approx(1.0)
+    np.testing.assert_allclose(motion[:3, 3], base, atol=0.5)  # plant base onto plant base
+
+
+@pytest.mark.parametrize("growth", [0.7, 1.0, 1.4])
+def test_a_plant_that_only_grows_is_not_rotated(growth: float) -> None:
+    first, second = described(*spiral(5)), described(*spiral(5, growth, seed=1))
+    np.testing.assert_array_equal(plant_motion(first, second), np.eye(4))
+
+
+def test_leaves_in_two_rows_are_not_taken_for_each_other() -> None:
+    """Rotated by half a turn, the plant would look nearly the same."""
+    points, labels = spiral(1)
+    leaf = points[labels == 1]
+    other = leaf * [-1.0, -1.0, 1.0] + [0.0, 0.0, 2.0]
+    points = np.concatenate([points, other])
+    labels = np.concatenate([labels, np.full(len(other), 2)])
+    again = points + np.random.default_rng(1).normal(0, 0.1, points.shape)
+    np.testing.assert_array_equal(
+        plant_motion(described(points, labels), described(again, labels)), np.eye(4)
+    )
+
+
+@pytest.mark.parametrize("leaves", [0, 1])
+def test_too_few_organs_determine_no_rotation(leaves: int) -> None:
+    alone, plant = described(*spiral(leaves)), described(*spiral(4, seed=1))
+    np.testing.assert_array_equal(plant_motion(alone, alone), np.eye(4))
+    assert plant_motion(alone, plant).shape == plant_motion(plant, alone).shape == (4, 4)
+
+
+def test_motions_over_several_scans_are_composed() -> None:
+    leans = [Rotation.identity(), LEAN, Rotation.from_euler("zy", [80, 40], degrees=True) * LEAN]
+    scans = [spiral(5, 1.1**k, seed=k) for k in range(3)]
+    organs = [
+        described(lean.apply(points) + k, labels)
+        for k, (lean, (points, labels)) in enumerate(zip(leans, scans, strict=True))
+    ]
+    motions = plant_motions(organs, 2)
+    assert motions.keys() == {(0, 1), (0, 2), (1, 2)}
+    rest = Rotation.from_matrix(motions[0, 2][:3, :3]) * leans[2].inv()
+    assert np.degrees(rest.magnitude()) < 30.0
+    np.testing.assert_allclose(motions[0, 2][:3, 3], 2.0, atol=1.0)
+
+
+def test_organs_keep_their_tracks_in_a_plant_that_leans() -> None:
+    """Each scan leans to another side, also the one in which a leaf is hidden."""
+    leans = [Rotation.identity(), LEAN, *Rotation.from_euler("xy", [[30, 0], [0, -40]], True)]
+    clouds, hierarchies, roots, truth = [], [], [], []
+    for k, lean in enumerate(leans):
+        points, labels = spiral(5, 1.1**k, seed=k)
+        hidden = (labels == 2) & (k == 2)
+        points, labels = lean.apply(points[~hidden]), labels[~hidden]
+        clouds.append(points)
+        truth.append(labels)
+        hierarchies.append(hierarchy_from_labels(points, labels, 0))
+        roots.append(int(np.argmin(np.linalg.norm(points, axis=1))))
+    tracks = track_organs(clouds, hierarchies, roots)
+    pairs = {pair for each in zip(truth, tracks, strict=True) for pair in zip(*each, strict=True)}
+    assert len(pairs) == 6
