@@ -92,11 +92,17 @@ class GBuffer:
         self.framebuffer.clear(NOTHING, NOTHING, NOTHING, 0.0)
         self.framebuffer.depth_mask = True
 
+    def limit(self, region: tuple[int, int, int, int]) -> None:
+        """Draw in a part of the picture only, given by left, bottom, width and height."""
+        for framebuffer in (self.framebuffer, self.mask, *self.filtered, self.lit):
+            framebuffer.scissor = region
+
     def clear(self) -> None:
-        """Reset all to a picture without a plant."""
+        """Reset the part that was drawn last, at first all, to a picture without a plant."""
         self.lit.clear()
-        self.mask.clear(depth=0.0)
+        self.framebuffer.clear(NOTHING, NOTHING, NOTHING, 0.0)
         self.filtered[1].clear(NOTHING)
+        self.mask.clear(depth=0.0)
 
 
 class Target(NamedTuple):
