@@ -31,10 +31,11 @@ class PlantMouse:
             every = flags.mouse_button_left | flags.mouse_button_right | flags.mouse_button_middle
             imgui.invisible_button("plant", size, every)
             self.drags, hovered = imgui.is_item_active(), imgui.is_item_hovered()
+            pressed = imgui.is_item_activated()
             released = imgui.is_item_deactivated() and imgui.is_mouse_released(0)
         (x, y), still = io.mouse_pos, io.mouse_drag_max_distance_sqr[0] <= STILL**2
         self.clicked, self.more = (x, y) if released and still else None, io.key_shift
-        if self.drags:
+        if self.drags and not pressed:  # the mouse may have come here since the last picture
             right, down = io.mouse_delta.x / size[1], io.mouse_delta.y / size[1]
             turns = imgui.is_mouse_down(0) and not io.key_shift
             scene = scene.with_camera(

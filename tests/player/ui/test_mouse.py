@@ -85,6 +85,19 @@ def test_a_click_on_the_plant_is_told_and_turns_nothing(desk: Desk) -> None:
     assert desk.scene.camera == desk.scene.home
 
 
+@pytest.mark.parametrize("shift", [False, True])
+def test_a_click_turns_nothing_however_fast_the_mouse_came(desk: Desk, shift: bool) -> None:
+    """The mouse may have moved and pressed between two pictures."""
+    desk.point((40.0, 60.0))
+    desk.move(*PLANT)
+    desk.press("left", True, shift)
+    desk.draw()
+    desk.press("left", False, shift)
+    desk.draw(2)
+    assert desk.scene.camera == desk.scene.home
+    assert desk.clicked == PLANT
+
+
 def test_the_wheel_comes_nearer_and_goes_back(desk: Desk) -> None:
     start = desk.scene.camera.distance
     desk.point(PLANT)
