@@ -35,7 +35,7 @@ def described(points: np.ndarray, labels: np.ndarray) -> OrganDescriptors:
 
 
 @pytest.mark.parametrize("leaves", [3, 6])
-@pytest.mark.parametrize("growth", [1.0, 1.4])
+@pytest.mark.parametrize("growth", [1.0, 1.7, 2.5])
 def test_a_plant_that_leans_is_rotated(leaves: int, growth: float) -> None:
     first, labels = spiral(leaves)
     second, later = spiral(leaves, growth, seed=1)
