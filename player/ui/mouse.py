@@ -23,6 +23,7 @@ class PlantMouse:
     def __init__(self) -> None:
         self.drags = self.more = False
         self.clicked: tuple[float, float] | None = None
+        self._pressed_at = (0.0, 0.0)
 
     def move(self, scene: Scene, size: tuple[float, float]) -> Scene:
         """The scene as drags and the wheel change it, in a view of `size` units."""
@@ -31,13 +32,20 @@ class PlantMouse:
             every = flags.mouse_button_left | flags.mouse_button_right | flags.mouse_button_middle
             imgui.invisible_button("plant", size, every)
             self.drags, hovered = imgui.is_item_active(), imgui.is_item_hovered()
-            pressed = imgui.is_item_activated()
-            released = imgui.is_item_deactivated() and imgui.is_mouse_released(0)
-        (x, y), still = io.mouse_pos, io.mouse_drag_max_distance_sqr[0] <= STILL**2
-        self.clicked, self.more = (x, y) if released and still else None, io.key_shift
-        if self.drags and not pressed:  # the mouse may have come here since the last picture
+            pressed, let_go = imgui.is_item_activated(), imgui.is_item_deactivated()
+        x, y = io.mouse_pos
+        self._pressed_at = (x, y) if pressed else self._pressed_at
+        is_left, released = imgui.is_mouse_down(0), let_go and imgui.is_mouse_released(0)
+        dragged = max(
+            math.sqrt(io.mouse_drag_max_distance_sqr[0]), math.dist((x, y), self._pressed_at)
+        )
+        self.clicked = (x, y) if released and dragged <= STILL else None
+        self.more = io.key_shift
+        # Between two pictures the mouse may have come here before it was pressed, and have gone on
+        # before it was released.
+        if (self.drags and not pressed) or let_go:
             right, down = io.mouse_delta.x / size[1], io.mouse_delta.y / size[1]
-            turns = imgui.is_mouse_down(0) and not io.key_shift
+            turns = (is_left or released) and not io.key_shift
             scene = scene.with_camera(
                 lambda c: c.orbit(-TURN * right, TURN * down) if turns else c.pan(right, -down)
             )

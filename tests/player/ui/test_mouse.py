@@ -98,6 +98,19 @@ def test_a_click_turns_nothing_however_fast_the_mouse_came(desk: Desk, shift: bo
     assert desk.clicked == PLANT
 
 
+def test_a_drag_turns_the_plant_however_fast_it_is(desk: Desk) -> None:
+    """The mouse may have moved and let go between two pictures."""
+    desk.point(PLANT)
+    desk.press("left", True)
+    desk.draw()
+    desk.move(360.0, 280.0)
+    desk.press("left", False)
+    desk.draw(3)
+    assert desk.scene.camera.yaw != desk.scene.home.yaw
+    assert desk.scene.camera.target == desk.scene.home.target
+    assert desk.clicked is None
+
+
 def test_the_wheel_comes_nearer_and_goes_back(desk: Desk) -> None:
     start = desk.scene.camera.distance
     desk.point(PLANT)
