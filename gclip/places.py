@@ -78,7 +78,8 @@ def _track_at(clip: Clip, place: Place) -> int | None:
 def _to_local(clip: Clip, scan: str) -> NDArray[np.float64]:
     """(4, 4) transform from the coordinates in a scan's file to the clip's local coordinates."""
     given = clip.provenance
-    with suppress(KeyError, TypeError, ValueError, IndexError), np.errstate(all="ignore"):
+    wrong = (LookupError, TypeError, ValueError, OverflowError)  # provenance may hold anything
+    with suppress(*wrong), np.errstate(all="ignore"):
         index = [entry["name"] for entry in given["inputs"]].index(scan)
         origin = given["origins"][index] if "origins" in given else clip.origin
         transform = np.array(given["transforms"][index], float).reshape(4, 4) @ _shift(origin)
