@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
 from baker.geometry.neighbors import nearest_neighbors
+from baker.geometry.parallel import MapLike
 from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
@@ -56,7 +57,7 @@ def label_rank(name: str) -> int | None:
 
 
 def choose_labels(
-    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False
+    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
@@ -67,6 +68,8 @@ def choose_labels(
         Whether the user named the field; it is used whatever its values look like.
     are_needed : bool
         Whether the user said that there are labels; a field with a known name is then not doubted.
+    map : map-like callable
+        Maps over the scans, in threads.
 
     Returns
     -------
@@ -93,7 +96,7 @@ def choose_labels(
             _require_whole(name, having)
             names.append(name)
         elif may_be_taken:
-            objection = _objection(name, having)
+            objection = _objection(name, having, map)
             if not objection or (objection.doubt and is_known and are_needed):
                 names.append(name)
                 if not is_known:
@@ -185,7 +188,7 @@ def _require_whole(name: str, scans: Sequence[Scan]) -> None:
             )
 
 
-def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
+def _objection(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
     """The reason why a field does not label organs; None if it seems to."""
     values = [scan.fields[name] for scan in scans]
     fraction = next((found for found in map(_fraction, values) if found is not None), None)
@@ -199,8 +202,8 @@ def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
     if max(len(distinct) for distinct in distinct_of_scan) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
-    statistics = [_neighborhood_statistics(scans[k].points, values[k]) for k in sampled]
-    agreement, components, steps = np.mean(statistics, axis=0)
+    samples = [scans[k].points for k in sampled], [values[k] for k in sampled]
+    agreement, components, steps = np.mean(list(map(_neighborhood_statistics, *samples)), axis=0)
     are_kinds = bool(CLASSES & {*texts}) and not re.search(r"\d", "".join(texts))
     max_components = MAX_COMPONENTS_OF_FEW if len(distinct) <= FEW_VALUES else MAX_COMPONENTS
     if agreement < MIN_AGREEMENT:

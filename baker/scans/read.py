@@ -74,7 +74,7 @@ def read_series(
     scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
     keep_ground, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
-    scans, field, words, labels = choose_labels(scans, is_asked, are_needed)
+    scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
     scans, dropped = drop_labels(scans, words, options.drop_label, keep_ground)
     up = "z" if listing.images and options.up == "auto" else options.up
     scans, ground_up, ground = remove_ground(scans, up, keep_ground, map)

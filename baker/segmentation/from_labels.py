@@ -63,7 +63,7 @@ def labelled_hierarchies(
     """
     if virtual_root:
         return [under_virtual_root(names) for names in labels]
-    adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
+    adjacency = list(map(segment_adjacency, labels, neighbors))
     mean_gaps = None
     if consistent and agreeing:
         mean_gaps = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
