@@ -96,8 +96,10 @@ def choose_labels(
             _require_whole(name, having)
             names.append(name)
         elif may_be_taken:
-            objection = _objection(name, having, map)
-            if not objection or (objection.doubt and is_known and are_needed):
+            objection = _objection(name, having)
+            if not objection and not (is_known and are_needed):
+                objection = _doubt(name, having, map)
+            if not objection:
                 names.append(name)
                 if not is_known:
                     reason = "is taken for labels: its values lie together as those of organs do"
@@ -188,19 +190,27 @@ def _require_whole(name: str, scans: Sequence[Scan]) -> None:
             )
 
 
-def _objection(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
-    """The reason why a field does not label organs; None if it seems to."""
+def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
+    """The reason why the values of a field can't be labels of organs; None if they can."""
     values = [scan.fields[name] for scan in scans]
     fraction = next((found for found in map(_fraction, values) if found is not None), None)
     if fraction is not None:
         return _finding(name, f"is not used, as it holds {fraction:g}, which is no whole number")
-    distinct_of_scan = list(map(np.unique, values))
+    distinct_of_scan = [np.unique(labels) for labels in values]
     distinct = np.unique(np.concatenate(distinct_of_scan))
-    texts = [str(value).strip().lower() for value in distinct]
     if len(distinct) == 1:
-        return _finding(name, f"is not used, as it is {texts[0].removesuffix('.0')} everywhere")
-    if max(len(distinct) for distinct in distinct_of_scan) == 1:
+        value = str(distinct[0]).strip().lower().removesuffix(".0")
+        return _finding(name, f"is not used, as it is {value} everywhere")
+    if max(map(len, distinct_of_scan)) == 1:
         return _finding(name, "is not used, as it is one number in each scan")
+    return None
+
+
+def _doubt(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
+    """The reason why a field does not seem to label organs; None if it does."""
+    values = [scan.fields[name] for scan in scans]
+    distinct = np.unique(np.concatenate([np.unique(labels) for labels in values]))
+    texts = [str(value).strip().lower() for value in distinct]
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
     samples = [scans[k].points for k in sampled], [values[k] for k in sampled]
     agreement, components, steps = np.mean(list(map(_neighborhood_statistics, *samples)), axis=0)
