@@ -29,7 +29,12 @@ MAX_UNIT_LENGTH = 100  # characters
 def option(default: Any, help: str, **settings: Any) -> Any:
     """A dataclass field that is an option of `bake`.
 
-    settings: arguments of `typer.Option`, such as `min` and `max`; or ``positive=True``.
+    Parameters
+    ----------
+    default : Any
+    help : str
+    **settings
+        Arguments of `typer.Option`, such as `min` and `max`; or ``positive=True``.
     """
     return field(default=default, metadata={"help": help, **settings})
 

@@ -30,9 +30,20 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_config(path: Path, kind: type[T], most: int) -> T:
-    """Read a TOML file (JSON if the suffix is .json) of at most `most` bytes as a msgspec type.
+    """Read a TOML file, or a JSON file if its suffix is .json.
 
-    Raises UserError, which names the file, the field, its value and what is needed.
+    Parameters
+    ----------
+    path : Path
+    kind : type
+        The msgspec type to which the content is converted.
+    most : int
+        The largest size, in bytes.
+
+    Raises
+    ------
+    UserError
+        Names the file, the field, its value and what is needed.
     """
     content: Any = None
     try:

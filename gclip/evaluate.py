@@ -59,10 +59,26 @@ class Frame:
 
 
 def locate(clip: Clip, day: float) -> tuple[int, float]:
-    """Find the interval of a time, and the share of it that has passed, in [0, 1].
+    """Find the interval of a time, and the share of it that has passed.
 
     The time of a scan is in the interval that starts there, that of the last scan in the last one.
-    Raises ValueError if the day is NaN.
+
+    Parameters
+    ----------
+    clip : Clip
+    day : float
+        In the clip's unit of time.
+
+    Returns
+    -------
+    interval : int
+    share : float
+        In [0, 1].
+
+    Raises
+    ------
+    ValueError
+        If the day is NaN.
     """
     if math.isnan(day):
         raise ValueError("the day is not a number")
@@ -100,9 +116,24 @@ def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
 
 
 def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> NDArray[np.float32]:
-    """Evaluate the curves of movers at u in [0, 1]: (n, 3) relative to the clip's origin.
+    """Evaluate the curves of movers.
 
-    Raises ClipError if the file of the clip was truncated after it was opened.
+    Parameters
+    ----------
+    interval : Interval
+    movers : slice
+    parameter : float
+        Of the curves, in [0, 1].
+
+    Returns
+    -------
+    (n, 3) float32
+        Positions relative to the clip's origin, in its unit.
+
+    Raises
+    ------
+    ClipError
+        If the file of the clip was truncated after it was opened.
     """
     check_not_truncated(interval.tracks)
     weights = bernstein(interval.degree, parameter)
@@ -145,7 +176,22 @@ def _blend_field(point_field: PointField, layers: list[Layer]) -> NDArray[np.flo
 def evaluate_layer(
     clip: Clip, layer: Layer
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.integer]]:
-    """The (n, 3) local positions, (n, 4) colours and (n,) tracks of the movers of a layer."""
+    """Evaluate the movers of a layer.
+
+    Parameters
+    ----------
+    clip : Clip
+    layer : Layer
+
+    Returns
+    -------
+    positions : (n, 3) float32
+        Relative to the clip's origin, in its unit.
+    colors : (n, 4) uint8
+        sRGB and alpha.
+    tracks : (n,) int
+        The track of each mover.
+    """
     interval = clip.intervals[layer.interval]
     movers = slice(layer.group.first, layer.group.stop)
     local = positions_on_curve(interval, movers, layer.parameter)
@@ -161,9 +207,21 @@ def evaluate_layer(
 
 
 def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:
-    """(tracks, 4) uint8 sRGB and alpha: the colours of the tracks at a share of an interval.
+    """The colours of the tracks at a moment of an interval.
 
     The colour of an organ that is born changes from that of the organ it grows from to its own.
+
+    Parameters
+    ----------
+    clip : Clip
+    interval : int
+    share : float
+        Of the interval that has passed, in [0, 1].
+
+    Returns
+    -------
+    (tracks, 4) uint8
+        sRGB and alpha.
     """
     palette, ancestors = clip.palette, newborn(clip, interval)
     born, sources = list(ancestors), list(ancestors.values())

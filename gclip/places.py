@@ -58,7 +58,15 @@ def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
 
 
 def to_file_coordinates(clip: Clip, scan: str, point: Point) -> Point:
-    """Convert a point from the clip's local coordinates to those of a scan's file."""
+    """Convert a point from the clip's local coordinates to those of a scan's file.
+
+    Parameters
+    ----------
+    clip : Clip
+    scan : str
+        Name of the scan.
+    point : Point
+    """
     return np.asarray(np.linalg.solve(_to_local(clip, scan), [*point, 1.0])[:3])
 
 

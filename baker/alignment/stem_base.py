@@ -157,9 +157,16 @@ def base_point(
     neighbors: Neighbors | None = None,
     near: NDArray[np.floating] | None = None,
 ) -> int:
-    """Index of the point of an (N, 3) scan that is nearest to the plant base `near`, (3,).
+    """Index of the point of a scan that is the base of the plant.
 
-    Without `near` it is the lowest point. Outliers are ignored.
+    Parameters
+    ----------
+    points : (N, 3) float
+    vertical : Vertical
+    neighbors : Neighbors, optional
+        Of the points; those that are outliers are ignored.
+    near : (3,) float, optional
+        The plant base, to which the nearest point is taken; by default, the lowest point is.
     """
     neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_REACH)
     distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)

@@ -28,9 +28,23 @@ ATTEMPTS = 2  # to bake a plant whose worker process is killed
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
     """Bake many plants, folders of scans by name; if one fails, go on with the others.
 
-    The outputs' clip and report are folders. Returns the exit code: 1 if the program was at fault
-    for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked with
-    these options and outputs.
+    Parameters
+    ----------
+    plants : dict
+        Name -> folder of scans.
+    options : Options
+    outputs : Outputs
+        The clip and the report are folders.
+
+    Returns
+    -------
+    int
+        The exit code: 1 if the program was at fault for any plant, else 2 if any input was, else 0.
+
+    Raises
+    ------
+    InputError
+        If no plant can be baked with these options and outputs.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:
@@ -70,7 +84,18 @@ def bake_here(
 ) -> Generator[Outcome]:
     """Bake in worker processes, one for each core; fewer plants than cores use several cores each.
 
-    Yields outcomes as they are ready. Closing the generator stops the processes.
+    Parameters
+    ----------
+    jobs : sequence of PlantJob
+    workers : int
+        Number of cores to use.
+    bake : callable
+        Bakes one plant.
+
+    Yields
+    ------
+    Outcome
+        As soon as it is ready. Closing the generator stops the processes.
     """
     from pebble import ProcessExpired
 

@@ -34,11 +34,25 @@ CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # jobs cont
 def bake_on_cluster(
     jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
 ) -> Generator[Outcome]:
-    """Bake plants on all workers of a cluster; yields outcomes as they are ready.
+    """Bake plants on all workers of a cluster.
 
-    address: the scheduler's, or the name of its file; say: called with messages for the user.
-    Raises InputError if dask.distributed is not installed, no scheduler answers, or a worker has
-    other versions.
+    Parameters
+    ----------
+    jobs : sequence of PlantJob
+    address : str
+        Of the scheduler, or the name of the scheduler's file.
+    say : callable
+        Called with messages for the user.
+
+    Yields
+    ------
+    Outcome
+        As soon as it is ready.
+
+    Raises
+    ------
+    InputError
+        If dask.distributed is not installed, no scheduler answers, or a worker has other versions.
     """
     with _connected(address) as client:
         cores = sum(client.nthreads().values())

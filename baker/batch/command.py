@@ -29,9 +29,24 @@ MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and kee
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake the inputs; returns the exit code.
+    """List or bake the inputs.
 
-    output: the argument of -o as it was typed, since a slash at its end means a folder.
+    Parameters
+    ----------
+    inputs : sequence of Path
+        Scans, folders of scans, or folders of plants.
+    output : str
+        The argument of -o as it was typed, since a slash at its end means a folder.
+    options : Options
+    outputs : Outputs
+        What is written besides the clip.
+    list_only : bool
+        Whether the plants are listed and not baked.
+
+    Returns
+    -------
+    int
+        The exit code: 0 if all went well, 2 for bad input, 1 for a fault of the program.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")

@@ -125,7 +125,23 @@ def bake_into(
     progress: Progress = lambda stage, done, total: None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
-    """Bake a plant, write its clip and report, and verify it; see `bake_recorded`."""
+    """Bake a plant, write its clip and report, and compare it with the scans held out.
+
+    Parameters
+    ----------
+    outputs : Outputs
+    inputs : sequence of Path
+        A folder of scans, or the scans' files.
+    cache : Cache, optional
+        Keeps the solved intervals.
+    options, solve, progress, announce
+        As in `bake_recorded`.
+
+    Returns
+    -------
+    clip : Clip
+    errors : list of HoldoutError
+    """
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
         solve = cache.kept_intervals(solve)

@@ -16,9 +16,21 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     Several folders are one plant each, and so are the folders in a folder without scans. The folder
     of the clips, which a pattern such as */ may include, is not a plant.
 
-    output: the argument of -o: the folder of the clips, or "" where nothing is written. Returns
-    folders by name, in the order given; none if the inputs are the scans of one plant. Raises
-    InputError for files among folders, two plants of one name, or an output that is not a folder.
+    Parameters
+    ----------
+    inputs : sequence of Path
+    output : str
+        The argument of -o: the folder of the clips, or "" where nothing is written.
+
+    Returns
+    -------
+    dict
+        Name -> folder, in the order given; empty if the inputs are the scans of one plant.
+
+    Raises
+    ------
+    InputError
+        For files among folders, two plants of one name, or an output that is not a folder.
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders and not names_folder(output):

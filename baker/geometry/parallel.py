@@ -41,7 +41,13 @@ def thread_map(workers: int) -> Iterator[MapLike]:
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
     """Wrap a map so that it reports the number of finished items, from 0 to `total`.
 
-    total: the number of items of all calls together.
+    Parameters
+    ----------
+    map : map-like callable
+    report_progress : callable
+        Called with the number of finished items and their total.
+    total : int
+        The number of items of all calls together.
     """
     done = 0
     report_progress(0, total)

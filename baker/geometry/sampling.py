@@ -46,9 +46,18 @@ def farthest_point_sample(
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
-    """(M,) indices, in ascending order, of the first of (N, 3) points in each voxel.
+    """Indices of the first point in each voxel.
 
-    size: edge length of a voxel; 0 keeps all points.
+    Parameters
+    ----------
+    points : (N, 3) float64
+    size : float
+        Edge length of a voxel, in the unit of the points; 0 keeps all points.
+
+    Returns
+    -------
+    (M,) intp
+        In ascending order.
     """
     if size <= 0.0:
         return np.arange(len(points))
@@ -56,7 +65,18 @@ def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.int
 
 
 def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
-    """The smallest voxel size, within 2 %, for which at most `count` voxels contain points."""
+    """The smallest voxel size for which at most `count` voxels contain points.
+
+    Parameters
+    ----------
+    points : (N, 3) float64
+    count : int
+
+    Returns
+    -------
+    float
+        Edge length of a voxel in the unit of the points, within 2 %.
+    """
     if len(points) <= count:
         return 0.0
     large = float(np.ptp(points, axis=0).max())

@@ -12,7 +12,21 @@ MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are
 def normals_and_areas(
     points: NDArray[np.floating], neighbors: Neighbors
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    """The `surface_normals` and `point_area` of (N, 3) points, from the same covariances."""
+    """The `surface_normals` and the `point_area` of points, from the same covariances.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    neighbors : Neighbors
+        Of the points.
+
+    Returns
+    -------
+    normals : (N, 2) uint8
+        Octahedral codes.
+    area : (N,) float64
+        In squared length units.
+    """
     covariance = covariances(points, neighbors)
     return surface_normals(covariance, neighbors), point_area(covariance, neighbors)
 

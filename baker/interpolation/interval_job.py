@@ -178,7 +178,17 @@ def solve_by(
 ) -> Iterator[Interval]:
     """Solve intervals with a map, such as that of an executor of `concurrent.futures`.
 
-    report_progress: called with the number of organs solved and their total.
+    Parameters
+    ----------
+    map : map-like callable
+    jobs : sequence of IntervalJob
+    report_progress : callable
+        Called with the number of organs solved and their total.
+
+    Yields
+    ------
+    Interval
+        In the order of the jobs.
     """
     done, total = 0, sum(len(job.tasks) for job in jobs)
     report_progress(0, total)

@@ -150,6 +150,17 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
     From the later scan on, two organs that are the same exchange labels with the organs that had
     them, and an organ that is a different one gets a new label.
 
+    Parameters
+    ----------
+    labels : sequence of (N,) int
+        The organ of each point of each scan.
+    corrections : sequence of PointCorrection
+
+    Returns
+    -------
+    list of (N,) int
+        The corrected labels.
+
     Raises
     ------
     InputError
@@ -184,7 +195,19 @@ def organ_names(
 def confirmed_organs(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> frozenset[tuple[int, int]]:
-    """(interval, label) of the organs that corrections confirm to be the same in an interval."""
+    """Find the organs that corrections confirm to be the same in both scans of an interval.
+
+    Parameters
+    ----------
+    labels : sequence of (N,) int
+        The organ of each point of each scan, with consistent labels.
+    corrections : sequence of PointCorrection
+
+    Returns
+    -------
+    frozenset of tuple
+        (index of the interval, label).
+    """
     same = [each.places for each in corrections if each.kind == "same" and each.spans_scans]
     return frozenset(
         (interval, int(labels[k][point]))

@@ -111,13 +111,25 @@ def _organ_size(young: OrganDescriptors, old: OrganDescriptors) -> float:
 def neighbor_displacements(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
 ) -> NDArray[np.float64]:
-    """(n, 3) displacement of each organ, estimated from its neighbours among the (p, 2) pairs.
+    """Estimate the displacement of each organ from those of its neighbours.
 
     It is the weighted geometric median of the displacements of their attachment points, by
     Weiszfeld's algorithm, on which a wrongly matched neighbour has little influence. The organ
     itself is left out, so that a wrong match does not confirm itself.
 
-    plant: size of the plant's organs.
+    Parameters
+    ----------
+    young, old : OrganDescriptors
+        Of n and m organs.
+    pairs : (p, 2) intp
+        Matched organs.
+    plant : float
+        Size of the plant's organs, in length units.
+
+    Returns
+    -------
+    (n, 3) float64
+        In length units.
     """
     from scipy.spatial.distance import cdist
 

@@ -40,9 +40,27 @@ def write_report(
 ) -> None:
     """Write the report of a bake as one self-contained HTML file, or no file if that fails.
 
-    errors: as `verify` returns them; title: such as the clip's file name; workers: number of cores
-    to use, 0 for all. Where the player can't render pictures, the report says so. Raises UserError
-    if the file can't be written.
+    Where the player can't render pictures, the report says so.
+
+    Parameters
+    ----------
+    path : path-like
+    clip : Clip
+    survey : Survey
+        The aligned series, and the decisions about it.
+    errors : sequence of HoldoutError
+        As `verify` returns them.
+    title : str
+        Such as the clip's file name.
+    workers : int
+        Number of cores to use, 0 for all.
+    report_progress : callable
+        Called with the name of a stage, the steps done and their total.
+
+    Raises
+    ------
+    UserError
+        If the file can't be written.
     """
     title, doubts = printable(title), doubts_in(clip)  # a file name may not be valid UTF-8
     by_interval = group_by_interval(doubts)

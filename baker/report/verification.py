@@ -45,7 +45,11 @@ def verify(
 ) -> list[HoldoutError]:
     """Compare a clip with each of the scans that were left out of it (section 4 of the paper).
 
-    report_progress: called with "verification", the number of scans compared and their total.
+    Parameters
+    ----------
+    clip : Clip
+    report_progress : callable
+        Called with "verification", the number of scans compared and their total.
     """
     from scipy.spatial import KDTree
 

@@ -75,7 +75,19 @@ class Ground:
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
-    """Find the ground of best score in (N, 3) points of a plant that grows roughly along `up`."""
+    """Find the ground below or around a plant.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    up : str
+        The axis along which the plant grows, roughly.
+
+    Returns
+    -------
+    Ground or None
+        The one of best score; None if there is no ground.
+    """
     vertical = Vertical.named(up)
     frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
     sample = _by_height(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
-from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike
+from baker.scans.label_statistics import MIN_SAMPLE, label_statistics
 from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
@@ -35,12 +35,10 @@ GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray",
 NO_LABEL = {"", "nan", "none", "null", "na", "unlabelled", "unlabeled", "unclassified", "noise"}
 CLASSES = {"leaf", "leaves", "leaflet", "leaflets", "petiole", "petioles"}  # a plant has several
 SAMPLED_SCANS = 3  # scans of a series of which the neighbourhoods are examined
-NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # nearest neighbours; points of each scan
 # In 20 real series, neighbours agree on the labels by 0.9 or more, and a label has 1.1 connected
 # components at most; classes (stem, leaf) have 1.2 (two grasses) to 5, heights in steps 1.5 to 4.
 MIN_AGREEMENT = 0.5  # Cohen's kappa of nearest neighbours
 MAX_COMPONENTS, MAX_COMPONENTS_OF_FEW, FEW_VALUES = 2.0, 1.25, 3  # few: so many values or fewer
-MIN_POINTS_OF_LABEL = 30  # the components of smaller labels are not counted
 MAX_STEPS = 0.9  # share of unlike neighbours that differ by one; heights or scan lines have more
 
 
@@ -213,7 +211,7 @@ def _doubt(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
     texts = [str(value).strip().lower() for value in distinct]
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
     samples = [scans[k].points for k in sampled], [values[k] for k in sampled]
-    agreement, components, steps = np.mean(list(map(_neighborhood_statistics, *samples)), axis=0)
+    agreement, components, steps = np.mean(list(map(label_statistics, *samples)), axis=0)
     are_kinds = bool(CLASSES & {*texts}) and not re.search(r"\d", "".join(texts))
     max_components = MAX_COMPONENTS_OF_FEW if len(distinct) <= FEW_VALUES else MAX_COMPONENTS
     if agreement < MIN_AGREEMENT:
@@ -229,47 +227,6 @@ def _doubt(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
 
 def _finding(name: str, predicate: str, doubt: str = "", option: str = "") -> Finding:
     return Finding("labels", f"'{excerpt(name)}' {predicate}", doubt, option)
-
-
-def _neighborhood_statistics(
-    points: NDArray[np.floating], labels: NDArray
-) -> tuple[float, float, float]:
-    """Measure how the labels are spread over the kNN graph.
-
-    Returns Cohen's kappa of nearest neighbours' labels; the median number of connected components
-    of a label, effective (inverse Simpson index, so small ones count little); and the share of
-    nearest neighbours that differ by one, of those that differ (0 where labels are few).
-    """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
-    step = -(-len(points) // MAX_SAMPLE)
-    points = points[::step]
-    distinct, label = np.unique(labels[::step], return_inverse=True)
-    if len(points) < MIN_SAMPLE or len(distinct) == 1:
-        return 1.0, 1.0, 0.0
-    neighbors = nearest_neighbors(points, NEIGHBORS).indices
-    same = label[neighbors] == label[:, None]
-    counts = np.bincount(label)
-    by_chance = float(((counts / len(label)) ** 2).sum())
-    agreement = (same[:, 0].mean() - by_chance) / (1.0 - by_chance)
-
-    source, k = np.nonzero(same)
-    graph = csr_array((np.ones(len(source)), (source, neighbors[source, k])), (len(points),) * 2)
-    _, component = connected_components(graph, directed=False)
-    _, first, size = np.unique(component, return_index=True, return_counts=True)
-    components = counts**2 / np.bincount(label[first], size.astype(float) ** 2)
-    is_large = counts >= MIN_POINTS_OF_LABEL  # a few points are separate by chance
-    median = 1.0
-    if is_large.any():  # over labels, or over points if that is more
-        of_points = np.repeat(components[is_large], counts[is_large])
-        median = max(np.median(components[is_large]), np.median(of_points))
-
-    steps = 0.0
-    if len(distinct) > NEIGHBORS and not same[:, 0].all():
-        differences = np.abs(label[neighbors[:, 0]] - label)[~same[:, 0]]
-        steps = float((differences == 1).mean())
-    return float(agreement), float(median), steps
 
 
 def _numbered(

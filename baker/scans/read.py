@@ -138,7 +138,18 @@ class Listing:
 def list_series(
     inputs: Sequence[Path], options: Options, times: Sequence[object] | None = None
 ) -> Listing:
-    """Find, time and order the scans of a series without reading them; as `read_series` does."""
+    """Find, time and order the scans of a series without reading them.
+
+    Parameters
+    ----------
+    inputs, options, times
+        As in `read_series`.
+
+    Raises
+    ------
+    InputError
+        If the inputs can't be read as one series.
+    """
     camera = find_camera(inputs[0]) if len(inputs) == 1 else None
     if camera and options.label_field is not None:
         raise InputError(

@@ -43,7 +43,12 @@ def couple(
 ) -> Coupling:
     """Compute the plan of least cost between two clouds.
 
-    start, end: (n, 3) and (m, 3). supply, demand: (n,) and (m,) masses of equal sum.
+    Parameters
+    ----------
+    start, end : (n, 3) and (m, 3) float64
+    supply, demand : (n,) and (m,) int64
+        Masses of equal sum.
+    options : TransportOptions
     """
     n, m = len(start), len(end)
     if n < m:

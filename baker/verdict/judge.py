@@ -29,8 +29,15 @@ def judge_clip(
 ) -> Clip:
     """Add the verdict to the provenance of a clip, judged without knowing the true growth.
 
-    attachments: for each interval, those in its first and in its second scan; followed: the organs,
-    where they were tracked by their shape and not by labels; map: maps over the intervals.
+    Parameters
+    ----------
+    clip : Clip
+    attachments : sequence of tuple
+        For each interval, those in its first and in its second scan.
+    followed : FollowedOrgans or None
+        The organs, where they were tracked by their shape and not by labels.
+    map : map-like callable
+        Maps over the intervals.
     """
     judge = partial(_interval_doubts, clip, followed)
     doubts = chain.from_iterable(map(judge, range(len(clip.intervals)), attachments))
