@@ -6,14 +6,11 @@ const PIECE = 1 << 19;  // characters unpacked in one go, in fours
 class Clip {
     constructor(about) {
         Object.assign(this, about);
-        this.first = this.times[0];
-        this.last = this.times[this.times.length - 1];
     }
 
     // The interval that a time falls into and the share of it that has passed, 0 to 1.
     locate(day) {
-        const after = this.intervals.findIndex(({ start }) => start > day);
-        const index = Math.max((after < 0 ? this.intervals.length : after) - 1, 0);
+        const index = Math.max(this.intervals.findLastIndex(({ start }) => start <= day), 0);
         const { start, end } = this.intervals[index];
         return [index, Math.min(Math.max((day - start) / (end - start), 0), 1)];
     }
@@ -43,8 +40,7 @@ class Clip {
 
     // What a moment is called, and the time since the first scan.
     namesOf(day) {
-        const after = this.moments.findIndex(([time]) => time > day);
-        return this.moments[(after < 0 ? this.moments.length : Math.max(after, 1)) - 1].slice(1);
+        return this.moments.findLast(([time]) => time <= day).slice(1);
     }
 
     // The buffers of one interval: { points: [start, controls..., end], tracks, colors, normals }. Unpacked
@@ -70,8 +66,8 @@ const nextTurn = () => new Promise((done) => setTimeout(done));
 // its sign in the lowest bit, and added to what was foretold.
 async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
     let at = 0;
-    async function column(values, sides, foretold = () => 0) {
-        const width = values.BYTES_PER_ELEMENT;
+    async function column(Numbers, sides, foretold = () => 0) {
+        const width = Numbers.BYTES_PER_ELEMENT, values = new Numbers(sides * count);
         for (let side = 0; side < sides; ++side) {
             for (let i = 0, sum = 0; i < count; ++i) {
                 let zigzag = 0;
@@ -79,29 +75,27 @@ async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
                     zigzag |= bytes[at + byte * count + i] << (8 * byte);
                 }
                 sum += (zigzag >>> 1) ^ -(zigzag & 1);
-                values[sides * i + side] = sum + foretold(sides * i + side);
+                values[sides * i + side] = sum + foretold(sides * i + side, values);
             }
             at += width * count;
             await nextTurn();
         }
         return values;
     }
-    const positions = () => new Uint16Array(3 * count), paint = () => new Uint8Array(3 * count);
-    const start = await column(positions(), 3);
-    const end = await column(positions(), 3, (i) => start[i]);
+    const start = await column(Uint16Array, 3);
+    const end = await column(Uint16Array, 3, (i) => start[i]);
     const controls = [];
     for (let j = 1; j < degree; ++j) {
         controls.push(await column(
-            positions(), 3, (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
+            Uint16Array, 3, (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
     }
-    const tracks = track_bytes === 2 ? new Uint16Array(count) : new Uint32Array(count);
-    await column(tracks, 1);
+    const tracks = await column(track_bytes === 2 ? Uint16Array : Uint32Array, 1);
     const colors = [];
     if (colored) {
-        colors.push(await column(paint(), 3));
-        colors.push(await column(paint(), 3, (i) => colors[0][i]));
+        colors.push(await column(Uint8Array, 3));
+        colors.push(await column(Uint8Array, 3, (i) => colors[0][i]));
     }
-    const normals = aligned ? new Uint8Array(4 * count) : null;
-    if (aligned) await column(normals, 4, (i) => (i % 4 > 1 ? normals[i - 2] : 0));
+    const normals = aligned
+        ? await column(Uint8Array, 4, (i, known) => (i % 4 > 1 ? known[i - 2] : 0)) : null;
     return { points: [start, ...controls, end], tracks, colors, normals };
 }

@@ -1,8 +1,11 @@
 // WebGL 2 in a few words: programs from the shaders that the player's window is drawn with, the
 // uniforms that they ask for, and textures to draw into.
 
-const HEAD = ["#version 300 es", "precision highp float;", "precision highp int;",
-              "precision highp sampler2D;"];
+const HEAD = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+`;
 
 class Graphics {
     // shaders: file name -> GLSL without its version.
@@ -17,19 +20,17 @@ class Graphics {
         }
         Object.assign(this, { gl, shaders, programs: new Map() });
         this.depth = whole ? gl.R32F : gl.R16F;
-        this.empty = gl.createVertexArray();
     }
 
     // Begins to compile; `use` waits for it.
     program(vertex, fragment, definitions = {}) {
         const gl = this.gl, key = JSON.stringify([vertex, fragment, definitions]);
         if (this.programs.has(key)) return this.programs.get(key);
-        const defined = Object.entries(definitions).map(([name, value]) => `#define ${name} ${value}`);
-        const head = [...HEAD, ...defined, ""];
+        const defined = Object.entries(definitions).map(([name, value]) => `#define ${name} ${value}\n`);
         const program = gl.createProgram(), names = [`${vertex}.vert`, `${fragment}.frag`];
         const shaders = [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].map((kind, i) => {
             const shader = gl.createShader(kind);
-            gl.shaderSource(shader, head.join("\n") + this.shaders[names[i]]);
+            gl.shaderSource(shader, [HEAD, ...defined, this.shaders[names[i]]].join(""));
             gl.compileShader(shader);
             gl.attachShader(program, shader);
             return shader;
@@ -78,7 +79,6 @@ class Graphics {
     fill(target, fragment, uniforms, definitions) {
         this.into(target);
         this.use(this.program("fullscreen", fragment, definitions), uniforms);
-        this.gl.bindVertexArray(this.empty);
         this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
     }
 

@@ -17,9 +17,7 @@ function start(about, shaders) {
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
     const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: clip.plotted[0] };
-    const state = {
-        dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, pace: 0,
-    };
+    const state = { dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, pace: 0 };
     const move = () => { state.fitted = false; state.moved = performance.now(); };
 
     // Share of the picture's height that the plant has.
@@ -44,7 +42,7 @@ function start(about, shaders) {
         last: () => clock.go(clock.last),
         fit,
         turn: () => { state.turning = !state.turning; },
-        color: () => { look.byTrack = clip.colored ? !look.byTrack : true; },
+        color: () => { look.byTrack = !clip.colored || !look.byTrack; },
         ground: () => { look.light = !look.light; },
         organs: () => byId("organs").toggleAttribute("hidden"),
         choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
@@ -140,7 +138,7 @@ function start(about, shaders) {
     }
 
     byId("time").addEventListener("input", ({ target: time }) => {
-        const close = (SNAP * (clip.last - clip.first)) / time.clientWidth;
+        const close = (SNAP * (clock.last - clock.first)) / time.clientWidth;
         act("go", clip.times.find((scan) => Math.abs(scan - time.value) < close) ?? Number(time.value));
     });
     listen(canvas, camera, act, move);
@@ -153,7 +151,7 @@ function start(about, shaders) {
 
     // For tests and for scripts in the browser's console.
     window.viewer = {
-        clip, clock, camera, look, act, renderer, state, levels: LEVELS,
+        clip, clock, camera, look, act, renderer, state,
         async seek(day) {
             clock.playing = false;
             clock.go(day);
@@ -174,46 +172,35 @@ const KEYS = {
 
 // One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.
 function listen(canvas, camera, act, move) {
-    const pointers = new Map();
-    const middle = () => {
-        const [[x, y], [u, v]] = pointers.values();
+    const pointers = new Map();  // those pressed: picture heights from the middle of the canvas
+    const place = ({ clientX, clientY }) => [
+        (clientX - canvas.clientWidth / 2) / canvas.clientHeight, 0.5 - clientY / canvas.clientHeight];
+    const hand = () => {  // the middle of the first two pointers, and their distance
+        const [[x, y], [u, v] = [x, y]] = pointers.values();
         return [(x + u) / 2, (y + v) / 2, Math.hypot(x - u, y - v)];
-    };
-    const about = (x, y) => {  // picture heights from the middle of the canvas
-        const { left, top, width, height } = canvas.getBoundingClientRect();
-        return [(x - left - width / 2) / height, (top + height / 2 - y) / height];
     };
     canvas.addEventListener("pointerdown", (event) => {
         canvas.setPointerCapture(event.pointerId);
-        pointers.set(event.pointerId, [event.clientX, event.clientY]);
+        pointers.set(event.pointerId, place(event));
         canvas.focus({ preventScroll: true });
     });
     canvas.addEventListener("pointermove", (event) => {
-        const last = pointers.get(event.pointerId);
-        if (!last) return;
-        const pinch = pointers.size > 1 && middle(), height = canvas.clientHeight;
-        const right = (event.clientX - last[0]) / height, down = (event.clientY - last[1]) / height;
-        pointers.set(event.pointerId, [event.clientX, event.clientY]);
-        if (pinch) {
-            const now = middle();
-            camera.pan((now[0] - pinch[0]) / height, (pinch[1] - now[1]) / height);
-            camera.zoom(now[2] / Math.max(pinch[2], 1), ...about(now[0], now[1]));
-        } else if (event.shiftKey || event.buttons & 6) {
-            camera.pan(right, -down);
-        } else {
-            camera.orbit(-Math.PI * right, Math.PI * down);
-        }
+        if (!pointers.has(event.pointerId)) return;
+        const [u, v, apart] = hand();
+        pointers.set(event.pointerId, place(event));
+        const [x, y, wide] = hand();
+        if (pointers.size > 1 || event.shiftKey || event.buttons & 6) camera.pan(x - u, y - v);
+        else camera.orbit(Math.PI * (u - x), Math.PI * (v - y));
+        if (apart > 0 && wide > 0) camera.zoom(wide / apart, x, y);
         move();
     });
-    for (const name of ["lostpointercapture", "pointercancel"]) {
-        canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
-    }
+    canvas.addEventListener("lostpointercapture", (event) => pointers.delete(event.pointerId));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("dblclick", () => act("fit"));
     canvas.addEventListener("wheel", (event) => {
         event.preventDefault();
         const notches = clamped(event.deltaY / (event.deltaMode === 1 ? 3 : 100), -5, 5);
-        camera.zoom(1.12 ** -notches, ...about(event.clientX, event.clientY));
+        camera.zoom(1.12 ** -notches, ...place(event));
         move();
     }, { passive: false });
     document.addEventListener("keydown", (event) => {

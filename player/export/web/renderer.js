@@ -24,7 +24,7 @@ class Renderer {
 
     // Whether an interval's points are on the graphics card; if not, they are on their way.
     ready(index) {
-        const kept = this.intervals.get(index) || { arrays: new Map(), columns: null, bytes: 0 };
+        const kept = this.intervals.get(index) || { columns: null, bytes: 0 };
         this.intervals.delete(index);
         this.intervals.set(index, kept);
         kept.loading ||= this.clip.load(index).then((data) => this.upload(kept, data));
@@ -45,37 +45,34 @@ class Renderer {
             kept.bytes += data.byteLength;
             return { location, buffer, sides, kind: gl[KINDS[name]], size: sides * BYTES_PER_ELEMENT };
         };
+        kept.array = gl.createVertexArray();
         kept.columns = [
             ...points.map((data, i) => column(i, data, 3)), column(4, tracks, 1),
             ...colors.map((data, i) => column(5 + i, data, 3)),
             ...(normals ? [column(7, normals, 4)] : []),
         ];
         let used = [...this.intervals.values()].reduce((sum, { bytes }) => sum + bytes, 0);
-        for (const [index, { arrays, columns, bytes }] of this.intervals) {
+        for (const [index, { array, columns, bytes }] of this.intervals) {
             if (used <= BUDGET || this.intervals.size <= 3) break;
             if (!columns) continue;
-            arrays.forEach((array) => gl.deleteVertexArray(array));
+            gl.deleteVertexArray(array);
             columns.forEach(({ buffer }) => gl.deleteBuffer(buffer));
             this.intervals.delete(index);
             used -= bytes;
         }
     }
 
-    // An interval's points as the shaders' inputs, one of so many. Neighbours in the buffers are
+    // Make an interval's points, one of so many, the shaders' inputs. Neighbours in the buffers are
     // neighbours on the plant, so what is left out leaves no gaps.
-    array(index, every) {
-        const gl = this.gl, { columns, arrays } = this.intervals.get(index);
-        if (!arrays.has(every)) {
-            arrays.set(every, gl.createVertexArray());
-            gl.bindVertexArray(arrays.get(every));
-            for (const { location, buffer, sides, kind, size } of columns) {
-                gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-                gl.enableVertexAttribArray(location);
-                if (sides === 1) gl.vertexAttribIPointer(location, 1, kind, every * size, 0);
-                else gl.vertexAttribPointer(location, sides, kind, location > 4, every * size, 0);
-            }
+    bind(index, every) {
+        const gl = this.gl, { array, columns } = this.intervals.get(index);
+        gl.bindVertexArray(array);
+        for (const { location, buffer, sides, kind, size } of columns) {
+            gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+            gl.enableVertexAttribArray(location);
+            if (sides === 1) gl.vertexAttribIPointer(location, 1, kind, every * size, 0);
+            else gl.vertexAttribPointer(location, sides, kind, location > 4, every * size, 0);
         }
-        return arrays.get(every);
     }
 
     // Of how many points one may be left at a time when `wanted` are enough: 1, 2, 4, ... 32.
@@ -84,8 +81,8 @@ class Renderer {
         return 2 ** clamped(Math.floor(Math.log2(count / wanted)), 0, 5);
     }
 
-    // look: { light, byTrack, chosen, pointSize }; every: of so many
-    // points one is drawn, and larger; samples: along each side of a pixel.
+    // look: { light, byTrack, chosen, pointSize }; every: of so many points one is drawn, and
+    // larger; samples: along each side of a pixel.
     draw(day, camera, look, { every = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
@@ -111,12 +108,12 @@ class Renderer {
         const clear = (target, ...color) => {
             graphics.into(target);
             target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, color));
-            gl.clearBufferfv(gl.DEPTH, 0, [1]);
         };
         const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
         gl.depthMask(true);
         gl.enable(gl.DEPTH_TEST);
         clear(nearest, NOTHING, 0, 0, 0);
+        gl.clear(gl.DEPTH_BUFFER_BIT);
         this.drawPoints("depth", layers, values, every);
         gl.depthMask(false);
         clear(sums, 0, 0, 0, 0);
@@ -143,9 +140,7 @@ class Renderer {
             gl.depthFunc(gl.ALWAYS);
             pass(mask, "splat_covered", { front: [front, 0], colors: [colors, 1] });
             gl.depthFunc(gl.LESS);
-            gl.depthMask(false);
             clear(surface, NOTHING, NOTHING, NOTHING, 0);
-            gl.depthMask(true);
             this.drawPoints("behind", layers, { ...values, front: [front, 1] }, every);
             latest = depths;
             gl.enable(gl.BLEND);
@@ -154,7 +149,6 @@ class Renderer {
             shade();
             gl.disable(gl.BLEND);
             gl.disable(gl.DEPTH_TEST);
-            gl.depthFunc(gl.LESS);
         }
         pass({ framebuffer: null, width, height }, "picture", {
             light: [lit.textures[0], 0], shadow: [this.shadows[0].textures[0], 1],
@@ -185,12 +179,11 @@ class Renderer {
             const about = this.clip.intervals[interval];
             this.graphics.use(this.programs(about, alpha < 1)[pass], {
                 ...values, box_low: about.low, box_step: about.step, blend, opacity: alpha,
-                turned: parameter,
-                weights: bernstein(about.degree, parameter), first_point: 0,
+                turned: parameter, weights: bernstein(about.degree, parameter), first_point: 0,
             });
             const first = Math.ceil(group.first / every);
             const stop = Math.ceil((group.first + group.count) / every);
-            this.gl.bindVertexArray(this.array(interval, every));
+            this.bind(interval, every);
             this.gl.drawArrays(this.gl.POINTS, first, stop - first);
         }
     }

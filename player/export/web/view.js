@@ -71,7 +71,7 @@ class Clock {
     constructor(times) {
         this.times = times;
         this.first = this.day = times[0];
-        this.last = times[times.length - 1];
+        this.last = times.at(-1);
         this.playing = false;
         this.rest = 0;
     }
@@ -109,6 +109,6 @@ class Clock {
     step(direction) {
         this.playing = false;
         const ahead = this.times.filter((time) => direction * (time - this.day) > 0);
-        if (ahead.length) this.go(direction > 0 ? ahead[0] : ahead[ahead.length - 1]);
+        if (ahead.length) this.go(ahead.at(direction > 0 ? 0 : -1));
     }
 }
