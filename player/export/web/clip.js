@@ -24,10 +24,9 @@ class Clip {
             interval, group, alpha: opacity[group.motion], blend: share,
             parameter: group.motion === "fall" ? share * share : share,
         }));
-        const fallen = interval > 0 && share < LITTER_FADE
-            ? this.intervals[interval - 1].groups.filter(({ motion }) => motion === "fall") : [];
-        const litter = fallen.map((group) => ({
-            interval: interval - 1, group, alpha: 1 - share / LITTER_FADE, blend: 1, parameter: 1,
+        const litter = (this.intervals[interval - 1]?.groups || []).map((group) => ({
+            interval: interval - 1, group, blend: 1, parameter: 1,
+            alpha: group.motion === "fall" ? 1 - share / LITTER_FADE : 0,
         }));
         return [...layers, ...litter].filter(({ alpha }) => alpha > 0);
     }
@@ -43,8 +42,8 @@ class Clip {
         return this.moments.findLast(([time]) => time <= day).slice(1);
     }
 
-    // The buffers of one interval: { points: [start, controls..., end], tracks, colors, normals }. Unpacked
-    // piece by piece, so that the page answers meanwhile.
+    // The buffers of one interval: { points: [start, controls..., end], tracks, colors, normals }.
+    // Unpacked piece by piece, so that the page answers meanwhile.
     async load(index) {
         const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
         for (let at = 0; at < text.length; at += PIECE) {
@@ -82,20 +81,18 @@ async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
         }
         return values;
     }
-    const start = await column(Uint16Array, 3);
-    const end = await column(Uint16Array, 3, (i) => start[i]);
-    const controls = [];
-    for (let j = 1; j < degree; ++j) {
-        controls.push(await column(
-            Uint16Array, 3, (i) => Math.floor((start[i] * (degree - j) + end[i] * j) / degree)));
+    async function sequence(Numbers, length) {
+        const all = [];
+        while (all.length < length) {
+            const before = all.at(-1);
+            all.push(await column(Numbers, 3, (i) => (before ? before[i] : 0)));
+        }
+        return all;
     }
+    const points = await sequence(Uint16Array, degree + 1);
     const tracks = await column(track_bytes === 2 ? Uint16Array : Uint32Array, 1);
-    const colors = [];
-    if (colored) {
-        colors.push(await column(Uint8Array, 3));
-        colors.push(await column(Uint8Array, 3, (i) => colors[0][i]));
-    }
+    const colors = await sequence(Uint8Array, colored ? 2 : 0);
     const normals = aligned
         ? await column(Uint8Array, 4, (i, known) => (i % 4 > 1 ? known[i - 2] : 0)) : null;
-    return { points: [start, ...controls, end], tracks, colors, normals };
+    return { points, tracks, colors, normals };
 }

@@ -27,12 +27,9 @@ def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
     after it was opened.
     """
     check_not_truncated(interval.tracks)
-    (start, *controls, end), low, step = _quantised(interval, spacing)
-    columns = [start, end - start]
-    for j, control in enumerate(controls, start=1):
-        straight = (start * (interval.degree - j) + end * j) // interval.degree
-        columns.append(control - straight)
-    parts = [_planes(column.astype(np.uint16)) for column in columns]
+    curve, low, step = _quantised(interval, spacing)
+    steps = np.diff(curve, axis=0, prepend=np.zeros_like(curve[:1]))
+    parts = [_planes(points.astype(np.uint16)) for points in steps]
     parts.append(_planes(np.asarray(interval.tracks)[:, None]))
     if interval.start_colors is not None and interval.end_colors is not None:
         paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]

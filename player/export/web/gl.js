@@ -90,13 +90,11 @@ class Graphics {
     // Textures of some formats to draw into, and a depth buffer: a new one, or that of another target.
     target(width, height, formats, { linear = false, depth = this.gl.createRenderbuffer() } = {}) {
         const gl = this.gl, framebuffer = gl.createFramebuffer();
-        const textures = formats.map((format) => this.texture(width, height, format, linear));
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-        const places = textures.map((texture, i) => {
-            const place = gl.COLOR_ATTACHMENT0 + i;
-            gl.framebufferTexture2D(gl.FRAMEBUFFER, place, gl.TEXTURE_2D, texture, 0);
-            return place;
-        });
+        const places = formats.map((_, i) => gl.COLOR_ATTACHMENT0 + i);
+        const textures = formats.map((format) => this.texture(width, height, format, linear));
+        textures.forEach((texture, i) =>
+            gl.framebufferTexture2D(gl.FRAMEBUFFER, places[i], gl.TEXTURE_2D, texture, 0));
         gl.drawBuffers(places);
         gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
         gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);

@@ -29,17 +29,12 @@ function start(about, shaders) {
     function fit() {
         camera.fit(canvas.clientWidth / canvas.clientHeight, free());
         state.fitted = true;
-        state.dirty = true;
     }
 
     const actions = {
         play: () => clock.toggle(),
-        previous: () => clock.step(-1),
-        next: () => clock.step(1),
-        back: () => clock.nudge(-0.01),
-        on: () => clock.nudge(0.01),
-        first: () => clock.go(clock.first),
-        last: () => clock.go(clock.last),
+        step: (direction) => clock.step(direction),
+        nudge: (share) => clock.nudge(share),
         fit,
         turn: () => { state.turning = !state.turning; },
         color: () => { look.byTrack = !clip.colored || !look.byTrack; },
@@ -65,7 +60,7 @@ function start(about, shaders) {
         document.documentElement.dataset.ground = look.light ? "light" : "dark";
         document.body.classList.toggle("playing", clock.playing);
         document.querySelector('[data-do="turn"]').classList.toggle("on", state.turning);
-        document.querySelector('[data-do="color"]')?.classList.toggle("on", look.byTrack);
+        document.querySelector('[data-do="color"]').classList.toggle("on", look.byTrack);
         byId("scale")?.toggleAttribute("hidden", look.byTrack);
         document.querySelectorAll("#organs button").forEach((button) =>
             button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
@@ -123,8 +118,7 @@ function start(about, shaders) {
         before = now;
         byId("waiting").hidden = renderer.ready(needed);
         if (!renderer.ready(needed)) return;
-        if (needed + 1 < clip.intervals.length) renderer.ready(needed + 1);
-        if (needed > 0) renderer.ready(needed - 1);
+        for (const near of [needed + 1, needed - 1]) if (clip.intervals[near]) renderer.ready(near);
         const moving = clock.playing || state.turning || now - state.moved < 200;
         if (clock.playing) clock.tick(passed / 1000);
         if (!renderer.ready(clip.locate(clock.day)[0])) return;
@@ -142,11 +136,10 @@ function start(about, shaders) {
         act("go", clip.times.find((scan) => Math.abs(scan - time.value) < close) ?? Number(time.value));
     });
     listen(canvas, camera, act, move);
-    new ResizeObserver(() => (state.fitted ? fit() : act("go", clock.day))).observe(canvas);
+    new ResizeObserver(() => act(state.fitted ? "fit" : "go", clock.day)).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => location.reload());
     clock.playing = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-    refresh();
-    fit();
+    act("fit");
     requestAnimationFrame(frame);
 
     // For tests and for scripts in the browser's console.
@@ -156,7 +149,7 @@ function start(about, shaders) {
             clock.playing = false;
             clock.go(day);
             const [index] = clip.locate(day);
-            for (const k of [index, index - 1]) if (k >= 0) await renderer.wait(k);
+            for (const k of [index, index - 1]) while (k >= 0 && !renderer.ready(k)) await nextTurn();
             act("leave");
             draw(0);
             tell();
@@ -165,9 +158,9 @@ function start(about, shaders) {
 }
 
 const KEYS = {
-    " ": "play", ArrowLeft: "back", ArrowRight: "on", PageUp: "previous", PageDown: "next",
-    Home: "first", End: "last", f: "fit", t: "turn", c: "color", g: "ground", o: "organs", l: "trait",
-    h: "help", "?": "help", Escape: "leave",
+    " ": ["play"], f: ["fit"], t: ["turn"], c: ["color"], g: ["ground"], o: ["organs"], l: ["trait"],
+    h: ["help"], "?": ["help"], Escape: ["leave"], Home: ["go", -Infinity], End: ["go", Infinity],
+    ArrowLeft: ["nudge", -0.01], ArrowRight: ["nudge", 0.01], PageUp: ["step", -1], PageDown: ["step", 1],
 };
 
 // One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.
@@ -175,7 +168,7 @@ function listen(canvas, camera, act, move) {
     const pointers = new Map();  // those pressed: picture heights from the middle of the canvas
     const place = ({ clientX, clientY }) => [
         (clientX - canvas.clientWidth / 2) / canvas.clientHeight, 0.5 - clientY / canvas.clientHeight];
-    const hand = () => {  // the middle of the first two pointers, and their distance
+    const gesture = () => {  // the middle of the first two pointers, and their distance
         const [[x, y], [u, v] = [x, y]] = pointers.values();
         return [(x + u) / 2, (y + v) / 2, Math.hypot(x - u, y - v)];
     };
@@ -186,9 +179,9 @@ function listen(canvas, camera, act, move) {
     });
     canvas.addEventListener("pointermove", (event) => {
         if (!pointers.has(event.pointerId)) return;
-        const [u, v, apart] = hand();
+        const [u, v, apart] = gesture();
         pointers.set(event.pointerId, place(event));
-        const [x, y, wide] = hand();
+        const [x, y, wide] = gesture();
         if (pointers.size > 1 || event.shiftKey || event.buttons & 6) camera.pan(x - u, y - v);
         else camera.orbit(Math.PI * (u - x), Math.PI * (v - y));
         if (apart > 0 && wide > 0) camera.zoom(wide / apart, x, y);
@@ -205,11 +198,11 @@ function listen(canvas, camera, act, move) {
     }, { passive: false });
     document.addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey) return;
-        const arrow = event.shiftKey && { ArrowLeft: "previous", ArrowRight: "next" }[event.key];
-        const name = arrow || KEYS[event.key] || KEYS[event.key.toLowerCase()];
-        if (!name || (event.key === " " && event.target.tagName === "BUTTON")) return;
+        const page = event.shiftKey && { ArrowLeft: "PageUp", ArrowRight: "PageDown" }[event.key];
+        const action = KEYS[page || event.key] || KEYS[event.key.toLowerCase()];
+        if (!action || (event.key === " " && event.target.tagName === "BUTTON")) return;
         event.preventDefault();
-        act(name);
+        act(...action);
     });
     document.querySelectorAll("[data-do]").forEach((button) =>
         button.addEventListener("click", () => act(button.dataset.do, Number(button.dataset.track))));

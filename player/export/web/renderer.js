@@ -13,8 +13,7 @@ class Renderer {
         Object.assign(this, { graphics, gl, clip, canvas, targets: null, painted: {} });
         this.intervals = new Map();  // those on the graphics card, the longest unused first
         this.shadows = [0, 1].map(() => graphics.target(side, side, [gl.RG16F], { linear: true }));
-        const [, largest] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
-        this.sizes = [clip.splat.smallest, largest];
+        [, this.largest] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
         clip.intervals.forEach((interval) => this.programs(interval));
         for (const name of ["splat_resolve", "bilateral", "shade", "blur"]) {
             graphics.program("fullscreen", name);
@@ -29,11 +28,6 @@ class Renderer {
         this.intervals.set(index, kept);
         kept.loading ||= this.clip.load(index).then((data) => this.upload(kept, data));
         return kept.columns !== null;
-    }
-
-    async wait(index) {
-        this.ready(index);
-        await this.intervals.get(index).loading;
     }
 
     upload(kept, { points, tracks, colors, normals }) {
@@ -94,7 +88,7 @@ class Renderer {
             radius: clip.splat.radii * look.pointSize * Math.sqrt(every)
                 * clip.between(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
-            point_px_range: [samples * this.sizes[0], this.sizes[1]],
+            point_px_range: [samples * clip.splat.smallest, this.largest],
             target_depth: camera.distance,
             half_extent: [(slope * width) / height, slope],
             by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
@@ -213,8 +207,7 @@ class Renderer {
             const from = clip.tracks[newborn.get(i) ?? i];
             const color = own.map((c, k) => (1 - share) * from[k] + share * c);
             const kept = chosen < 0 || chosen === i ? 1 : DIMMED;
-            const light = color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
-            const grey = 0.35 * (1 - kept) * light;
+            const grey = 0.35 * (1 - kept) * color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
             texels.set([...color.map((c) => kept * c + grey), kept], 4 * i);
         });
         this.painted.texture ||= graphics.texture(width, height, gl.RGBA32F);

@@ -70,34 +70,29 @@ class Camera {
 class Clock {
     constructor(times) {
         this.times = times;
-        this.first = this.day = times[0];
+        this.first = this.position = times[0];  // goes on beyond the last day for a while
         this.last = times.at(-1);
         this.playing = false;
-        this.rest = 0;
+    }
+
+    get day() {
+        return Math.min(this.position, this.last);
     }
 
     tick(seconds) {
-        if (!this.playing) return;
-        if (this.rest > 0) {
-            this.rest -= seconds;
-            if (this.rest <= 0) this.day = this.first;
-            return;
-        }
         const whole = clamped(2 * (this.times.length - 1), 4, 24);  // seconds
-        const passed = (seconds * (this.last - this.first)) / whole;
-        this.day = Math.min(this.day + passed, this.last);
-        if (this.day === this.last) this.rest = REST;
+        const pace = (this.last - this.first) / whole;
+        this.position += seconds * pace;
+        if (this.position > this.last + REST * pace) this.position = this.first;
     }
 
     toggle() {
         this.playing = !this.playing;
-        if (this.playing && this.day === this.last) this.day = this.first;
-        this.rest = 0;
+        if (this.playing && this.day === this.last) this.position = this.first;
     }
 
     go(day) {
-        this.day = clamped(day, this.first, this.last);
-        this.rest = 0;
+        this.position = clamped(day, this.first, this.last);
     }
 
     nudge(share) {
