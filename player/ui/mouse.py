@@ -23,7 +23,6 @@ class PlantMouse:
     def __init__(self) -> None:
         self.drags = self.more = False
         self.clicked: tuple[float, float] | None = None
-        self._pressed_at = (0.0, 0.0)
 
     def move(self, scene: Scene, size: tuple[float, float]) -> Scene:
         """The scene as drags and the wheel change it, in a view of `size` units."""
@@ -34,18 +33,18 @@ class PlantMouse:
             self.drags, hovered = imgui.is_item_active(), imgui.is_item_hovered()
             pressed, let_go = imgui.is_item_activated(), imgui.is_item_deactivated()
         x, y = io.mouse_pos
-        self._pressed_at = (x, y) if pressed else self._pressed_at
-        is_left, released = imgui.is_mouse_down(0), let_go and imgui.is_mouse_released(0)
-        dragged = max(
-            math.sqrt(io.mouse_drag_max_distance_sqr[0]), math.dist((x, y), self._pressed_at)
-        )
-        self.clicked = (x, y) if released and dragged <= STILL else None
         self.more = io.key_shift
-        # Between two pictures the mouse may have come here before it was pressed, and have gone on
-        # before it was released.
+        self.clicked = None
+        if let_go and imgui.is_mouse_released(0):
+            # The farthest distance of a drag leaves out how far the mouse went before the release.
+            last = math.hypot(*imgui.get_mouse_drag_delta(0, 0.0))
+            if max(math.sqrt(io.mouse_drag_max_distance_sqr[0]), last) <= STILL:
+                self.clicked = x, y
+        # The way to the place of the press is no drag; the way to that of the release is.
         if (self.drags and not pressed) or let_go:
             right, down = io.mouse_delta.x / size[1], io.mouse_delta.y / size[1]
-            turns = (is_left or released) and not io.key_shift
+            left = imgui.is_mouse_down(0) or imgui.is_mouse_released(0)
+            turns = left and not io.key_shift
             scene = scene.with_camera(
                 lambda c: c.orbit(-TURN * right, TURN * down) if turns else c.pan(right, -down)
             )
