@@ -1,7 +1,6 @@
 """Read the scans of one plant from files, clean them, and order them by time."""
 
 import hashlib
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -30,6 +29,7 @@ from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
 from baker.scans.times.schedule import schedule_scans
+from gclip.file import identity
 
 
 def read_series(
@@ -193,7 +193,7 @@ def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
 
     def states() -> list[tuple[int, ...]]:
         with input_errors(paths[0]):
-            return [(s.st_dev, s.st_ino, s.st_size, s.st_mtime_ns) for s in map(os.stat, paths)]
+            return [identity(path.stat()) for path in paths]
 
     before = states()
     try:

@@ -23,8 +23,8 @@ MIN_POINTS, MAX_POINTS = 20_000, 100_000
 
 Faces = NDArray | Sequence[NDArray]
 INTERPOLATED = {*"xyz", *(name for names in COLOR_NAMES for name in names)}
-Mesh = tuple[NDArray, NDArray, Faces]
-"""(V, 3) vertices, (V, 3) uint8 colours (or (0, 3)), and faces."""
+Mesh = tuple[NDArray, Faces]
+"""(V, 3) vertices or, with red, green and blue, (V, 6), and faces."""
 
 
 def read(path: Path) -> Columns:
@@ -33,16 +33,14 @@ def read(path: Path) -> Columns:
     Raises FormatError: the file is damaged, or has no faces.
     """
     read_mesh = _read_off if path.suffix.lower() == ".off" else _read_by_open3d
-    vertices, colors, faces = read_mesh(path)
+    vertices, faces = read_mesh(path)
     if not len(vertices) or not len(faces):
         raise FormatError(
             "holds no mesh that can be read, or is cut short; points without faces are exported as "
             "PLY."
         )
-    columns = dict(zip("xyz", vertices.T, strict=True))
-    if len(colors) == len(vertices):
-        columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
-    return points_on_surface(columns, faces)
+    names = ("x", "y", "z", "red", "green", "blue")
+    return points_on_surface(dict(zip(names, vertices.T, strict=False)), faces)
 
 
 def _read_by_open3d(path: Path) -> Mesh:
@@ -53,8 +51,8 @@ def _read_by_open3d(path: Path) -> Mesh:
         open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error),
     ):
         mesh = open3d.io.read_triangle_mesh(_without_links(path, Path(folder)))
-    colors = np.rint(np.clip(np.asarray(mesh.vertex_colors), 0, 1) * 255).astype(np.uint8)
-    return np.asarray(mesh.vertices), colors, np.asarray(mesh.triangles)
+    table = [mesh.vertices, mesh.vertex_colors] if mesh.has_vertex_colors() else [mesh.vertices]
+    return np.hstack(list(map(np.asarray, table))), np.asarray(mesh.triangles)
 
 
 def _without_links(path: Path, folder: Path) -> Path:
@@ -110,9 +108,7 @@ def _read_off(path: Path) -> Mesh:
     vertices = np.array(rows[:vertex_count], float)
     corners = rows[vertex_count : vertex_count + face_count]
     faces = [np.array(row[1 : 1 + int(row[0])], int) for row in corners]
-    colors = vertices[:, 3:6] if vertices.shape[1] >= 6 else np.empty((0, 3))
-    scale = 255 if colors.size and colors.max() <= 1 else 1
-    return vertices[:, :3], np.clip(colors * scale, 0, 255).astype(np.uint8), faces
+    return vertices, faces
 
 
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
@@ -167,7 +163,9 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:
     nearest = chosen[np.arange(sampled), weights.argmax(axis=1)]
     columns = {name: values[nearest] for name, values in vertices.items()}
     for name in (name for name in columns if name.lower() in INTERPOLATED):
-        mixed, kind = (vertices[name][chosen] * weights).sum(axis=1), vertices[name].dtype
+        values, kind = vertices[name][chosen], vertices[name].dtype
+        # Rounding must not lead out of the range of the values: 1.0000001 is no colour from 0 to 1.
+        mixed = np.clip((values * weights).sum(axis=1), values.min(axis=1), values.max(axis=1))
         columns[name] = np.rint(mixed).astype(kind) if kind.kind in "iu" else mixed
     note = f"a mesh of {len(corners)} triangles: {sampled} points sampled evenly on its surface."
     return Columns(columns, (note,))

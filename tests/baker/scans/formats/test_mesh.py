@@ -74,6 +74,14 @@ def test_colors_of_the_vertices_are_interpolated(mesh_file):
     np.testing.assert_array_equal(cloud.colors[:, 1], 0)
 
 
+@pytest.mark.parametrize("white", [np.float32(1), np.float64(255), np.uint8(255)])
+def test_a_white_mesh_is_white(tmp_path, white):
+    corners = [dict(zip("xyz", np.eye(3), strict=True))]
+    corners += [dict.fromkeys(("red", "green", "blue"), np.full(3, white))]
+    columns = points_on_surface(corners[0] | corners[1], np.array([[0, 1, 2]]))
+    assert (choose_fields(columns, tmp_path).colors == 255).all()
+
+
 def test_the_same_points_each_time(mesh_file):
     first, second = (read_columns(mesh_file).values for _ in range(2))
     for name, values in first.items():
